@@ -1,0 +1,1 @@
+"""What several domains share, written once: hands, regions, REACHING and RESTING."""

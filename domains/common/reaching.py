@@ -1,0 +1,108 @@
+"""REACHING (paper, D5): a hand's curved reach to a place beside an object.
+
+The block is written once; a domain says where its hands reach to (`ReachGoal`). The movement is a dynamic movement
+primitive learnt from a demonstrated reach (``reach.csv``) that lifts the hand, carries it over and sets it down.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.block import (
+    Binding,
+    Block,
+    Commands,
+    Duration,
+    Hyperparameter,
+    Hyperparameters,
+    Policy,
+    Slot,
+    Target,
+)
+from hybrid_tamp.model.predicate import Literal
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.dmp import DMP
+
+from .classes import StaticEndEffector
+from .predicates import AT_REST
+from .servos import force_on, free_motion, position_servo
+
+LIFT = 0.36
+"""How far above its start and goal the demonstrated reach carries the hand [m]."""
+_MEAN_SPEED = 0.5
+_SETTLING = 0.15
+
+
+@dataclass(frozen=True)
+class ReachGoal:
+    """Where a domain's hands reach to.
+
+    Attributes:
+        targets: what the goal is given by, e.g. an object and a region.
+        position: ``position(binding, state)`` of the hand's centre when it has arrived, ``(..., 3)`` [m].
+        entry: conditions under which the reach makes sense.
+        arrived: the condition that says the hand is there.
+    """
+
+    targets: tuple[Target, ...]
+    position: Callable[[Binding, State], FloatArray]
+    entry: tuple[Literal, ...]
+    arrived: Literal
+
+
+@cache
+def demonstrated_reach() -> DMP:
+    """Return the primitive learnt from the demonstration that comes with the package."""
+    with files(__package__).joinpath("reach.csv").open(encoding="utf-8") as lines:
+        table = np.loadtxt(lines, delimiter=",", skiprows=1)
+    return DMP.imitate(table[:, 0], table[:, 1:], n_weights=20)
+
+
+def reaching(goal: ReachGoal) -> Block:
+    """Return the block REACHING for one kind of goal."""
+
+    def duration_guess(binding: Binding, state: State) -> FloatArray:
+        hand = cast(Token, binding["hand"])
+        distance = np.linalg.norm(goal.position(binding, state) - state[hand, "position"], axis=-1)
+        return np.asarray(1.2 + (distance + 2 * LIFT) / (2 * _MEAN_SPEED))
+
+    def expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+        return float(hyperparameters["duration"]) + _SETTLING
+
+    def make_policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+        hand = cast(Token, binding["hand"])
+        reference = demonstrated_reach().trajectory(
+            start[hand, "position"], goal.position(binding, start), hyperparameters["duration"]
+        )
+
+        def policy(elapsed: FloatArray, state: State) -> Commands:
+            position, velocity, _ = reference.at(elapsed)
+            return {(hand.name, "force"): position_servo(hand, state, position, velocity)}
+
+        return policy
+
+    return Block(
+        name="REACHING",
+        slots=(Slot("hand", StaticEndEffector),),
+        anchor="hand",
+        targets=goal.targets,
+        entry=goal.entry,
+        exit=(goal.arrived, AT_REST("hand")),
+        writes={"hand": ("position", "velocity")},
+        hyperparameters=(Hyperparameter("duration", "s", 0.8, 8.0, duration_guess, "how long the reach takes"),),
+        duration=Duration(0.3, 12.0, expected),
+        hold=True,
+        policy=make_policy,
+        system=_system,
+        description="the hand moves on a curve to its place beside the object and holds there",
+    )
+
+
+def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    hand = cast(Token, binding["hand"])
+    return free_motion(state, hand, force_on(hand, state, commands), dt)

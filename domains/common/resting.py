@@ -1,0 +1,38 @@
+"""RESTING (paper, D6): whatever nothing manipulates."""
+
+from typing import cast
+
+from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameters, Policy, Slot
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+
+from .predicates import AT_REST
+from .servos import position_servo
+
+
+def _stay(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    """Hold a hand where it was; other tokens take no commands."""
+    token = cast(Token, binding["token"])
+    place = start[token, "position"].copy()
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        return {
+            (token.name, action.name): position_servo(token, state, place)
+            for action in token.basic_actions
+            if action.name == "force"
+        }
+
+    return policy
+
+
+RESTING = Block(
+    name="RESTING",
+    slots=(Slot("token", TOKEN),),
+    anchor="token",
+    entry=(AT_REST("token"),),
+    duration=Duration(0.1, 3600.0, lambda binding, state, hyperparameters: 0.1),
+    hold=True,
+    policy=_stay,
+    description="nothing manipulates the token; a hand stays where it is",
+)

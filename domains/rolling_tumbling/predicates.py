@@ -1,0 +1,102 @@
+"""What the conditions of rolling speak of."""
+
+import numpy as np
+
+from hybrid_tamp.model.predicate import Parameter, Predicate
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+
+from ..common.classes import Region, StaticEndEffector
+from ..common.reaching import LIFT
+from .classes import Rollable
+from .geometry import STANDOFF, axis, dot, heading, standby, way
+
+_HAND = Parameter("hand", StaticEndEffector)
+_OBJECT = Parameter("object", Rollable)
+_REGION = Parameter("region", Region)
+_TILT_TOLERANCE = np.sin(np.radians(3.0))
+_STANDBY_TOLERANCE = 0.025
+
+
+def _inside(state: State, thing: Token, region: Token) -> FloatArray:
+    offset = (state[thing, "position"] - state[region, "position"])[..., :2]
+    return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
+
+
+def _close_to_standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
+    offset = state[hand, "position"] - standby(state, hand, thing, region)
+    return _STANDBY_TOLERANCE - np.linalg.norm(offset, axis=-1)
+
+
+def _levelness(state: State, thing: Token) -> FloatArray:
+    return np.asarray(_TILT_TOLERANCE - np.abs(axis(state, thing)[..., 2]))
+
+
+def _closeness_of_line(state: State, thing: Token, region: Token) -> FloatArray:
+    """How much nearer than the region's radius the rolling line passes its centre."""
+    offset = (state[region, "position"] - state[thing, "position"]) * np.array([1.0, 1.0, 0.0])
+    along = dot(offset, heading(state, thing))
+    aside = np.sqrt(np.maximum(0.0, dot(offset, offset) - along**2))
+    return np.asarray(region["radius"] - aside)
+
+
+def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
+    """Least distance inside the workspace of the hand's path: stand by, at the lift's top, and at the end."""
+    start = standby(state, hand, thing, region)
+    direction, distance = way(state, thing, region)
+    end = start + direction * (distance + STANDOFF)[..., None]
+    top = start + np.array([0.0, 0.0, LIFT])
+    lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
+    return np.min([np.minimum(p - lower, upper - p).min(axis=-1) for p in (start, end, top)], axis=0)
+
+
+WITHIN = Predicate(
+    "within",
+    (_OBJECT, _REGION),
+    _inside,
+    unit="m",
+    scale=0.01,
+    reads={"object": ("position",), "region": ("position",)},
+    functional="region",
+    description="{object} is within {region}",
+)
+BEHIND = Predicate(
+    "behind",
+    (_HAND, _OBJECT, _REGION),
+    _close_to_standby,
+    unit="m",
+    scale=0.01,
+    reads={"hand": ("position",), "object": ("position", "orientation"), "region": ("position",)},
+    maintained=True,
+    description="{hand} stands by behind {object} as seen from {region}",
+)
+LIES_ON_SIDE = Predicate(
+    "lies_on_side",
+    (_OBJECT,),
+    _levelness,
+    unit="1",
+    scale=0.05,
+    reads={"object": ("orientation",)},
+    static=True,
+    description="{object} lies with its axis of rotation level",
+)
+ON_ROLLING_LINE = Predicate(
+    "on_rolling_line",
+    (_OBJECT, _REGION),
+    _closeness_of_line,
+    unit="m",
+    scale=0.01,
+    reads={"object": ("position", "orientation"), "region": ("position",)},
+    static=True,
+    description="{region} lies on the line along which {object} rolls, perpendicular to its axis",
+)
+WITHIN_WORKSPACE = Predicate(
+    "within_workspace",
+    (_HAND, _OBJECT, _REGION),
+    _room,
+    unit="m",
+    scale=0.01,
+    reads={"object": ("position", "orientation"), "region": ("position",)},
+    static=True,
+    description="{hand} can push {object} all the way to {region} within its workspace",
+)

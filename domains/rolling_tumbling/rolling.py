@@ -1,0 +1,149 @@
+"""ROLLING (paper, D1): a hand pushes an object from behind so that it rolls to a region and stops there.
+
+The hand follows the speed ``v = min(speed, sqrt(2 deceleration e))`` of the remaining distance e, so that the object
+comes to rest at the distance; sideways and in height it stays with the object's centre.
+"""
+
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.block import (
+    Binding,
+    Block,
+    Commands,
+    Duration,
+    Hyperparameter,
+    Hyperparameters,
+    Policy,
+    Slot,
+    Target,
+)
+from hybrid_tamp.model.predicate import ANY
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import integrate
+
+from ..common.classes import Region, StaticEndEffector
+from ..common.predicates import AT_REST
+from ..common.reaching import ReachGoal
+from ..common.servos import damping, force_on, position_servo
+from .classes import Rollable
+from .geometry import UP, dot, standby, touching, way
+from .predicates import BEHIND, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN, WITHIN_WORKSPACE
+
+_GRAVITY = 9.81
+_APPROACH_GAIN = 4.0
+_APPROACH_SPEED = 0.15
+_SPEED_GAIN = 400.0
+_FEASIBLE = (LIES_ON_SIDE("object"), ON_ROLLING_LINE("object", "region"), WITHIN_WORKSPACE("hand", "object", "region"))
+
+
+def _roles(binding: Binding) -> tuple[Token, Token, Token]:
+    return cast(Token, binding["hand"]), cast(Token, binding["object"]), cast(Token, binding["region"])
+
+
+def _standby_position(binding: Binding, state: State) -> FloatArray:
+    return standby(state, *_roles(binding))
+
+
+REACH_BEHIND = ReachGoal(
+    targets=(Target("object", Rollable), Target("region", Region)),
+    position=_standby_position,
+    entry=(*_FEASIBLE, AT_REST("object")),
+    arrived=BEHIND("hand", "object", "region"),
+)
+
+
+def _distance_guess(binding: Binding, state: State) -> FloatArray:
+    _, thing, region = _roles(binding)
+    return way(state, thing, region)[1]
+
+
+def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+    """Constant speed, then constant deceleration, and the approach before."""
+    speed, slowing = float(hyperparameters["speed"]), float(hyperparameters["deceleration"])
+    distance = float(hyperparameters["distance"])
+    braking = min(distance, speed**2 / (2 * slowing))
+    return float((distance - braking) / speed + np.sqrt(2 * braking / slowing) + 0.5)
+
+
+def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    hand, thing, region = _roles(binding)
+    direction, _ = way(start, thing, region)
+    origin = start[thing, "position"].copy()
+    distance, speed, slowing = (np.asarray(hyperparameters[h]) for h in ("distance", "speed", "deceleration"))
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        centre = state[thing, "position"]
+        remaining = distance - dot(centre - origin, direction)
+        wanted = np.minimum(speed, np.sqrt(2 * slowing * np.maximum(remaining, 0.0)))
+        gap = dot(centre - state[hand, "position"], direction) - touching(state, hand, thing, direction)
+        closing = np.where(remaining > 0, np.clip(_APPROACH_GAIN * gap, 0.0, _APPROACH_SPEED), 0.0)
+        velocity = dot(state[hand, "velocity"], direction)
+        push = (_SPEED_GAIN + damping(hand["mass"])) * (wanted + closing - velocity)
+        # Across the direction the hand keeps to the object's centre by position, along it by speed.
+        across = position_servo(hand, state, centre)
+        across = across - dot(across, direction)[..., None] * direction
+        return {(hand.name, "force"): across + push[..., None] * direction}
+
+    return policy
+
+
+def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    """Rolling without slip of a solid cylinder that a hand may push, never pull; inelastic contact."""
+    hand, thing, region = _roles(binding)
+    direction, _ = way(state, thing, region)
+    # The roll goes on in the direction it has: past the region, `way` would turn round.
+    moving = dot(state[thing, "velocity"], direction)
+    direction = np.where((moving < -1e-9)[..., None], -direction, direction)
+    pushed = touching(state, hand, thing, direction)
+    inertia = 1.5 * thing["mass"]  # m + I / R^2 of a solid cylinder
+    slowing = thing["rolling_friction"] * _GRAVITY / (1.5 * thing["radius_of_rotation"])
+
+    hand_velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
+    along = dot(hand_velocity, direction)
+    rolling = np.maximum(0.0, np.abs(moving) - slowing * dt)
+    gap = dot(state[thing, "position"] - state[hand, "position"], direction) - pushed
+    touches = (gap <= (along - rolling) * dt + 1e-6) & (along > rolling)
+    common = np.maximum(0.0, (hand["mass"] * along + inertia * rolling) / (hand["mass"] + inertia))
+    rolling = np.where(touches, common, rolling)
+    hand_velocity = hand_velocity + (np.where(touches, common, along) - along)[..., None] * direction
+
+    velocity = rolling[..., None] * direction
+    spin = np.cross(np.broadcast_to(UP, direction.shape), velocity) / thing["radius_of_rotation"]
+    return state.replace(
+        {
+            (hand.name, "velocity"): hand_velocity,
+            (hand.name, "position"): state[hand, "position"] + hand_velocity * dt,
+            (thing.name, "velocity"): velocity,
+            (thing.name, "position"): state[thing, "position"] + velocity * dt,
+            (thing.name, "angular_velocity"): spin,
+            (thing.name, "orientation"): integrate(state[thing, "orientation"], spin, dt),
+        }
+    )
+
+
+ROLLING = Block(
+    name="ROLLING",
+    slots=(Slot("hand", StaticEndEffector), Slot("object", Rollable)),
+    anchor="object",
+    targets=(Target("region", Region),),
+    entry=(*_FEASIBLE, BEHIND("hand", "object", "region"), AT_REST("object")),
+    exit=(~WITHIN("object", ANY), WITHIN("object", "region"), AT_REST("object"), AT_REST("hand")),
+    writes={
+        "hand": ("position", "velocity"),
+        "object": ("position", "orientation", "velocity", "angular_velocity"),
+    },
+    # Rolling keeps the axis level and the centre on its line, so what was feasible stays so.
+    keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE),
+    hyperparameters=(
+        Hyperparameter("distance", "m", 0.0, 10.0, _distance_guess, "how far to roll"),
+        Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(0.4), "largest speed"),
+        Hyperparameter("deceleration", "m/s^2", 0.05, 0.3, lambda b, s: np.asarray(0.15), "slowing before the end"),
+    ),
+    duration=Duration(0.2, 40.0, _expected),
+    policy=_policy,
+    system=_system,
+    description="the hand pushes the object from behind until it rests within the region",
+)

@@ -1,0 +1,137 @@
+"""hybrid_tamp: task and motion planning with affordances as resources.
+
+The public names are imported from here; each is loaded when it is first asked for, so that
+``import hybrid_tamp`` stays cheap.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hybrid_tamp.errors import (
+        DomainError,
+        ExecutionFailed,
+        HybridTampError,
+        InputError,
+        Issue,
+        LawBroken,
+        LimitReached,
+        NoPlan,
+    )
+    from hybrid_tamp.model.affordance import (
+        TOKEN,
+        AffordanceClass,
+        BasicAction,
+        CapabilityClass,
+        ObjectClass,
+        PlaceClass,
+        VaryingProperty,
+        quantity,
+    )
+    from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameter, Slot, Target
+    from hybrid_tamp.model.domain import Domain
+    from hybrid_tamp.model.law import Violation, check_law
+    from hybrid_tamp.model.network import ReassignmentNetwork
+    from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+    from hybrid_tamp.model.predicate import ANY, Atom, Literal, Parameter, Predicate, SymbolSort
+    from hybrid_tamp.model.recording import Recording
+    from hybrid_tamp.model.state import State
+    from hybrid_tamp.model.task import Task
+    from hybrid_tamp.model.token import Token
+    from hybrid_tamp.pipeline import load_task, plan, replay, run
+    from hybrid_tamp.testing import check_domain
+
+_HOMES = {
+    "errors": (
+        "DomainError",
+        "ExecutionFailed",
+        "HybridTampError",
+        "InputError",
+        "Issue",
+        "LawBroken",
+        "LimitReached",
+        "NoPlan",
+    ),
+    "model.affordance": (
+        "TOKEN",
+        "AffordanceClass",
+        "BasicAction",
+        "CapabilityClass",
+        "ObjectClass",
+        "PlaceClass",
+        "VaryingProperty",
+        "quantity",
+    ),
+    "model.block": ("Binding", "Block", "Commands", "Duration", "Hyperparameter", "Slot", "Target"),
+    "model.domain": ("Domain",),
+    "model.law": ("Violation", "check_law"),
+    "model.network": ("ReassignmentNetwork",),
+    "model.plan": ("BlockInstance", "TaskPlan"),
+    "model.predicate": ("ANY", "Atom", "Literal", "Parameter", "Predicate", "SymbolSort"),
+    "model.recording": ("Recording",),
+    "model.state": ("State",),
+    "model.task": ("Task",),
+    "model.token": ("Token",),
+    "pipeline": ("load_task", "plan", "replay", "run"),
+    "testing": ("check_domain",),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+__version__ = "0.1.0"
+__all__ = [
+    "ANY",
+    "AffordanceClass",
+    "Atom",
+    "BasicAction",
+    "Binding",
+    "Block",
+    "BlockInstance",
+    "CapabilityClass",
+    "Commands",
+    "Domain",
+    "DomainError",
+    "Duration",
+    "ExecutionFailed",
+    "HybridTampError",
+    "Hyperparameter",
+    "InputError",
+    "Issue",
+    "LawBroken",
+    "LimitReached",
+    "Literal",
+    "NoPlan",
+    "ObjectClass",
+    "Parameter",
+    "PlaceClass",
+    "Predicate",
+    "ReassignmentNetwork",
+    "Recording",
+    "Slot",
+    "State",
+    "SymbolSort",
+    "TOKEN",
+    "Target",
+    "Task",
+    "TaskPlan",
+    "Token",
+    "VaryingProperty",
+    "Violation",
+    "check_domain",
+    "check_law",
+    "load_task",
+    "plan",
+    "quantity",
+    "replay",
+    "run",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name from its home module at its first use (PEP 562)."""
+    if name not in _HOME_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOME_OF[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,172 @@
+"""Action blocks: slots, targets, conditions, continuous system, policy, hyperparameters (paper, Sec. II-B).
+
+A block has one symbolic and one continuous face and declares both in one place. Its exit conditions *are* its
+effects: deletes (negative literals) before adds.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.predicate import Literal, Predicate, SymbolSort, Value
+from hybrid_tamp.model.state import FloatArray, State
+
+Binding = Mapping[str, Value]
+"""Role (slot or target) of an instance to the token or symbol bound to it."""
+
+Commands = dict[tuple[str, str], FloatArray]
+"""(token, basic action) to the command, shape ``(..., size)`` in the action's unit."""
+
+Hyperparameters = Mapping[str, FloatArray]
+"""Hyperparameter to its value, shape ``(...)``, in its unit."""
+
+
+class Policy(Protocol):
+    """A feedback law: elapsed time and state to basic actions. It keeps no memory of its own."""
+
+    def __call__(self, elapsed: FloatArray, state: State) -> Commands:
+        """Return the commands.
+
+        Args:
+            elapsed: time since the instance began [s], shape ``(...)``.
+            state: current state, batch shape ``(...)``.
+        """
+        ...
+
+
+PolicyMaker = Callable[[Binding, State, Hyperparameters], Policy]
+"""Make the policy of one instance from its binding, the state at its beginning and its hyperparameters."""
+
+ContinuousSystem = Callable[[Binding, State, Commands, float], State]
+"""``system(binding, state, commands, dt)``: next state of the tokens in the block's slots; pure."""
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A place in a block for exactly one token of the class."""
+
+    name: str
+    object_class: type[ObjectClass]
+
+
+@dataclass(frozen=True)
+class Target:
+    """A token or symbol that a block reads but does not hold.
+
+    Attributes:
+        name: role of the target.
+        sort: class of the token, or the sort of the symbol.
+        reads: varying properties of the token that the block reads while it runs.
+    """
+
+    name: str
+    sort: type[ObjectClass] | SymbolSort
+    reads: tuple[str, ...] = ("position", "orientation")
+
+
+@dataclass(frozen=True)
+class Hyperparameter:
+    """A bounded number with a unit that shapes a policy.
+
+    Attributes:
+        name: e.g. ``"speed"``.
+        unit: SI unit.
+        lower: lower bound [unit].
+        upper: upper bound [unit].
+        guess: initial guess ``guess(binding, state)`` of shape ``(...)`` from the state at the block's beginning.
+        description: one line.
+    """
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    guess: Callable[[Binding, State], FloatArray]
+    description: str = ""
+
+    def initial(self, binding: Binding, state: State) -> FloatArray:
+        """Return the guess clipped to the bounds."""
+        return np.clip(self.guess(binding, state), self.lower, self.upper)
+
+
+@dataclass(frozen=True)
+class Duration:
+    """How long an instance lasts [s].
+
+    Attributes:
+        minimum: lower bound, more than zero.
+        maximum: by then the exit conditions must hold; a block without a hold must have ended too.
+        expected: estimate ``expected(binding, state, hyperparameters)`` from the state at its beginning.
+    """
+
+    minimum: float
+    maximum: float
+    expected: Callable[[Binding, State, Hyperparameters], float]
+
+
+def _rest(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    return state
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """One type of action.
+
+    Attributes:
+        name: e.g. ``"ROLLING"``.
+        slots: one or more, each for exactly one token.
+        anchor: name of the slot whose token names a running instance.
+        targets: what it reads but does not hold.
+        entry: conditions over roles under which its tokens may be assigned.
+        exit: conditions over roles under which its tokens may leave; also its effects.
+        writes: slot to the varying properties that its continuous system changes.
+        keeps: predicates that stay as they are although they read something written.
+        hyperparameters: what shapes its policy.
+        duration: bounds and estimate.
+        hold: whether it goes on holding once its exit conditions hold.
+        policy: maker of the feedback law, or None where no token has basic actions.
+        system: the forward model.
+        performance: how good one execution was (higher is better), or None.
+        description: what it does, one line.
+    """
+
+    name: str
+    slots: tuple[Slot, ...]
+    anchor: str
+    duration: Duration
+    targets: tuple[Target, ...] = ()
+    entry: tuple[Literal, ...] = ()
+    exit: tuple[Literal, ...] = ()
+    writes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    keeps: tuple[Predicate, ...] = ()
+    hyperparameters: tuple[Hyperparameter, ...] = ()
+    hold: bool = False
+    policy: PolicyMaker | None = None
+    system: ContinuousSystem = _rest
+    performance: Callable[[Binding, State, State, Hyperparameters], FloatArray] | None = None
+    description: str = ""
+
+    def __repr__(self) -> str:
+        return f"Block({self.name!r})"
+
+    @property
+    def roles(self) -> Mapping[str, type[ObjectClass] | SymbolSort]:
+        """Slots, then targets, each with its class or sort."""
+        found: dict[str, type[ObjectClass] | SymbolSort] = {s.name: s.object_class for s in self.slots}
+        return found | {target.name: target.sort for target in self.targets}
+
+    @property
+    def others(self) -> tuple[Slot, ...]:
+        """The slots other than the anchor, in order."""
+        return tuple(slot for slot in self.slots if slot.name != self.anchor)
+
+    def slot(self, name: str) -> Slot:
+        """Return the slot of that name; KeyError if there is none."""
+        return {slot.name: slot for slot in self.slots}[name]
+
+    def guesses(self, binding: Binding, state: State) -> dict[str, FloatArray]:
+        """Return the initial guess of every hyperparameter, clipped to its bounds."""
+        return {h.name: h.initial(binding, state) for h in self.hyperparameters}

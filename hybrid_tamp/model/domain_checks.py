@@ -1,0 +1,208 @@
+"""What a domain's declarations must satisfy; each fault is refused with its place and its remedy."""
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from hybrid_tamp.errors import Issue
+from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.predicate import ANY, Literal, Parameter, SymbolSort
+from hybrid_tamp.model.token import conflicts
+
+if TYPE_CHECKING:
+    from hybrid_tamp.model.domain import Domain
+
+
+def faults_of(domain: "Domain") -> list[Issue]:
+    """Return every fault of the domain; frame faults only where the rest is sound."""
+    faults = [*_twice(domain), *_classes(domain), *_blocks(domain), *_edges(domain), *_conditions(domain)]
+    return faults or list(_frame(domain))
+
+
+def _twice(domain: "Domain") -> Iterator[Issue]:
+    kinds: dict[str, list[str]] = {
+        "block": [block.name for block in domain.blocks],
+        "predicate": [predicate.name for predicate in domain.predicates],
+        "class": [object_class.name for object_class in domain.classes],
+    }
+    for kind, names in kinds.items():
+        for name in sorted({name for name in names if names.count(name) > 1}):
+            yield Issue(
+                domain.name,
+                f"every {kind} needs a name of its own",
+                f"two of name {name!r}",
+                remedy="rename one",
+            )
+
+
+def _classes(domain: "Domain") -> Iterator[Issue]:
+    for object_class in domain.classes:
+        actions = object_class.basic_actions
+        for action in actions:
+            if action.limit is not None and action.limit not in object_class.model_fields:
+                yield Issue(
+                    f"{object_class.name}.{action.name}",
+                    "the limit of a basic action must be a property of its class",
+                    repr(action.limit),
+                    tuple(sorted(object_class.model_fields)),
+                )
+    things = [object_class for object_class in domain.classes if not is_place(object_class)]
+    for index, one in enumerate(things):
+        for other in things[index + 1 :]:
+            yield from conflicts((one, other))
+
+
+def _blocks(domain: "Domain") -> Iterator[Issue]:
+    if domain.resting not in {block.name for block in domain.blocks}:
+        yield Issue(domain.name, f"a domain needs the block {domain.resting} for what nothing manipulates")
+    for block in domain.blocks:
+        names = [slot.name for slot in block.slots] + [target.name for target in block.targets]
+        for name in sorted({name for name in names if names.count(name) > 1}):
+            yield Issue(f"{block.name}.{name}", "slots and targets of a block need different names")
+        if block.anchor not in {slot.name for slot in block.slots}:
+            yield Issue(
+                block.name, "the anchor must be a slot of the block", repr(block.anchor), tuple(names)
+            )
+        for slot in block.slots:
+            if is_place(slot.object_class):
+                yield Issue(
+                    f"{block.name}.{slot.name}",
+                    f"{slot.object_class.name} is a place and is never in a slot",
+                    remedy="make it a target",
+                )
+            yield from _ways(domain, block, slot.name)
+        if not 0 < block.duration.minimum <= block.duration.maximum:
+            yield Issue(block.name, "a duration needs 0 < minimum <= maximum", str(block.duration))
+        for h in block.hyperparameters:
+            if not h.lower <= h.upper:
+                yield Issue(f"{block.name}.{h.name}", "lower bound <= upper bound", f"[{h.lower}, {h.upper}]")
+
+
+def _ways(domain: "Domain", block: Block, slot: str) -> Iterator[Issue]:
+    where = f"{block.name}.{slot}"
+    if not domain.network.sources((block.name, slot)):
+        yield Issue(where, "no edge leads into this slot", remedy="add an edge into it, e.g. from RESTING")
+    if not domain.network.destinations((block.name, slot)):
+        yield Issue(where, "no edge leads out of this slot", remedy="add an edge out of it, e.g. to RESTING")
+
+
+def _edges(domain: "Domain") -> Iterator[Issue]:
+    slots = {(block.name, slot.name): slot.object_class for block in domain.blocks for slot in block.slots}
+    available = tuple(f"{block}.{slot}" for block, slot in sorted(slots))
+    for source, target in domain.network.edges:
+        where = f"edge {'.'.join(source)} -> {'.'.join(target)}"
+        unknown = [end for end in (source, target) if end not in slots]
+        for end in unknown:
+            yield Issue(where, "an edge joins slots of the domain's blocks", repr(".".join(end)), available)
+        if not unknown and not domain.relations.can_share_token(slots[source], slots[target]):
+            yield Issue(
+                where,
+                f"no token can be a member of both {slots[source].name} and {slots[target].name}",
+                remedy="remove the edge or change the class of a slot",
+            )
+
+
+def _conditions(domain: "Domain") -> Iterator[Issue]:
+    known = set(map(id, domain.predicates))
+    for block in domain.blocks:
+        for literal in (*block.entry, *block.exit):
+            where = f"{block.name}: {literal}"
+            if id(literal.predicate) not in known:
+                names = tuple(sorted(predicate.name for predicate in domain.predicates))
+                yield Issue(
+                    where, "a condition uses a predicate of the domain", literal.predicate.name, names
+                )
+            yield from _arguments(block, literal, where)
+        for literal in block.entry:
+            if not literal.positive and not literal.predicate.static:
+                yield Issue(
+                    f"{block.name}: {literal}",
+                    "a negative entry condition must be on a static predicate",
+                    remedy="declare a predicate that says the opposite and set it in exit conditions",
+                )
+        for literal in block.exit:
+            yield from _exit(block, literal)
+
+
+def _arguments(block: Block, literal: Literal, where: str) -> Iterator[Issue]:
+    parameters = literal.predicate.parameters
+    if len(parameters) != len(literal.arguments):
+        yield Issue(
+            where, f"{literal.predicate.name} takes {len(parameters)} arguments", str(len(literal.arguments))
+        )
+        return
+    for parameter, argument in zip(parameters, literal.arguments, strict=True):
+        if argument == ANY:
+            continue
+        if argument in block.roles:
+            if not fits(block.roles[argument], parameter):
+                yield Issue(
+                    where,
+                    f"{parameter.name} of {literal.predicate.name} must be {sort_name(parameter.sort)}",
+                    f"{argument}, which is {sort_name(block.roles[argument])}",
+                    remedy="change the class of the slot or the condition",
+                )
+        elif not (isinstance(parameter.sort, SymbolSort) and argument in parameter.sort.symbols):
+            yield Issue(
+                where, "an argument is a slot, a target or a symbol", repr(argument), tuple(block.roles)
+            )
+
+
+def _exit(block: Block, literal: Literal) -> Iterator[Issue]:
+    predicate = literal.predicate
+    where = f"{block.name}: {literal}"
+    if predicate.static:
+        yield Issue(
+            where, "a static predicate cannot be an exit condition", remedy="drop 'static' or the condition"
+        )
+    wild = [i for i, argument in enumerate(literal.arguments) if argument == ANY]
+    if literal.positive and wild:
+        yield Issue(where, "only negative exit conditions have wildcards")
+    if not literal.positive and wild and not predicate.maintained and wild != [predicate.functional_index]:
+        yield Issue(
+            where,
+            "a wildcard stands for the functional parameter of the predicate",
+            remedy="declare the predicate functional in that parameter, or maintained",
+        )
+
+
+def fits(sort: type[ObjectClass] | SymbolSort, parameter: Parameter) -> bool:
+    """Say whether every value of a role's sort is a value of the parameter's."""
+    wanted = parameter.sort
+    if isinstance(sort, SymbolSort) or isinstance(wanted, SymbolSort):
+        return sort is wanted
+    return issubclass(sort, wanted) or (wanted is TOKEN and not is_place(sort))
+
+
+def sort_name(sort: type[ObjectClass] | SymbolSort) -> str:
+    """Return the name of a class or sort."""
+    return sort.name
+
+
+def _frame(domain: "Domain") -> Iterator[Issue]:
+    """A predicate that reads something written must be set, deleted, maintained or declared kept."""
+    for block in domain.blocks:
+        for slot_name, written in block.writes.items():
+            slot_class = block.slot(slot_name).object_class
+            for predicate in domain.predicates:
+                if predicate in block.keeps or predicate.maintained:
+                    continue
+                for index, parameter in enumerate(predicate.parameters):
+                    read = set(predicate.reads.get(parameter.name, ())) & set(written)
+                    sort = parameter.sort
+                    if (
+                        not read
+                        or isinstance(sort, SymbolSort)
+                        or not domain.relations.can_share_token(sort, slot_class)
+                    ):
+                        continue
+                    if not _handled(block.exit, predicate, index, slot_name):
+                        yield Issue(
+                            f"{block.name}.{slot_name}",
+                            f"it writes {', '.join(sorted(read))}, which {predicate.name}({parameter.name}) reads",
+                            remedy=f"set or delete {predicate.name} in its exit conditions, or list it in keeps",
+                        )
+
+
+def _handled(exits: Iterable[Literal], predicate: object, index: int, slot: str) -> bool:
+    return any(literal.predicate is predicate and literal.arguments[index] == slot for literal in exits)

@@ -1,0 +1,66 @@
+"""The symbolic state, read off the continuous one: nobody writes initial facts by hand.
+
+A predicate holds where its margin is zero or positive. A functional predicate has one value at most: where several
+regions hold a thing, the one that the goal asks for, else the one with the largest margin. Maintained predicates
+never come from numbers: their atoms belong to running instances.
+"""
+
+from collections.abc import Iterable
+from itertools import product
+
+from hybrid_tamp.model.predicate import Atom, Predicate, Value, name_of
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+
+
+def static_facts(task: Task) -> frozenset[Atom]:
+    """Return the feasibility facts of the task: atoms of static predicates over different tokens."""
+    return frozenset(
+        atom
+        for predicate in task.domain.predicates
+        if predicate.static
+        for atom, margin in margins(task, task.state, predicate)
+        if margin >= 0
+    )
+
+
+def facts(task: Task, state: State | None = None) -> frozenset[Atom]:
+    """Return the atoms of changing predicates that hold in the state (the initial one by default)."""
+    state = task.state if state is None else state
+    found: set[Atom] = set()
+    for predicate in task.domain.predicates:
+        if predicate.static or predicate.maintained:
+            continue
+        holding = [(atom, margin) for atom, margin in margins(task, state, predicate) if margin >= 0]
+        index = predicate.functional_index
+        if index is None:
+            found.update(atom for atom, _ in holding)
+        else:
+            found.update(_one_value_each(task, holding, index))
+    return frozenset(found)
+
+
+def margins(task: Task, state: State, predicate: Predicate) -> Iterable[tuple[Atom, float]]:
+    """Yield every well-typed atom of the predicate over different tokens, with its margin."""
+    domains = [task.values_of(parameter.sort) for parameter in predicate.parameters]
+    for values in product(*domains):
+        if _different(values):
+            margin = float(predicate.evaluate(state, *values))
+            yield Atom(predicate.name, tuple(map(name_of, values))), margin
+
+
+def _different(values: tuple[Value, ...]) -> bool:
+    tokens = [value.name for value in values if isinstance(value, Token)]
+    return len(set(tokens)) == len(tokens)
+
+
+def _one_value_each(task: Task, holding: list[tuple[Atom, float]], index: int) -> Iterable[Atom]:
+    wanted = set(task.goal)
+    best: dict[tuple[str, ...], tuple[bool, float, Atom]] = {}
+    for atom, margin in holding:
+        key = atom.arguments[:index] + atom.arguments[index + 1 :]
+        candidate = (atom in wanted, margin, atom)
+        if key not in best or candidate > best[key]:
+            best[key] = candidate
+    return (atom for _, _, atom in best.values())

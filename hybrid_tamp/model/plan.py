@@ -1,0 +1,102 @@
+"""The task plan: a timeline of assignments of tokens to block instances."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+TIME_TOLERANCE = 1e-6
+"""Instants closer than this are one instant [s]."""
+
+
+@dataclass(frozen=True)
+class BlockInstance:
+    """One running of a block.
+
+    Attributes:
+        name: unique name, e.g. ``"ROLLING-1"``.
+        block: name of the block.
+        slots: slot to the name of the token in it.
+        start: when its tokens enter [s].
+        end: when they leave, or the plan's makespan [s].
+        targets: target to the name of the token or symbol.
+        hyperparameters: hyperparameter to value.
+        mode: outcome of the block, where it has several.
+    """
+
+    name: str
+    block: str
+    slots: Mapping[str, str]
+    start: float
+    end: float
+    targets: Mapping[str, str] = field(default_factory=dict)
+    hyperparameters: Mapping[str, float] = field(default_factory=dict)
+    mode: str | None = None
+
+    @property
+    def roles(self) -> dict[str, str]:
+        """Slots and targets together."""
+        return {**self.slots, **self.targets}
+
+    def during(self, start: float, end: float) -> "BlockInstance":
+        """Return the instance at other times."""
+        return replace(self, start=start, end=end)
+
+    def overlaps(self, other: "BlockInstance") -> bool:
+        """Say whether the two run at once for longer than an instant."""
+        return min(self.end, other.end) - max(self.start, other.start) > TIME_TOLERANCE
+
+
+@dataclass(frozen=True)
+class Step:
+    """A stretch of time in which no token is reassigned."""
+
+    index: int
+    start: float
+    end: float
+    instances: tuple[BlockInstance, ...]
+
+
+@dataclass(frozen=True)
+class TaskPlan:
+    """Which tokens are in which blocks, from when to when.
+
+    Attributes:
+        instances: all block instances, those of RESTING included, by start.
+        makespan: when the plan ends [s].
+        actions: the planner's own actions as PDDL lines, empty if the plan came from elsewhere.
+    """
+
+    instances: tuple[BlockInstance, ...]
+    makespan: float
+    actions: tuple[str, ...] = ()
+
+    @cached_property
+    def instants(self) -> tuple[float, ...]:
+        """The instants of reassignment, the beginning and the end included, ascending [s]."""
+        return merge_instants(t for i in self.instances for t in (i.start, i.end))
+
+    @property
+    def steps(self) -> Iterator[Step]:
+        """The stretches between reassignments, with what runs in each (paper, under Fig. 3)."""
+        for index, (start, end) in enumerate(zip(self.instants, self.instants[1:], strict=False), start=1):
+            middle = (start + end) / 2
+            yield Step(index, start, end, tuple(i for i in self.instances if i.start <= middle < i.end))
+
+    def timeline(self, token: str) -> tuple[tuple[BlockInstance, str], ...]:
+        """Return the (instance, slot) pairs that the token is in, by start."""
+        found = [(i, slot) for i in self.instances for slot, name in i.slots.items() if name == token]
+        return tuple(sorted(found, key=lambda pair: (pair[0].start, pair[0].end, pair[0].name)))
+
+
+def merge_instants(times: Iterable[float]) -> tuple[float, ...]:
+    """Return the distinct instants, ascending; times within the tolerance are one."""
+    merged: list[float] = []
+    for time in sorted(times):
+        if not merged or time - merged[-1] > TIME_TOLERANCE:
+            merged.append(time)
+    return tuple(merged)
+
+
+def at(one: float, other: float) -> bool:
+    """Say whether two times are one instant."""
+    return abs(one - other) <= TIME_TOLERANCE

@@ -1,0 +1,100 @@
+"""A recording: what a run really did, enough to judge it and to run it again."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.state import FloatArray, State, StateLayout
+
+
+@dataclass(frozen=True)
+class AtomMargin:
+    """One condition of an instance or of the goal, with what was predicted and what was measured.
+
+    Attributes:
+        atom: the ground condition, as text.
+        measured: its signed margin in the run, in the predicate's unit; None if it was never measured.
+        predicted: its signed margin in the blocks' own forward models; None if not predicted.
+    """
+
+    atom: str
+    measured: float | None
+    predicted: float | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether the measured margin is zero or positive."""
+        return self.measured is not None and self.measured >= 0
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a run stopped before its plan's end."""
+
+    step: int
+    instance: str
+    reason: str
+    margins: tuple[AtomMargin, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Everything that one run measured and commanded.
+
+    Attributes:
+        layout: where each token's state lies in a row of `states`.
+        commands_layout: (token, basic action, size) of a row of `commands`.
+        times: instant of each row of `states` [s], shape ``(t + 1,)``.
+        states: measured states, shape ``(t + 1, layout.size)``; the first row is the start.
+        commands: commands between consecutive rows, shape ``(t, c)``.
+        instances: the instances that ran, with the instants at which they really began and ended, and the
+            hyperparameters that they used.
+        exits: instance to its exit conditions as they were when it ended.
+        goal: the goal atoms at the end.
+        backend: name of the physics backend.
+        timestep: control period [s].
+        failure: why the run stopped early, or None.
+    """
+
+    layout: StateLayout
+    commands_layout: tuple[tuple[str, str, int], ...]
+    times: FloatArray
+    states: FloatArray
+    commands: FloatArray
+    instances: tuple[BlockInstance, ...]
+    exits: Mapping[str, tuple[AtomMargin, ...]]
+    goal: tuple[AtomMargin, ...]
+    backend: str
+    timestep: float
+    failure: Failure | None = None
+    warnings: tuple[str, ...] = field(default=())
+
+    @property
+    def success(self) -> bool:
+        """Whether the plan ran to its end and every goal atom holds there."""
+        return self.failure is None and all(atom.holds for atom in self.goal)
+
+    @property
+    def duration(self) -> float:
+        """Simulated time [s]."""
+        return float(self.times[-1])
+
+    @property
+    def plan(self) -> TaskPlan:
+        """The timeline that was really run."""
+        return TaskPlan(self.instances, self.duration)
+
+    def state(self, row: int) -> State:
+        """Return the state of one row."""
+        return State(self.layout, self.states[row])
+
+    @property
+    def trajectory(self) -> State:
+        """All states at once, batch shape ``(t + 1,)``."""
+        return State(self.layout, self.states)
+
+    def at(self, time: float) -> State:
+        """Return the state measured nearest to an instant [s]."""
+        return self.state(int(np.clip(round(time / self.timestep), 0, len(self.times) - 1)))

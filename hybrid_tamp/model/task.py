@@ -1,0 +1,103 @@
+"""A task: tokens of a domain, where they are, who they belong to, and what is wanted."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+
+from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort, Value
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.token import Token
+
+DEFAULT_PLANNER = "fast-downward"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Bounds on the work for one task.
+
+    Attributes:
+        time: wall-clock time of the planner [s].
+        memory: memory of the planner and its children together [MiB].
+        refinements: how often the planner is asked again after a refused plan.
+    """
+
+    time: float = 60.0
+    memory: float = 4096.0
+    refinements: int = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One problem of a domain.
+
+    Attributes:
+        name: name of the task, by default its file's stem.
+        domain: the domain.
+        tokens: all tokens, places included, in the file's order.
+        state: the initial continuous state.
+        goal: atoms over tokens that hold at the end.
+        agents: agent to the names of its capability tokens.
+        assignment: token to the block in which it starts.
+        planner: name of the planning engine.
+        limits: bounds on the work.
+        seed: seed of everything random.
+        source: the file that it came from, or None.
+    """
+
+    name: str
+    domain: Domain
+    tokens: tuple[Token, ...]
+    state: State
+    goal: tuple[Atom, ...]
+    agents: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    assignment: Mapping[str, str] = field(default_factory=dict)
+    planner: str = DEFAULT_PLANNER
+    limits: Limits = Limits()
+    seed: int = 0
+    source: Path | None = None
+
+    @cached_property
+    def token_by_name(self) -> Mapping[str, Token]:
+        """Tokens by the user's names."""
+        return {token.name: token for token in self.tokens}
+
+    @property
+    def assigned(self) -> tuple[Token, ...]:
+        """The tokens that must be in a slot at every instant: all but places."""
+        return tuple(token for token in self.tokens if not token.place)
+
+    def replaced(self, **changes: object) -> "Task":
+        """Return a copy with other values of some attributes."""
+        return replace(self, **changes)  # type: ignore[arg-type]
+
+    def values_of(self, sort: type[ObjectClass] | SymbolSort) -> tuple[Value, ...]:
+        """Return the tokens of a class, or the symbols of a sort."""
+        if isinstance(sort, SymbolSort):
+            return sort.symbols
+        return tuple(token for token in self.tokens if token.is_member(sort))
+
+    def value(self, name: str) -> Value:
+        """Return the token of that name, or the name itself as a symbol."""
+        return self.token_by_name.get(name, name)
+
+    def bind(self, roles: Mapping[str, str]) -> dict[str, Value]:
+        """Return role to token or symbol from role to name."""
+        return {role: self.value(name) for role, name in roles.items()}
+
+    def bindings(self, block: Block) -> Iterator[dict[str, Value]]:
+        """Every binding of a block's roles by classes alone, all tokens different."""
+        roles = block.roles
+        for values in product(*(self.values_of(sort) for sort in roles.values())):
+            tokens = [value for value in values if isinstance(value, Token)]
+            if len(set(tokens)) == len(tokens):
+                yield dict(zip(roles, values, strict=True))
+
+    def margin(self, atom: Atom, state: State | None = None) -> float:
+        """Return the signed margin of a ground atom, in the initial state unless another is given."""
+        literal = Literal(self.domain.predicate_by_name[atom.predicate], atom.arguments, atom.positive)
+        return float(literal.margin(state or self.state, self.token_by_name))

@@ -1,0 +1,158 @@
+"""Object tokens: the union of their classes' properties (paper, Sec. II-A).
+
+If two classes have the same property, the token has one instance of it. pydantic's own multiple inheritance
+would merge conflicting fields silently by base order; `union_of` refuses them instead, and does not depend on
+the order of the classes.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, create_model
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from hybrid_tamp.errors import Issue
+from hybrid_tamp.model.affordance import TOKEN, BasicAction, ObjectClass, VaryingProperty, is_place
+from hybrid_tamp.model.shape import Box, Cylinder, Sphere
+
+
+class PropertyConflictError(ValueError):
+    """Two classes declare one property differently; `issues` holds every such pair."""
+
+    def __init__(self, issues: Iterable[Issue]) -> None:
+        self.issues = tuple(issues)
+        super().__init__("\n".join(map(str, self.issues)))
+
+
+def _declaration(field: FieldInfo) -> dict[str, str]:
+    """Return what must agree where two classes share a property."""
+    extra = field.json_schema_extra
+    return {
+        "type": str(field.annotation),
+        "bounds": ", ".join(sorted(str(item) for item in field.metadata)) or "none",
+        "unit": str(extra.get("unit", "1")) if isinstance(extra, dict) else "1",
+        "default": "none" if field.default is PydanticUndefined else repr(field.default),
+    }
+
+
+def conflicts(classes: Iterable[type[ObjectClass]]) -> list[Issue]:
+    """Return one issue for every property that two of the classes declare differently."""
+    seen: dict[str, tuple[str, dict[str, str]]] = {}
+    found = []
+    for object_class in _ordered(classes):
+        for name, field in object_class.model_fields.items():
+            mine = _declaration(field)
+            owner, theirs = seen.setdefault(name, (object_class.name, mine))
+            differing = [key for key in mine if mine[key] != theirs[key]]
+            for key in differing:
+                found.append(
+                    Issue(
+                        where=f"{owner} and {object_class.name}",
+                        wanted=f"both classes must declare {key} of property {name!r} alike",
+                        came=f"{theirs[key]} in {owner}, {mine[key]} in {object_class.name}",
+                        remedy="rename the property in one of the classes",
+                    )
+                )
+    return found
+
+
+def _ordered(classes: Iterable[type[ObjectClass]]) -> tuple[type[ObjectClass], ...]:
+    return tuple(sorted(set(classes), key=lambda object_class: object_class.name))
+
+
+def union_of(classes: Iterable[type[ObjectClass]]) -> type[BaseModel]:
+    """Return the model whose fields are the union of the classes' properties.
+
+    Args:
+        classes: object classes in any order.
+
+    Raises:
+        PropertyConflictError: two classes declare one property with another type, unit, bound or default.
+    """
+    return _union(_ordered(classes))
+
+
+@lru_cache(maxsize=1024)
+def _union(classes: tuple[type[ObjectClass], ...]) -> type[BaseModel]:
+    faults = conflicts(classes)
+    if faults:
+        raise PropertyConflictError(faults)
+    fields: dict[str, Any] = {}
+    for object_class in classes:
+        for name, field in object_class.model_fields.items():
+            fields.setdefault(name, (field.annotation, field))
+    return create_model(
+        " + ".join(object_class.name for object_class in classes) or "no class",
+        __config__=ConfigDict(extra="forbid", frozen=True),
+        **{name: fields[name] for name in sorted(fields)},
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Token:
+    """One object of the scene: a thing, a part of a robot, or a place.
+
+    Attributes:
+        name: the user's own name.
+        classes: the object classes that the token is a member of, the root class included, sorted by name.
+        properties: the union of the classes' fixed properties, name to value.
+        shape: its geometry, or None for a place that has none.
+    """
+
+    name: str
+    classes: tuple[type[ObjectClass], ...]
+    properties: Mapping[str, Any]
+    shape: Cylinder | Box | Sphere | None = None
+
+    @classmethod
+    def make(
+        cls,
+        name: str,
+        classes: Iterable[type[ObjectClass]],
+        properties: Mapping[str, Any],
+        shape: Cylinder | Box | Sphere | None = None,
+    ) -> "Token":
+        """Validate the properties against the union of the classes.
+
+        Raises:
+            PropertyConflictError: the classes contradict each other.
+            pydantic.ValidationError: a property is missing, unknown, of a wrong type or out of bounds.
+        """
+        members = _ordered(classes)
+        if not any(is_place(member) for member in members):
+            members = _ordered((*members, TOKEN))
+        values = MappingProxyType(dict(union_of(members).model_validate(dict(properties))))
+        implied = (member.default_shape(values) for member in members)
+        return cls(name, members, values, shape or next((s for s in implied if s is not None), None))
+
+    def __getitem__(self, property_name: str) -> Any:
+        """Return a fixed property by name; KeyError if no class of the token has it."""
+        return self.properties[property_name]
+
+    def __repr__(self) -> str:
+        return f"Token({self.name!r}: {', '.join(member.name for member in self.classes)})"
+
+    def is_member(self, object_class: type[ObjectClass]) -> bool:
+        """Say whether the token is a member of the class."""
+        return object_class in self.classes
+
+    @property
+    def place(self) -> bool:
+        """Whether the token is a place: a target that is never in a slot."""
+        return any(is_place(member) for member in self.classes)
+
+    @property
+    def varying(self) -> tuple[VaryingProperty, ...]:
+        """The token's varying properties, the union over its classes, each once."""
+        merged = {varying.name: varying for member in self.classes for varying in member.varying}
+        return tuple(merged.values())
+
+    @property
+    def basic_actions(self) -> tuple[BasicAction, ...]:
+        """The basic actions of the token's capability classes, each once, sorted by name."""
+        merged = {action.name: action for member in self.classes for action in member.basic_actions}
+        return tuple(merged[name] for name in sorted(merged))

@@ -1,0 +1,226 @@
+"""Rotations as unit quaternions ``(x, y, z, w)``, batched.
+
+The equations are those of Sola 2017, "Quaternion kinematics for the error-state Kalman filter"
+(arXiv:1711.02508), with the scalar part moved to the end.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+_CONJUGATION = np.array([-1.0, -1.0, -1.0, 1.0])
+_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
+
+
+def _array(values: ArrayLike, size: int, name: str) -> FloatArray:
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != size:
+        raise ValueError(f"{name} must have shape (..., {size}), got {array.shape}")
+    return array
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    # numpy.cross checks so much that a small batch takes about three times as long with it.
+    return np.asarray(a[..., _NEXT] * b[..., _LAST] - a[..., _LAST] * b[..., _NEXT])
+
+
+def normalized(vectors: ArrayLike) -> FloatArray:
+    """Return the vectors scaled to unit length.
+
+    Args:
+        vectors: vectors of any dimension and unit, shape ``(..., d)``.
+
+    Returns:
+        Unit vectors of the same directions, shape ``(..., d)``.
+
+    Raises:
+        ValueError: a vector is zero or not finite, so that it has no direction.
+    """
+    array = np.asarray(vectors, dtype=np.float64)
+    # Dividing by the largest component first keeps the squares from under- and overflowing.
+    largest = np.max(np.abs(array), axis=-1, keepdims=True)
+    if not np.all((largest > 0.0) & np.isfinite(largest)):
+        raise ValueError("cannot normalise a vector that is zero or not finite")
+    scaled = array / largest
+    return np.asarray(scaled / np.sqrt(np.sum(scaled * scaled, axis=-1, keepdims=True)))
+
+
+def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
+    """Return Hamilton's product: the rotation by ``b`` followed by the one by ``a`` (Sola 2017, Sec. 1.2.2).
+
+    Args:
+        a: quaternions, shape ``(..., 4)``; as a name, ``target_from_middle``.
+        b: quaternions, shape ``(..., 4)``; as a name, ``middle_from_source``.
+
+    Returns:
+        Products, ``target_from_source``, broadcast shape ``(..., 4)``.
+
+    Raises:
+        ValueError: a last dimension is not 4.
+    """
+    left, right = _array(a, 4, "a"), _array(b, 4, "b")
+    left_vector, left_scalar = left[..., :3], left[..., 3:]
+    right_vector, right_scalar = right[..., :3], right[..., 3:]
+    vector = left_scalar * right_vector + right_scalar * left_vector + _cross(left_vector, right_vector)
+    scalar = left_scalar * right_scalar - np.sum(left_vector * right_vector, axis=-1, keepdims=True)
+    return np.concatenate([vector, scalar], axis=-1)
+
+
+def quaternion_conjugate(quaternion: ArrayLike) -> FloatArray:
+    """Return the conjugate, for a unit quaternion the inverse rotation (Sola 2017, Sec. 1.2.4).
+
+    Args:
+        quaternion: quaternions, ``target_from_source``, shape ``(..., 4)``.
+
+    Returns:
+        Conjugates, ``source_from_target``, shape ``(..., 4)``.
+
+    Raises:
+        ValueError: the last dimension is not 4.
+    """
+    return np.asarray(_array(quaternion, 4, "quaternion") * _CONJUGATION)
+
+
+def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
+    """Turn vectors actively, ``q v q*`` (Sola 2017, Sec. 2.4).
+
+    Args:
+        quaternion: unit quaternions, ``target_from_source``, shape ``(..., 4)``.
+        vectors: vectors in the source frame, any unit, shape ``(..., 3)``.
+
+    Returns:
+        Vectors in the target frame, broadcast shape ``(..., 3)``.
+
+    Raises:
+        ValueError: a last dimension is not 4 or not 3.
+    """
+    unit, source = _array(quaternion, 4, "quaternion"), _array(vectors, 3, "vectors")
+    twice_cross = 2.0 * _cross(unit[..., :3], source)
+    return np.asarray(source + unit[..., 3:] * twice_cross + _cross(unit[..., :3], twice_cross))
+
+
+def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
+    """Return the rotations about the vectors by their lengths, the exponential map (Sola 2017, Eq. 101).
+
+    Args:
+        vector: rotation vectors [rad], shape ``(..., 3)``.
+
+    Returns:
+        Unit quaternions, shape ``(..., 4)``.
+
+    Raises:
+        ValueError: the last dimension is not 3.
+    """
+    array = _array(vector, 3, "vector")
+    half_angle = 0.5 * np.sqrt(np.sum(array * array, axis=-1, keepdims=True))
+    # numpy.sinc(x) is sin(pi x) / (pi x), with its limit at 0.
+    return np.concatenate([0.5 * np.sinc(half_angle / np.pi) * array, np.cos(half_angle)], axis=-1)
+
+
+def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
+    """Return the rotations about axes by angles (Sola 2017, Eq. 101).
+
+    Args:
+        axis: axes of any length but zero, shape ``(..., 3)``.
+        angle: angles [rad], shape ``(...)``.
+
+    Returns:
+        Unit quaternions, broadcast shape ``(..., 4)``.
+
+    Raises:
+        ValueError: an axis is zero or not finite, or its last dimension is not 3.
+    """
+    unit_axis = normalized(_array(axis, 3, "axis"))
+    half_angle = 0.5 * np.asarray(angle, dtype=np.float64)[..., None]
+    vector = np.sin(half_angle) * unit_axis
+    scalar = np.broadcast_to(np.cos(half_angle), (*vector.shape[:-1], 1))
+    return np.concatenate([vector, scalar], axis=-1)
+
+
+def quaternion_from_rpy(rpy: ArrayLike) -> FloatArray:
+    """Return ``Rz(yaw) Ry(pitch) Rx(roll)``, the convention of PyBullet's ``getQuaternionFromEuler``.
+
+    Args:
+        rpy: roll, pitch and yaw [rad] about the fixed axes x, y and z in this order, shape ``(..., 3)``.
+
+    Returns:
+        Unit quaternions, shape ``(..., 4)``.
+
+    Raises:
+        ValueError: the last dimension is not 3.
+    """
+    angles = _array(rpy, 3, "rpy")
+    roll, pitch, yaw = (quaternion_from_axis_angle(np.eye(3)[i], angles[..., i]) for i in range(3))
+    return quaternion_multiply(yaw, quaternion_multiply(pitch, roll))
+
+
+def rotation_vector(quaternion: ArrayLike) -> FloatArray:
+    """Return axis times angle, the logarithmic map, the shortest way (Sola 2017, Sec. 2.4).
+
+    Args:
+        quaternion: unit quaternions, shape ``(..., 4)``.
+
+    Returns:
+        Rotation vectors [rad] of length at most pi, shape ``(..., 3)``. At exactly half a turn both
+        directions are equally short; which one is returned then depends on the sign of the quaternion.
+
+    Raises:
+        ValueError: the last dimension is not 4.
+    """
+    unit = _array(quaternion, 4, "quaternion")
+    # q and -q are one rotation; the one with w >= 0 has the angle of at most pi.
+    unit = np.where(unit[..., 3:] < 0.0, -unit, unit)
+    vector, scalar = unit[..., :3], unit[..., 3:]
+    sine = np.sqrt(np.sum(vector * vector, axis=-1, keepdims=True))
+    # angle / sin(angle / 2) tends to 2; below the threshold its next term is lost in rounding.
+    small = sine < 1e-9
+    factor = np.where(small, 2.0, 2.0 * np.arctan2(sine, scalar) / np.where(small, 1.0, sine))
+    return np.asarray(factor * vector)
+
+
+def integrate(quaternion: ArrayLike, angular_velocity: ArrayLike, dt: ArrayLike) -> FloatArray:
+    """Turn orientations for a time at a constant angular velocity, exactly (Sola 2017, Sec. 4.6).
+
+    Args:
+        quaternion: orientations, ``world_from_body``, shape ``(..., 4)``.
+        angular_velocity: angular velocities in the world frame [rad/s], shape ``(..., 3)``.
+        dt: time [s], shape ``(...)``.
+
+    Returns:
+        Orientations ``dt`` later, unit quaternions, broadcast shape ``(..., 4)``.
+
+    Raises:
+        ValueError: a last dimension is wrong, or a quaternion is zero.
+    """
+    turn = _array(angular_velocity, 3, "angular_velocity") * np.asarray(dt, dtype=np.float64)[..., None]
+    # Without normalising, rounding would let the length drift over thousands of steps.
+    return normalized(quaternion_multiply(quaternion_from_rotation_vector(turn), quaternion))
+
+
+def angle_about(axis: ArrayLike, quaternions: ArrayLike) -> FloatArray:
+    """Return the angle turned since the beginning about an axis fixed in the body, without wrapping.
+
+    It is the integral of the angular velocity's component along the axis: the rotations from sample to
+    sample, in the body's frame, are projected on the axis and summed. Over a distance rolled, it tells
+    rolling from sliding. Samples have to be so dense that the body turns less than half a turn in between.
+
+    Args:
+        axis: axis in the body's frame, any length but zero, shape ``(..., 3)``.
+        quaternions: orientations in time, ``world_from_body``, shape ``(t, ..., 4)``.
+
+    Returns:
+        Angles [rad], right-handed about the axis, 0 at the first sample, shape ``(t, ...)``.
+
+    Raises:
+        ValueError: the axis is zero, a last dimension is wrong, or there is no time dimension.
+    """
+    series, unit_axis = _array(quaternions, 4, "quaternions"), normalized(_array(axis, 3, "axis"))
+    if series.ndim < 2 or len(series) == 0:
+        raise ValueError(f"quaternions must have shape (t, ..., 4) with t at least 1, got {series.shape}")
+    # Batch dimensions that only the axis has go behind the time.
+    missing = max(0, unit_axis.ndim + 1 - series.ndim)
+    series = series.reshape(len(series), *(1,) * missing, *series.shape[1:])
+    before_from_after = quaternion_multiply(quaternion_conjugate(series[:-1]), series[1:])
+    steps = np.sum(rotation_vector(before_from_after) * unit_axis, axis=-1)
+    return np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)])

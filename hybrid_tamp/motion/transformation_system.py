@@ -1,0 +1,153 @@
+"""The transformation system of a movement primitive, a damped spring, and its response to the basis.
+
+The spring is linear, and so is the movement in start, goal and weights: it is a sum of the spring's
+responses to a few inputs. These are integrated once per grid and cached; the rollout of a whole batch is then
+one matrix product. The equations are in :mod:`hybrid_tamp.motion.dmp`.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_acceleration, minimum_jerk_rate
+
+FloatArray = NDArray[np.float64]
+
+
+class TransformationSystem(NamedTuple):
+    """The spring, the canonical system and the basis, without start, goal and weights.
+
+    Attributes:
+        n_weights: number k of basis functions.
+        alpha: damping, per normalised time.
+        beta: stiffness over damping, per normalised time.
+        alpha_phase: decay of the phase s, per normalised time.
+        soft_start: whether the pull to the goal grows as s decays.
+    """
+
+    n_weights: int
+    alpha: float
+    beta: float
+    alpha_phase: float
+    soft_start: bool
+
+    def centres(self) -> FloatArray:
+        """Return the basis functions' centres in s, shape ``(k,)`` (Ijspeert et al. 2013, Sec. 2.1.2)."""
+        # Equally spaced in time, hence geometrically in s.
+        return np.asarray(np.exp(-self.alpha_phase * np.linspace(0.0, 1.0, self.n_weights)))
+
+    def widths(self) -> FloatArray:
+        """Return the factors of ``(s - centre)^2`` in the basis functions' exponents, shape ``(k,)``."""
+        # One centre away from its own, a basis function has fallen to 1 / e.
+        gaps = -np.diff(self.centres()) if self.n_weights > 1 else np.ones(1)
+        return np.asarray(np.append(gaps, gaps[-1])[: self.n_weights] ** -2.0)
+
+    def inputs(self, times: FloatArray) -> FloatArray:
+        """Return the inputs 1, s and ``s psi_i / sum psi`` (Ijspeert et al. 2013, Eq. 2.3).
+
+        Args:
+            times: normalised times, shape ``(...)``.
+
+        Returns:
+            Displacements of the attractor for unit weight, shape ``(..., 2 + k)``.
+        """
+        s = np.exp(-self.alpha_phase * times)[..., None]
+        exponents = -self.widths() * (s - self.centres()) ** 2
+        # Relative to the largest, so that the sum is not 0 where s has left all centres behind.
+        psi = np.exp(exponents - np.max(exponents, axis=-1, keepdims=True))
+        return np.concatenate([np.ones_like(s), s, s * psi / np.sum(psi, axis=-1, keepdims=True)], axis=-1)
+
+    def transition(self, steps: FloatArray) -> FloatArray:
+        """Return the matrices that take ``(y, y')`` over steps without input, the spring's exponential.
+
+        Args:
+            steps: normalised times, shape ``(...)``.
+
+        Returns:
+            Transition matrices, shape ``(..., 2, 2)``.
+        """
+        stiffness = self.alpha * self.beta
+        # With the mean decay split off, the square of the rest is a multiple of the identity, so that its
+        # exponential is cosh and sinh of a root that is 0 for critical and imaginary for weak damping.
+        rest = np.array([[0.5 * self.alpha, 1.0], [-stiffness, -0.5 * self.alpha]])
+        root = np.sqrt(complex(0.25 * self.alpha**2 - stiffness))
+        even = np.cosh(root * steps).real
+        odd = (np.sinh(root * steps) / root).real if root != 0.0 else steps
+        decay = np.exp(-0.5 * self.alpha * steps)
+        return np.asarray((decay * even)[..., None, None] * np.eye(2) + (decay * odd)[..., None, None] * rest)
+
+    def responses_to_inputs(self, times: FloatArray) -> FloatArray:
+        """Return the spring's responses to each of the inputs, from rest at 0.
+
+        Args:
+            times: normalised times from 0 on, ascending, shape ``(t,)``.
+
+        Returns:
+            Values and first and second derivatives, shape ``(t, 3, 2 + k)``.
+        """
+        # The spring itself is exact; the inputs are integrated by Gauss-Legendre quadrature of order 8, on
+        # steps short against basis functions and time constants whatever the caller's grid: all grids agree.
+        fastest = max(8.0 * self.n_weights, 4.0 * self.alpha, 4.0 * self.beta, 4.0 * self.alpha_phase)
+        nodes = np.union1d(np.linspace(0.0, times[-1], int(fastest * times[-1]) + 2), times)
+        steps = np.diff(nodes)
+        abscissas, gauss_weights = np.polynomial.legendre.leggauss(4)
+        offsets = steps[:, None] * (0.5 * abscissas + 0.5)
+        stiffness = self.alpha * self.beta
+        impulses = stiffness * self.transition(steps[:, None] - offsets)[..., 1]
+        inputs = self.inputs(nodes[:-1, None] + offsets)
+        gains = np.einsum("nq,nqc,nqk->nck", 0.5 * steps[:, None] * gauss_weights, impulses, inputs)
+        transitions = self.transition(steps)
+        states = np.zeros((len(nodes), *gains.shape[1:]))
+        for n in range(len(steps)):
+            states[n + 1] = transitions[n] @ states[n] + gains[n]
+        states = states[np.searchsorted(nodes, times)]
+        accelerations = stiffness * (self.inputs(times) - states[:, 0]) - self.alpha * states[:, 1]
+        return np.concatenate([states, accelerations[:, None]], axis=1)
+
+    def combined(self, responses: FloatArray) -> FloatArray:
+        """Return the responses to goal - start and to the weights from those to the inputs.
+
+        Args:
+            responses: responses to the inputs 1, s and ``s psi_i / sum psi``, shape ``(..., 2 + k)``.
+
+        Returns:
+            Responses to ``goal - start``, first, and to the k weights, shape ``(..., 1 + k)``.
+        """
+        pull = responses[..., :1] - self.soft_start * responses[..., 1:2]
+        return np.concatenate([pull, responses[..., 2:]], axis=-1)
+
+
+@lru_cache(maxsize=32)
+def settling_responses(system: TransformationSystem, n_steps: int, n_settle: int) -> FloatArray:
+    """Return the responses on a uniform grid that goes on beyond the end, where they settle.
+
+    How the goal is reached: after the duration the spring goes on for the settling time, and what the inputs
+    that decay with s still displace is faded out by a minimum-jerk profile, so that the movement ends on the
+    goal whatever the weights. The response to the goal itself stays the spring's own; with the default
+    constants it is ``(1 + 12.5 p) exp(-12.5 p)`` from its limit, 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
+
+    Args:
+        system: the spring and its inputs.
+        n_steps: steps in normalised time from 0 to 1.
+        n_settle: steps of the same size beyond 1.
+
+    Returns:
+        Values and first and second derivatives of the responses to ``goal - start`` and to the weights, shape
+        ``(n_steps + n_settle + 1, 3, 1 + k)``; read-only, because it is cached.
+    """
+    times = np.arange(n_steps + n_settle + 1) / n_steps
+    responses = system.responses_to_inputs(times)
+    if n_settle:
+        past, width = (times - 1.0) * n_steps / n_settle, n_settle / n_steps
+        keep = 1.0 - minimum_jerk(past)[:, None]
+        keep_rate = -minimum_jerk_rate(past)[:, None] / width
+        keep_second = -minimum_jerk_acceleration(past)[:, None] / width**2
+        value, rate, second = (responses[:, i, 1:].copy() for i in range(3))
+        responses[:, 0, 1:] = keep * value
+        responses[:, 1, 1:] = keep * rate + keep_rate * value
+        responses[:, 2, 1:] = keep * second + 2.0 * keep_rate * rate + keep_second * value
+    combined = system.combined(responses)
+    combined.flags.writeable = False
+    return combined

@@ -1,0 +1,165 @@
+"""Collects the parameters, conditions and effects of one operator."""
+
+from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
+from hybrid_tamp.symbolic.naming import legal
+from hybrid_tamp.symbolic.operators import Fact, Operator, Typed
+from hybrid_tamp.symbolic.vocabulary import COUNT, Vocabulary, no_value, opposite
+
+
+class ActionBuilder:
+    """One operator in the making. Roles of the new block are variables by their own names."""
+
+    def __init__(self, vocabulary: Vocabulary, name: str, block: Block) -> None:
+        """Begin an operator that takes a token to the block."""
+        self.vocabulary = vocabulary
+        self.name = name
+        self.block = block
+        self._parameters: dict[str, str] = {}
+        self._variables: dict[str, str] = {}
+        self._others: dict[str, str] = {}
+        self._precondition: dict[Fact, None] = {}
+        self._add: dict[Fact, None] = {}
+        self._delete: dict[Fact, None] = {}
+
+    # -- variables ----------------------------------------------------------------------------------------------
+
+    def role(self, role: str) -> str:
+        """Make a role of the new block a parameter, with its guard; return the variable."""
+        if role not in self._variables:
+            self._variables[role] = self._declare(role, self.block.roles[role])
+        return self._variables[role]
+
+    def other(self, block: Block, role: str, unified: dict[str, str] | None = None) -> str:
+        """Return the variable of a role of the old block, or what it is unified with in the new one."""
+        if unified and role in unified:
+            return self._argument(unified[role])
+        if role not in self._others:
+            self._others[role] = self._declare(f"old-{role}", block.roles[role])
+        return self._others[role]
+
+    def _declare(self, role: str, sort: type[ObjectClass] | SymbolSort) -> str:
+        variable = self._fresh(legal(role), self.vocabulary.type_of(sort))
+        for fact in self.vocabulary.guard(variable, sort):
+            self.require(fact)
+        return variable
+
+    def _fresh(self, base: str, type_name: str) -> str:
+        variable, number = f"?{base}", 2
+        while variable in self._parameters:
+            variable, number = f"?{base}-{number}", number + 1
+        self._parameters[variable] = type_name
+        return variable
+
+    def variable(self, role: str) -> str:
+        """Return the variable of a role of the new block that is a parameter already."""
+        return self._variables[role]
+
+    @property
+    def bound(self) -> set[str]:
+        """Roles of the new block that are parameters."""
+        return set(self._variables)
+
+    # -- facts --------------------------------------------------------------------------------------------------
+
+    def require(self, fact: Fact) -> None:
+        """Add a precondition."""
+        self._precondition[fact] = None
+
+    def add(self, fact: Fact) -> None:
+        """Add an effect."""
+        self._add[fact] = None
+
+    def delete(self, fact: Fact) -> None:
+        """Add a delete effect."""
+        self._delete[fact] = None
+
+    def consume(self, fact: Fact) -> None:
+        """Require a fact and delete it."""
+        self.require(fact)
+        self.delete(fact)
+
+    def replace(self, old: Fact, new: Fact) -> None:
+        """Require and delete one fact and add another."""
+        self.consume(old)
+        self.add(new)
+
+    def count_readers(self, token: str, change: int) -> None:
+        """Count one reader of the token more or fewer."""
+        count = self.vocabulary.word(COUNT)
+        now, then = self._fresh("readers", count), self._fresh("readers", count)
+        self.require(("next", now, then) if change > 0 else ("next", then, now))
+        self.replace(("readers", token, now), ("readers", token, then))
+
+    # -- literals -----------------------------------------------------------------------------------------------
+
+    def require_literal(self, literal: Literal) -> None:
+        """Add an entry condition over roles of the new block."""
+        name = literal.predicate.name if literal.positive else opposite(literal.predicate)
+        self.require((self.vocabulary.word(name), *map(self._argument, literal.arguments)))
+
+    def apply_literal(self, literal: Literal) -> None:
+        """Add an exit condition over roles of the new block as an effect."""
+        name, index = self.vocabulary.word(literal.predicate.name), literal.predicate.functional_index
+        if ANY in literal.arguments and index is None:
+            return  # maintained: void when its keeper leaves
+        arguments = [ANY if a == ANY else self._argument(a) for a in literal.arguments]
+        if index is not None:
+            self._clear(literal, name, arguments, index)
+        elif not literal.positive:
+            self.delete((name, *arguments))
+        if literal.positive:
+            self.add((name, *arguments))
+
+    def _clear(self, literal: Literal, name: str, arguments: list[str], index: int) -> None:
+        """Take the old value of a functional predicate away; with nothing set after, the value is none."""
+        key = (name, *arguments[:index], *arguments[index + 1 :])
+        role = f"from-{literal.predicate.functional} {' '.join(key)}"
+        if role not in self._others:
+            sort = literal.predicate.parameters[index].sort
+            variable = self._fresh(f"from-{legal(literal.predicate.functional or '')}", self.vocabulary.type_of(sort))
+            self._others[role] = variable
+            self.consume((name, *arguments[:index], variable, *arguments[index + 1 :]))
+        sets = [
+            other
+            for other in self.block.exit
+            if other.positive
+            and other.predicate is literal.predicate
+            and all(
+                o == a for i, (o, a) in enumerate(zip(other.arguments, literal.arguments, strict=True)) if i != index
+            )
+        ]
+        if not sets:
+            none = self.vocabulary.word(no_value(literal.predicate))
+            self.add((name, *arguments[:index], none, *arguments[index + 1 :]))
+
+    def _argument(self, argument: str) -> str:
+        if argument in self.block.roles:
+            return self.role(argument)
+        return self.vocabulary.word(argument)
+
+    # -- result -------------------------------------------------------------------------------------------------
+
+    @property
+    def roles(self) -> dict[str, int]:
+        """Index of the parameter of each role of the new block."""
+        order = list(self._parameters)
+        return {role: order.index(variable) for role, variable in self._variables.items()}
+
+    @property
+    def old_roles(self) -> dict[str, int]:
+        """Index of the parameter of each role of the old block that is not unified with one of the new."""
+        order = list(self._parameters)
+        return {role: order.index(variable) for role, variable in self._others.items()}
+
+    def build(self) -> Operator:
+        """Return the operator. A fact that is deleted and added stays: effects delete before they add."""
+        parameters: tuple[Typed, ...] = tuple(self._parameters.items())
+        return Operator(
+            self.name,
+            parameters,
+            tuple(self._precondition),
+            tuple(self._add),
+            tuple(fact for fact in self._delete if fact not in self._add),
+        )

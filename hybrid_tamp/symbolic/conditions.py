@@ -1,0 +1,133 @@
+"""Which condition of a block goes into which operator.
+
+A condition goes where all its roles are known: with the anchor and targets only, into `begin`; with one other slot,
+into that slot's `fill`; with several, into the fill of the last of them. A target that a fill's condition mentions is
+bound by the first such fill, and `begin` must agree.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from hybrid_tamp.model.block import Block, Target
+from hybrid_tamp.model.predicate import Literal, SymbolSort
+from hybrid_tamp.symbolic.vocabulary import NONE, Vocabulary, keeper, locked_targets
+
+
+@dataclass(frozen=True, eq=False)
+class Conditions:
+    """Placement of the conditions of one domain's blocks."""
+
+    vocabulary: Vocabulary
+
+    def entry_at_begin(self, block: Block) -> list[Literal]:
+        """Entry conditions on the anchor and targets alone."""
+        return [literal for literal in block.entry if keeper(block, literal.arguments) == block.anchor]
+
+    def entry_at_fill(self, block: Block, slot: str) -> list[Literal]:
+        """Entry conditions whose last other slot is this one; and feasibility known by then, to prune early."""
+        mine = [literal for literal in block.entry if keeper(block, literal.arguments) == slot]
+        known = {slot, block.anchor} | {a for literal in mine for a in literal.arguments}
+        early = [
+            literal
+            for literal in self.entry_at_begin(block)
+            if literal.predicate.static and set(literal.arguments) <= known
+        ]
+        return mine + early
+
+    def exit_at_begin(self, block: Block) -> list[Literal]:
+        """Exit conditions on the anchor and targets alone."""
+        return [literal for literal in block.exit if keeper(block, literal.arguments) == block.anchor]
+
+    def exit_at_fill(self, block: Block, slot: str) -> list[Literal]:
+        """Exit conditions whose last other slot is this one."""
+        return [literal for literal in block.exit if keeper(block, literal.arguments) == slot]
+
+    def bound_by(self, block: Block) -> dict[str, str]:
+        """Return the targets that fills bind, each with the first slot whose fill mentions it."""
+        targets = {target.name for target in block.targets}
+        bound: dict[str, str] = {}
+        for slot in block.others:
+            for literal in self.entry_at_fill(block, slot.name) + self.exit_at_fill(block, slot.name):
+                for argument in literal.arguments:
+                    if argument in targets:
+                        bound.setdefault(argument, slot.name)
+        return bound
+
+    def maintained_by(self, block: Block, slot: str) -> list[Literal]:
+        """Exit conditions that the block's hold maintains and that this slot's token carries."""
+        return [
+            literal
+            for literal in block.exit
+            if literal.predicate.maintained and literal.positive and keeper(block, literal.arguments) == slot
+        ]
+
+    def unified(self, old: Block, slot_before: str, new: Block, slot: str) -> dict[str, str]:
+        """Return roles of the old block that must equal roles of the new one.
+
+        What the old block maintains, e.g. behind(hand, object, region), is known to hold for its own targets only;
+        an entry condition of the new block on the same predicate therefore names the same tokens.
+        """
+        same: dict[str, str] = {}
+        entry = self.entry_at_begin(new) if slot == new.anchor else self.entry_at_fill(new, slot)
+        for kept in self.maintained_by(old, slot_before):
+            for wanted in entry:
+                if wanted.predicate is kept.predicate and wanted.positive:
+                    pairs = dict(zip(kept.arguments, wanted.arguments, strict=True))
+                    if pairs.get(slot_before) == slot:
+                        same |= pairs
+        return same
+
+    def locked(self, block: Block) -> tuple[Target, ...]:
+        """Targets of the block that some block may change."""
+        return locked_targets(self.vocabulary.domain, block)
+
+    @cached_property
+    def none(self) -> str:
+        """The constant that counts no reader."""
+        return self.vocabulary.word(NONE)
+
+    def claimable(self, block: Block, slot: str) -> bool:
+        """Say whether the token in this slot may be the anchor of a block with several slots."""
+        mine = block.slot(slot).object_class
+        return any(
+            other.others
+            and self.vocabulary.domain.relations.can_share_token(mine, other.slot(other.anchor).object_class)
+            for other in self.vocabulary.domain.blocks
+        )
+
+    def _reads(self, block: Block, slot: str) -> Iterator[set[str]]:
+        mine = block.slot(slot).object_class
+        for other in self.vocabulary.domain.blocks:
+            for target in self.locked(other):
+                sort = target.sort
+                if not isinstance(sort, SymbolSort) and self.vocabulary.domain.relations.can_share_token(mine, sort):
+                    yield set(target.reads)
+
+    def readable(self, block: Block, slot: str) -> bool:
+        """Say whether some block may read the token in this slot as a locked target."""
+        return any(True for _ in self._reads(block, slot))
+
+    def disturbs(self, block: Block, slot: str) -> bool:
+        """Say whether the block changes something that a reader of the slot's token reads."""
+        written = set(block.writes.get(slot, ()))
+        return any(written & read for read in self._reads(block, slot))
+
+    def to_keep_apart(self, block: Block, bound: set[str]) -> list[tuple[str, str]]:
+        """Return pairs of a slot and a target that one token could fill both, were it not forbidden.
+
+        Pairs under a common static condition need nothing more: feasibility is computed for different tokens.
+        """
+        pairs = []
+        for slot in block.slots:
+            for target in block.targets:
+                sort = target.sort
+                if isinstance(sort, SymbolSort) or not {slot.name, target.name} <= bound:
+                    continue
+                guarded = any(
+                    literal.predicate.static and literal.positive and {slot.name, target.name} <= set(literal.arguments)
+                    for literal in block.entry
+                )
+                if not guarded and self.vocabulary.domain.relations.can_share_token(slot.object_class, sort):
+                    pairs.append((slot.name, target.name))
+        return pairs

@@ -1,0 +1,145 @@
+"""The planning engines by name: what can be said of one without importing unified_planning.
+
+All of them take plain STRIPS with types as it is. What they answer where there is no plan was found out
+with tasks that are unsolvable by the translator's mutexes, by relaxed reachability, or only by an
+exhaustive search:
+
+==================== ============================================ ====================================
+engine               answers                                      is made
+==================== ============================================ ====================================
+fast-downward, -opt  exit code 11, UNSOLVABLE_PROVEN, in all      unsolvable by its sentence; without
+                     three cases; before release 1.0 exit code    it, not found
+                     12, UNSOLVABLE_INCOMPLETELY, in all three
+symk, -opt           exit code 12, UNSOLVABLE_INCOMPLETELY        unsolvable, if its lower bound on the
+                                                                  cost rose to infinity
+enhsp, -opt          UNSOLVABLE_PROVEN whenever it ends with      unsolvable by its sentence; without
+                     neither a plan nor an error code             it, not found
+pyperplan, -opt      UNSOLVABLE_INCOMPLETELY; it means to say     unsolvable: it returns without a plan
+                     PROVEN, but compares a function with a name  only from an empty open list
+aries                nothing, it tries longer plans for ever      the time limit
+==================== ============================================ ====================================
+
+The searches behind these proofs are complete in the configuration that unified_planning uses:
+``lama-first`` (lazy greedy search; both heuristics prune only what has no relaxed plan),
+``astar(lmcut())``, bidirectional symbolic search without a bound, greedy and weighted A* search with
+additive, maximum or landmark-cut heuristics. Other engines are believed if they say UNSOLVABLE_PROVEN.
+"""
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from types import MappingProxyType
+
+from hybrid_tamp.errors import InputError, Issue
+
+
+@dataclass(frozen=True)
+class Engine:
+    """One planning engine of unified_planning.
+
+    Attributes:
+        module: the module whose presence shows that the engine is installed.
+        install: what to install to get it, as pip takes it.
+        java: whether it needs Java.
+        proofs: sentences of its log, each of which proves that there is no plan; the empty sentence, if
+            its returning without a plan is proof enough; None, if its UNSOLVABLE_PROVEN is to be believed.
+    """
+
+    module: str
+    install: str = "'hybrid-tamp[planners]'"
+    java: bool = False
+    proofs: tuple[str, ...] | None = None
+
+    def proves(self, status: str, log: str) -> bool:
+        """Whether an engine that ended without a plan thereby proved that there is none.
+
+        Args:
+            status: the name of unified_planning's status.
+            log: what the engine logged.
+        """
+        if status not in ("UNSOLVABLE_PROVEN", "UNSOLVABLE_INCOMPLETELY"):
+            return False
+        if self.proofs is None:
+            return status == "UNSOLVABLE_PROVEN"
+        return any(sentence in log for sentence in self.proofs)
+
+
+_FAST_DOWNWARD = Engine(
+    "up_fast_downward",
+    install="up-fast-downward",
+    proofs=("Task is provably unsolvable.", "Completely explored state space -- no solution!"),
+)
+# The lower and the upper bound on the cost of a plan, after no plan was found, both infinite.
+_SYMK = Engine("up_symk", proofs=("BOUND: 2147483647 < 2147483647 [0/",))
+_ENHSP = Engine("up_enhsp", java=True, proofs=("Problem unsolvable", "Unsolvable Problem"))
+_PYPERPLAN = Engine("up_pyperplan", proofs=("",))
+
+ENGINES: Mapping[str, Engine] = MappingProxyType(
+    {
+        "fast-downward": _FAST_DOWNWARD,
+        "fast-downward-opt": _FAST_DOWNWARD,
+        "symk": _SYMK,
+        "symk-opt": _SYMK,
+        "enhsp": _ENHSP,
+        "enhsp-opt": _ENHSP,
+        "pyperplan": _PYPERPLAN,
+        "pyperplan-opt": _PYPERPLAN,
+        "aries": Engine("up_aries"),
+        "lpg": Engine("up_lpg", install="up-lpg"),
+        "tamer": Engine("up_tamer", install="up-tamer"),
+    }
+)
+"""The engines that unified_planning knows by name and that find plans for classical problems."""
+
+# Where unified_planning reads of further engines of the user's.
+_CONFIGURATIONS = ("up.ini", ".up.ini", ".uprc")
+
+
+def known_engines() -> tuple[str, ...]:
+    """Return the names of the engines that need no configuration, installed or not."""
+    return tuple(ENGINES)
+
+
+def check_engine(name: str) -> None:
+    """Check that an engine is there, as far as can be seen without importing unified_planning.
+
+    Besides the known engines there may be ``package.module:ClassName``, a class derived from
+    unified_planning's Engine, and engines of the user's unified_planning configuration.
+
+    Raises:
+        InputError: if the engine is unknown, is not installed, or lacks Java.
+    """
+    engine = ENGINES.get(name)
+    if engine is None:
+        if not _may_exist(name):
+            raise unknown_engine(name, known_engines())
+    elif find_spec(engine.module) is None:
+        raise InputError([Issue("planner", f"{name} is not installed", remedy=f"pip install {engine.install}")])
+    elif engine.java and shutil.which("java") is None:
+        raise InputError(
+            [Issue("planner", f"{name} needs Java, and there is no java on the PATH", remedy="install a Java runtime")]
+        )
+
+
+def unknown_engine(name: str, available: tuple[str, ...]) -> InputError:
+    """Return the error for a name that is no engine's."""
+    remedy = "any other engine of unified_planning is named package.module:ClassName"
+    return InputError([Issue("planner", "a planning engine is wanted", repr(name), available, remedy)])
+
+
+def _may_exist(name: str) -> bool:
+    """Whether a name that is not in the table may still be an engine's."""
+    module, separator, _ = name.partition(":")
+    if separator:
+        return _module_exists(module)
+    return any((Path.home() / file).is_file() for file in _CONFIGURATIONS)
+
+
+def _module_exists(module: str) -> bool:
+    try:
+        return find_spec(module) is not None
+    except (ModuleNotFoundError, ValueError):
+        # A missing parent package, or a name such as '' or 'a..b'.
+        return False

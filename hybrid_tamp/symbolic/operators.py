@@ -1,0 +1,60 @@
+"""Lifted operators and ground problems in plain STRIPS with types: what the encoder makes and planners read.
+
+All names are PDDL names already (`symbolic.naming`); variables begin with a question mark.
+"""
+
+from dataclasses import dataclass, field
+
+Fact = tuple[str, ...]
+"""A predicate's name and its arguments: variables, constants or objects."""
+
+Typed = tuple[str, str]
+"""A name (or ``?variable``) and its type."""
+
+
+@dataclass(frozen=True)
+class Operator:
+    """A lifted STRIPS action; effects delete before they add."""
+
+    name: str
+    parameters: tuple[Typed, ...]
+    precondition: tuple[Fact, ...]
+    add: tuple[Fact, ...]
+    delete: tuple[Fact, ...]
+
+
+@dataclass(frozen=True)
+class PlanningDomain:
+    """What depends on the domain alone, never on one problem's tokens.
+
+    Attributes:
+        name: name of the domain.
+        types: (type, parent) pairs; the root parent is ``object``.
+        constants: domain-wide objects (symbols).
+        predicates: predicate to its typed parameters.
+        operators: the lifted actions.
+        comments: PDDL name to the user's own, where they differ.
+    """
+
+    name: str
+    types: tuple[Typed, ...]
+    constants: tuple[Typed, ...]
+    predicates: tuple[tuple[str, tuple[Typed, ...]], ...]
+    operators: tuple[Operator, ...]
+    comments: tuple[tuple[str, str], ...] = field(default=())
+
+
+@dataclass(frozen=True)
+class PlanningProblem:
+    """A ground problem of a planning domain."""
+
+    name: str
+    domain: PlanningDomain
+    objects: tuple[Typed, ...]
+    init: tuple[Fact, ...]
+    goal: tuple[Fact, ...]
+    comments: tuple[tuple[str, str], ...] = field(default=())
+
+
+PlannedAction = tuple[str, ...]
+"""An operator's name and the objects bound to its parameters, as a planner returns it."""

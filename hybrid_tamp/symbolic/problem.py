@@ -1,0 +1,174 @@
+"""A task as a ground planning problem: objects, the facts read off its continuous state, the goal."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise, permutations
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.facts import facts, static_facts
+from hybrid_tamp.model.predicate import Atom, Predicate
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.symbolic.encoder import EncodedDomain, encode_domain
+from hybrid_tamp.symbolic.naming import Naming, legal
+from hybrid_tamp.symbolic.operators import Fact, PlanningProblem
+from hybrid_tamp.symbolic.vocabulary import COUNT, NONE, locked_targets, no_value, opposite
+
+
+@dataclass(frozen=True, eq=False)
+class Compilation:
+    """A task compiled: its planning problem, with the way back to the user's names."""
+
+    task: Task
+    encoded: EncodedDomain
+    tokens: Naming
+    problem: PlanningProblem
+
+    def name(self, user: str) -> str:
+        """Return the PDDL name of a token or symbol."""
+        return self.tokens.pddl(user) if user in self.task.token_by_name else self.encoded.vocabulary.word(user)
+
+    def user(self, pddl: str) -> str:
+        """Return the user's name of a PDDL object."""
+        return self.tokens.user(pddl) if self.tokens.knows(pddl) else self.encoded.vocabulary.names.user(pddl)
+
+    @cached_property
+    def fact_set(self) -> frozenset[Fact]:
+        """The initial facts."""
+        return frozenset(self.problem.init)
+
+
+def compile_task(task: Task) -> Compilation:
+    """Compile a task to STRIPS.
+
+    Raises:
+        InputError: the goal denies a predicate that changes, which STRIPS goals cannot.
+    """
+    encoded = encode_domain(task.domain)
+    vocabulary = encoded.vocabulary
+    own = {name for name, _ in encoded.planning.predicates}
+    counts = _counts(task)
+    taken = vocabulary.names.all | own | {f"n{i}" for i in range(1, counts + 1)}
+    tokens = Naming((token.name for token in task.tokens), taken)
+    writer = _Writer(task, encoded, tokens, counts)
+    problem = PlanningProblem(
+        name=legal(task.name),
+        domain=encoded.planning,
+        objects=(
+            *((tokens.pddl(t.name), vocabulary.token_type(t)) for t in sorted(task.tokens, key=lambda t: t.name)),
+            *((f"n{i}", vocabulary.word(COUNT)) for i in range(1, counts + 1)),
+        ),
+        init=tuple(sorted(set(writer.init()))),
+        goal=tuple(sorted(set(writer.goal()))),
+        comments=tokens.changed,
+    )
+    return Compilation(task, encoded, tokens, problem)
+
+
+def _counts(task: Task) -> int:
+    """Return how many instances could read one token at once: as many as tokens could anchor them."""
+    anchors = {
+        token
+        for block in task.domain.blocks
+        if locked_targets(task.domain, block)
+        for token in task.values_of(block.slot(block.anchor).object_class)
+    }
+    return len(anchors)
+
+
+class _Writer:
+    """Writes initial facts and goal of one task in the words of its encoded domain."""
+
+    def __init__(self, task: Task, encoded: EncodedDomain, tokens: Naming, counts: int) -> None:
+        self.task = task
+        self.vocabulary = encoded.vocabulary
+        self.used = {name for name, _ in encoded.planning.predicates}
+        self.tokens = tokens
+        self.counts = counts
+
+    def name(self, user: str) -> str:
+        return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.word(user)
+
+    def fact(self, atom: Atom) -> Fact:
+        return (self.vocabulary.word(atom.predicate), *map(self.name, atom.arguments))
+
+    def init(self) -> Iterator[Fact]:
+        """Yield the initial facts, of those predicates that the domain has."""
+        static, changing = static_facts(self.task), facts(self.task)
+        yield from map(self.fact, static | changing)
+        yield from self._guards()
+        yield from self._no_values(changing)
+        yield from self._denials(static)
+        yield from (fact for fact in self._assignment() if fact[0] in self.used)
+
+    def _guards(self) -> Iterator[Fact]:
+        for token in self.task.tokens:
+            for member in token.classes:
+                if member is not TOKEN:
+                    yield from self.vocabulary.guard(self.tokens.pddl(token.name), member)
+
+    def _no_values(self, changing: frozenset[Atom]) -> Iterator[Fact]:
+        """A functional predicate without a value has the value 'none'."""
+        for predicate in self.task.domain.predicates:
+            index = predicate.functional_index
+            if index is None:
+                continue
+            valued = {a.arguments[:index] + a.arguments[index + 1 :] for a in changing if a.predicate == predicate.name}
+            for others in self._tuples(predicate, skip=index):
+                if others not in valued:
+                    names = list(map(self.name, others))
+                    names.insert(index, self.vocabulary.word(no_value(predicate)))
+                    yield (self.vocabulary.word(predicate.name), *names)
+
+    def _denials(self, static: frozenset[Atom]) -> Iterator[Fact]:
+        for predicate in self.vocabulary.denied:
+            for names in self._tuples(predicate):
+                if Atom(predicate.name, names) not in static:
+                    yield (self.vocabulary.word(opposite(predicate)), *map(self.name, names))
+
+    def _tuples(self, predicate: Predicate, skip: int | None = None) -> Iterator[tuple[str, ...]]:
+        """Yield the names of every well-typed tuple of arguments, without the skipped one."""
+        tuples: list[tuple[str, ...]] = [()]
+        for index, parameter in enumerate(predicate.parameters):
+            if index != skip:
+                values = self.task.values_of(parameter.sort)
+                tuples = [(*t, v if isinstance(v, str) else v.name) for t in tuples for v in values]
+        return iter(tuples)
+
+    def _assignment(self) -> Iterator[Fact]:
+        none = self.vocabulary.word(NONE)
+        yield ("idle",)
+        for token in self.task.assigned:
+            name = self.tokens.pddl(token.name)
+            block = self.task.assignment.get(token.name, self.task.domain.resting)
+            yield (f"in-{legal(block)}", name)
+            yield from ((word, name) for word in ("settled", "unclaimed", "completed"))
+            yield ("readers", name, none)
+        steps = [none, *(f"n{i}" for i in range(1, self.counts + 1))]
+        yield from (("next", one, more) for one, more in pairwise(steps))
+        yield from self._distinct()
+
+    def _distinct(self) -> Iterator[Fact]:
+        if "distinct" in self.used:
+            names = [self.tokens.pddl(token.name) for token in self.task.tokens]
+            yield from (("distinct", one, other) for one, other in permutations(names, 2))
+
+    def goal(self) -> Iterator[Fact]:
+        """Yield the goal: the user's atoms, and that no reassignment or bounded block is left half done."""
+        for atom in self.task.goal:
+            if not atom.positive:
+                raise InputError([Issue("goal", f"'{atom}': a goal says what holds", remedy="ask for its opposite")])
+            yield self.fact(atom)
+        yield ("idle",)
+        for token in self.task.assigned:
+            yield from self._at_ease(token)
+
+    def _at_ease(self, token: Token) -> Iterator[Fact]:
+        blocks = self.task.domain.blocks
+        anchored = [block for block in blocks if token.is_member(block.slot(block.anchor).object_class)]
+        if any(block.others for block in anchored):
+            yield ("unclaimed", self.tokens.pddl(token.name))
+        if any(not block.hold for block in anchored):
+            yield ("completed", self.tokens.pddl(token.name))

@@ -1,0 +1,199 @@
+"""A timeline back to plan actions, so that any task plan, wherever it came from, can be judged by PDDL validators.
+
+Parameters that a timeline does not show (old values, counts) are found by applying the actions one by one. Where no
+operator fits, or its conditions do not hold, the action is written all the same, so that a validator refuses the plan.
+"""
+
+from collections.abc import Iterator
+
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.encoder import Meaning
+from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction
+from hybrid_tamp.symbolic.problem import Compilation
+
+NO_ACTION = "no-such-reassignment"
+
+
+def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
+    """Return the actions that make the timeline's reassignments, in the order of its instants.
+
+    A timeline in which a token is nowhere, or in two places, is no sequence of reassignments; each such token gives
+    an action that does not exist.
+    """
+    torn = [token.name for token in compilation.task.assigned if not _tiles(plan, token.name)]
+    facts = set(compilation.problem.init)
+    operators = {operator.name: operator for operator in compilation.problem.domain.operators}
+    actions: list[PlannedAction] = [(NO_ACTION,) for _ in torn]
+    for wanted in _reassignments(compilation.task, plan):
+        action = _concrete(compilation, operators, wanted, facts)
+        actions.append(action)
+        if action[0] in operators:
+            operator = operators[action[0]]
+            binding = dict(zip((v for v, _ in operator.parameters), action[1:], strict=True))
+            facts -= {_ground(fact, binding) for fact in operator.delete}
+            facts |= {_ground(fact, binding) for fact in operator.add}
+    return actions
+
+
+def _tiles(plan: TaskPlan, token: str) -> bool:
+    """Say whether the instances of a token follow each other without gap or overlap from start to end."""
+    spans = [(instance.start, instance.end) for instance, _ in plan.timeline(token)]
+    joints = [0.0, *(end for _, end in spans)]
+    starts = [*(start for start, _ in spans), plan.makespan]
+    return bool(spans) and all(map(at, joints, starts))
+
+
+_Wanted = tuple[str, str, str, tuple[str, str] | None, frozenset[str], dict[str, str]]
+"""kind, block, slot, (block, slot) before, slots of the source that move along, roles."""
+
+
+def _reassignments(task: Task, plan: TaskPlan) -> Iterator[_Wanted]:
+    for time in plan.instants:
+        starting = [i for i in plan.instances if at(i.start, time) and time > plan.instants[0]]
+        for group in _in_order(task, plan, _groups(plan, starting)):
+            yield from _group(task, plan, group)
+
+
+def _before(plan: TaskPlan, instance: BlockInstance, token: str) -> tuple[BlockInstance, str] | None:
+    """Return where the token was before it entered the instance."""
+    timeline = plan.timeline(token)
+    index = next(i for i, (other, _) in enumerate(timeline) if other is instance)
+    return timeline[index - 1] if index else None
+
+
+def _groups(plan: TaskPlan, starting: list[BlockInstance]) -> list[list[BlockInstance]]:
+    """Group starting instances that take their tokens from a common ending one."""
+    groups: list[tuple[set[str], list[BlockInstance]]] = []
+    for instance in starting:
+        sources = {b[0].name for t in instance.slots.values() if (b := _before(plan, instance, t))} | {instance.name}
+        joined = [group for group in groups if group[0] & sources]
+        members = [member for _, group in joined for member in group]
+        groups = [group for group in groups if group not in joined]
+        groups.append((sources.union(*(names for names, _ in joined)), [*members, instance]))
+    return [group for _, group in groups]
+
+
+def _in_order(task: Task, plan: TaskPlan, groups: list[list[BlockInstance]]) -> list[list[BlockInstance]]:
+    """Among reassignments of one instant, those that free a target come before those that change or read it."""
+    ordered: list[list[BlockInstance]] = []
+    waiting = list(groups)
+    while waiting:
+        free = [g for g in waiting if not any(_frees(task, plan, other, g) for other in waiting if other is not g)]
+        chosen = (free or waiting)[0]
+        waiting.remove(chosen)
+        ordered.append(chosen)
+    return ordered
+
+
+def _frees(task: Task, plan: TaskPlan, first: list[BlockInstance], second: list[BlockInstance]) -> bool:
+    """Say whether `first` ends an instance in conflict with one that `second` starts."""
+    ended = [b[0] for i in first for token in i.slots.values() if (b := _before(plan, i, token))]
+    return any(
+        set(old.targets.values()) & set(new.slots.values()) or set(old.slots.values()) & set(new.targets.values())
+        for old in ended
+        for new in second
+    )
+
+
+def _group(task: Task, plan: TaskPlan, group: list[BlockInstance]) -> Iterator[_Wanted]:
+    blocks = task.domain.block_by_name
+    several = [i for i in group if len(blocks[i.block].slots) > 1]
+    single = [i for i in group if i not in several]
+    anchored: list[BlockInstance] = []
+    for instance in several:
+        block = blocks[instance.block]
+        sources = {s: _before(plan, instance, t) for s, t in instance.slots.items()}
+        for slot in block.others:
+            if slot.name in sources:
+                yield _wanted("fill", instance, slot.name, sources[slot.name], frozenset())
+        home = sources.get(block.anchor)
+        moved = {b[1] for s, b in sources.items() if b and home and s != block.anchor and b[0] is home[0]}
+        yield _wanted("begin", instance, block.anchor, home, frozenset(moved))
+    for instance in single:
+        source = _before(plan, instance, next(iter(instance.slots.values())))
+        if source is None or source[1] == blocks[source[0].block].anchor:
+            anchored.append(instance)
+            yield _wanted("begin", instance, blocks[instance.block].anchor, source, frozenset())
+    leaving = [(_before(plan, i, next(iter(i.slots.values()))), i) for i in single if i not in anchored]
+    order = {slot.name: n for block in task.domain.blocks for n, slot in enumerate(block.slots)}
+    for source, instance in sorted(leaving, key=lambda pair: order[pair[0][1]] if pair[0] else 0):
+        yield _wanted("leave", instance, blocks[instance.block].anchor, source, frozenset())
+
+
+def _wanted(
+    kind: str,
+    instance: BlockInstance,
+    slot: str,
+    source: tuple[BlockInstance, str] | None,
+    moved: frozenset[str],
+) -> _Wanted:
+    before = (source[0].block, source[1]) if source else None
+    return (kind, instance.block, slot, before, moved, instance.roles)
+
+
+def _concrete(
+    compilation: Compilation, operators: dict[str, Operator], wanted: _Wanted, facts: set[Fact]
+) -> PlannedAction:
+    """Return the first applicable action that does what is wanted, else one that cannot be applied."""
+    kind, block, slot, before, moved, roles = wanted
+    unfit: PlannedAction = (NO_ACTION,)
+    for name, meaning in compilation.encoded.meanings.items():
+        if (meaning.kind, meaning.block, meaning.slot, meaning.source) != (kind, block, slot, before):
+            continue
+        if kind == "begin" and not _moves(name, moved):
+            continue
+        binding = _known(compilation, operators[name], meaning, roles)
+        full = _complete(operators[name], binding, facts)
+        if full is not None:
+            return (name, *(full[variable] for variable, _ in operators[name].parameters))
+        unfit = (NO_ACTION, name)
+    return unfit[:1]
+
+
+def _moves(name: str, moved: frozenset[str]) -> bool:
+    return all(f"with-{slot}" in name for slot in moved) and name.count("-with-") == len(moved)
+
+
+def _known(compilation: Compilation, operator: Operator, meaning: Meaning, roles: dict[str, str]) -> dict[str, str]:
+    variables = [variable for variable, _ in operator.parameters]
+    return {variables[index]: compilation.name(roles[role]) for role, index in meaning.roles.items() if role in roles}
+
+
+def _complete(operator: Operator, binding: dict[str, str], facts: set[Fact]) -> dict[str, str] | None:
+    """Bind the remaining parameters so that every precondition is a fact; None if that cannot be."""
+    return _match(list(operator.precondition), binding, facts)
+
+
+def _match(conditions: list[Fact], binding: dict[str, str], facts: set[Fact]) -> dict[str, str] | None:
+    if not conditions:
+        return binding
+    # Most constrained first: the condition with the fewest open variables.
+    conditions = sorted(conditions, key=lambda c: sum(a.startswith("?") and a not in binding for a in c[1:]))
+    first, rest = _ground(conditions[0], binding), conditions[1:]
+    if not any(argument.startswith("?") for argument in first):
+        return _match(rest, binding, facts) if first in facts else None
+    for fact in sorted(facts):
+        extended = _unify(first, fact, binding)
+        if extended is not None:
+            found = _match(rest, extended, facts)
+            if found is not None:
+                return found
+    return None
+
+
+def _unify(pattern: Fact, fact: Fact, binding: dict[str, str]) -> dict[str, str] | None:
+    if pattern[0] != fact[0] or len(pattern) != len(fact):
+        return None
+    extended = dict(binding)
+    for wanted, value in zip(pattern[1:], fact[1:], strict=True):
+        if wanted.startswith("?"):
+            if extended.setdefault(wanted, value) != value:
+                return None
+        elif wanted != value:
+            return None
+    return extended
+
+
+def _ground(fact: Fact, binding: dict[str, str]) -> Fact:
+    return (fact[0], *(binding.get(argument, argument) for argument in fact[1:]))

@@ -1,0 +1,154 @@
+"""Order to time: one simple temporal network gives the instants at which blocks abut.
+
+Its events are the reassignments. An instance with a hold lasts at least as long as expected, one without exactly so
+long; blocks that must wait for a bounded one hold, bounded ones shift right. Instances of which one reads or needs
+what the other changes keep the order that the plan gives them. The earliest times are the longest paths.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import networkx as nx
+import numpy as np
+
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.decoder import OrderedInstance
+
+Constraint = tuple[int, int, float, str]
+"""Event j comes at least so many seconds after event i; the reason."""
+
+
+class InfeasibleScheduleError(ValueError):
+    """No times satisfy the plan's order and durations; the message names the cycle."""
+
+
+def schedule(task: Task, instances: Sequence[OrderedInstance], actions: tuple[str, ...] = ()) -> TaskPlan:
+    """Return the plan with the earliest times.
+
+    Args:
+        task: the task.
+        instances: instances in the order in which they begin.
+        actions: the plan's PDDL lines, kept with it.
+
+    Raises:
+        InfeasibleScheduleError: the durations contradict the order.
+    """
+    final = max(i.begin for i in instances) + 1
+    ends = [final if i.end is None else i.end for i in instances]
+    constraints = [*_durations(task, instances, ends), *_conflicts(task, instances, ends)]
+    constraints += [(0, event, 0.0, "the plan begins") for event in range(1, final + 1)]
+    constraints += [(event, final, 0.0, "the plan ends") for event in range(final)]
+    times = _earliest(constraints)
+    timed = [
+        instance.timed(times[instance.begin], times[end], _guesses(task, instances, instance))
+        for instance, end in zip(instances, ends, strict=True)
+    ]
+    return TaskPlan(tuple(sorted(timed, key=lambda i: (i.start, i.end, i.name))), times[final], actions)
+
+
+def _guesses(task: Task, instances: Sequence[OrderedInstance], instance: OrderedInstance) -> dict[str, float]:
+    block = task.domain.block_by_name[instance.block]
+    binding = task.bind({**instance.slots, **instance.targets})
+    guesses = block.guesses(binding, _state_before(task, instances, instance))
+    return {name: float(value) for name, value in guesses.items()}
+
+
+def _durations(task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int]) -> Iterator[Constraint]:
+    for instance, end in zip(instances, ends, strict=True):
+        block = task.domain.block_by_name[instance.block]
+        expected = _expected(task, block, instance, instances)
+        yield (instance.begin, end, expected, f"{instance.name} lasts {expected:.2f} s")
+        if not block.hold:
+            yield (end, instance.begin, -expected, f"{instance.name} lasts {expected:.2f} s")
+
+
+def _expected(task: Task, block: Block, instance: OrderedInstance, instances: Sequence[OrderedInstance]) -> float:
+    binding = task.bind({**instance.slots, **instance.targets})
+    state = _state_before(task, instances, instance)
+    expected = block.duration.expected(binding, state, block.guesses(binding, state))
+    return float(np.clip(expected, block.duration.minimum, block.duration.maximum))
+
+
+def _state_before(task: Task, instances: Sequence[OrderedInstance], instance: OrderedInstance) -> State:
+    """Estimate the state in which an instance begins: what earlier ones brought to a place is there."""
+    state = task.state
+    for earlier in instances:
+        if earlier.end is None or earlier.end > instance.begin:
+            continue
+        block = task.domain.block_by_name[earlier.block]
+        roles = {**earlier.slots, **earlier.targets}
+        for literal in block.exit:
+            index = literal.predicate.functional_index
+            if literal.positive and index is not None and len(literal.arguments) == 2:
+                thing, place = roles.get(literal.arguments[1 - index]), roles.get(literal.arguments[index])
+                if thing in task.token_by_name and place in task.token_by_name and task.token_by_name[place].place:
+                    height = state[thing, "position"][..., 2]
+                    position = state[place, "position"].copy()
+                    position[..., 2] = height
+                    state = state.replace({(thing, "position"): position})
+    return state
+
+
+def _conflicts(task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int]) -> Iterator[Constraint]:
+    """Keep the plan's order where one instance reads or needs what another changes."""
+    for one, (first, first_end) in enumerate(zip(instances, ends, strict=True)):
+        for second in instances[one + 1 :]:
+            if second.begin < first_end:
+                continue
+            if _touch(task, first, second) or _touch(task, second, first):
+                yield (first_end, second.begin, 0.0, f"{second.name} after {first.name}")
+    yield from _needs(task, instances, ends)
+
+
+def _touch(task: Task, writer: OrderedInstance, reader: OrderedInstance) -> bool:
+    """Say whether the writer changes a property that the reader reads of a target."""
+    writes = task.domain.block_by_name[writer.block].writes
+    for target in task.domain.block_by_name[reader.block].targets:
+        for slot, token in writer.slots.items():
+            if reader.targets[target.name] == token and set(writes.get(slot, ())) & set(target.reads):
+                return True
+    return False
+
+
+def _needs(task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int]) -> Iterator[Constraint]:
+    """An entry condition waits for what made it true, and comes before what may change it."""
+    effects = [_atoms(task, i, "exit") for i in instances]
+    for index, instance in enumerate(instances):
+        for atom in _atoms(task, instance, "entry"):
+            makers = [j for j in range(index) if ends[j] <= instance.begin and _changes(effects[j], atom)]
+            if makers:
+                maker = makers[-1]
+                yield (ends[maker], instance.begin, 0.0, f"{instance.name} needs {atom} of {instances[maker].name}")
+            for later in range(index + 1, len(instances)):
+                if instances[later].begin > instance.begin and _changes(effects[later], atom):
+                    reason = f"{instances[later].name} may change {atom}"
+                    yield (instance.begin, instances[later].begin, 0.0, reason)
+
+
+def _atoms(task: Task, instance: OrderedInstance, side: str) -> list[Atom]:
+    block = task.domain.block_by_name[instance.block]
+    roles = task.bind({**instance.slots, **instance.targets})
+    literals = block.entry if side == "entry" else block.exit
+    return [literal.ground(roles) for literal in literals if not literal.predicate.static]
+
+
+def _changes(effects: Sequence[Atom], atom: Atom) -> bool:
+    return any(effect.matches(Atom(atom.predicate, atom.arguments)) for effect in effects)
+
+
+def _earliest(constraints: Sequence[Constraint]) -> list[float]:
+    """Return the earliest time of each event: the longest path from event 0."""
+    graph: nx.DiGraph[int] = nx.DiGraph()
+    for source, target, least, reason in constraints:
+        if not graph.has_edge(source, target) or -least < graph[source][target]["weight"]:
+            graph.add_edge(source, target, weight=-least, reason=reason)
+    try:
+        lengths = nx.single_source_bellman_ford_path_length(graph, 0)
+    except nx.NetworkXUnbounded as error:
+        cycle = nx.find_negative_cycle(graph, 0)
+        reasons = [graph[i][j]["reason"] for i, j in zip(cycle, cycle[1:], strict=False)]
+        raise InfeasibleScheduleError("these cannot all be so: " + "; ".join(dict.fromkeys(reasons))) from error
+    return [-lengths[event] + 0.0 for event in sorted(lengths)]

@@ -1,0 +1,152 @@
+"""Where the parts of a file stand, and the faults found in them.
+
+A part is named by its path, e.g. ``("tokens", "drum", "pose")``. A fault makes its part unsound; what reads a part
+asks first, so that one fault is not reported again by everything that depends on it.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from hybrid_tamp.errors import InputError, Issue
+
+KeyPath = tuple[str | int, ...]
+"""Keys and indices from the root of a file to one of its parts."""
+
+_LONGEST = 60
+
+
+@dataclass(frozen=True, order=True)
+class Mark:
+    """A place in a text, counted from 1, columns in characters."""
+
+    line: int = 1
+    column: int = 1
+
+
+def mark_of(text: str, offset: int) -> Mark:
+    """Return the place of a character; lines end as in YAML 1.2: CR, LF or both."""
+    before = text[:offset].replace("\r\n", "\n").replace("\r", "\n")
+    return Mark(before.count("\n") + 1, len(before) - before.rfind("\n"))
+
+
+class Faults:
+    """The places of a file's parts and the faults found so far.
+
+    Attributes:
+        source: the file's name as messages show it.
+        keys: path to the place of its key.
+        values: path to the place of its value.
+        written: path to a number, truth value or null as the file writes it.
+    """
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.keys: dict[KeyPath, Mark] = {}
+        self.values: dict[KeyPath, Mark] = {}
+        self.written: dict[KeyPath, str] = {}
+        self._found: dict[tuple[Mark, Issue], None] = {}
+        self._faulty: set[KeyPath] = set()
+        self._above: set[KeyPath] = set()
+        self._unreadable: set[KeyPath] = set()
+
+    def add(
+        self,
+        mark: Mark,
+        wanted: str,
+        came: str = "",
+        available: Iterable[str] = (),
+        remedy: str = "",
+    ) -> None:
+        """Note a fault at a place."""
+        where = f"{self.source}:{mark.line}:{mark.column}"
+        self._found[mark, Issue(where, wanted, came, tuple(available), remedy)] = None
+
+    def at(
+        self,
+        path: KeyPath,
+        wanted: str,
+        came: str = "",
+        available: Iterable[str] = (),
+        remedy: str = "",
+        *,
+        key: bool = False,
+    ) -> None:
+        """Note a fault of a part, at its key if `key`; of a part that is missing, at what should hold it."""
+        if any(prefix in self._unreadable for prefix in _prefixes(path)):
+            return
+        self._taint(path)
+        self.add(self.mark(path, key=key), wanted, came, available, remedy)
+
+    def unreadable(self, path: KeyPath) -> None:
+        """Declare that the value of a part could not be read; nothing more is said about it."""
+        self._taint(path)
+        self._unreadable.add(path)
+
+    def sound(self, path: KeyPath) -> bool:
+        """Say whether no fault was found in the part, within it or in what holds it as a whole."""
+        return path not in self._above and not any(prefix in self._faulty for prefix in _prefixes(path))
+
+    def mark(self, path: KeyPath, *, key: bool = False) -> Mark:
+        """Return the place of a part, or of the nearest one above it that is there."""
+        if path in self.values:
+            return self.keys.get(path, self.values[path]) if key else self.values[path]
+        while path:
+            path = path[:-1]
+            if path in self.values:
+                return self.keys.get(path, self.values[path])
+        return Mark()
+
+    def shown(self, path: KeyPath, value: Any) -> str:
+        """Return a value as messages show it: as the file writes it, shortened."""
+        return _cut(self.written[path]) if path in self.written else shown(value)
+
+    @property
+    def issues(self) -> tuple[Issue, ...]:
+        """All faults in the order of the file."""
+        return tuple(issue for _, issue in sorted(self._found, key=lambda found: found[0]))
+
+    def raise_if_any(self) -> None:
+        """Raise what was found.
+
+        Raises:
+            InputError: at least one fault was found.
+        """
+        if self._found:
+            raise InputError(self.issues)
+
+    def _taint(self, path: KeyPath) -> None:
+        self._faulty.add(path)
+        self._above.update(_prefixes(path))
+
+
+def _prefixes(path: KeyPath) -> list[KeyPath]:
+    return [path[:length] for length in range(len(path) + 1)]
+
+
+def shown(value: Any) -> str:
+    """Return a value as messages show it, e.g. ``'drum'`` or ``[0, 0, 0]``."""
+    if isinstance(value, str):
+        return repr(_cut(value))
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        plain = len(value) <= 6 and not any(isinstance(item, dict | list) for item in value)
+        return f"[{', '.join(map(shown, value))}]" if plain else f"a list of {len(value)}"
+    return _cut(str(value))
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
+def subject(path: KeyPath) -> str:
+    """Return how messages call a part: its key, with the index where it stands in a list."""
+    if not path:
+        return "a task file"
+    last = path[-1]
+    return f"{subject(path[:-1])}[{last}]" if isinstance(last, int) else last
