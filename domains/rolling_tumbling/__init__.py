@@ -13,14 +13,14 @@ from ..common.reaching import reaching
 from ..common.resting import RESTING
 from .classes import Rollable
 from .metrics import metrics
-from .predicates import BEHIND, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN, WITHIN_WORKSPACE
+from .predicates import BEHIND, LIES_ON_SIDE, ON_ROLLING_LINE, INSIDE, WITHIN_WORKSPACE
 from .rolling import REACH_BEHIND, ROLLING
 
 DOMAIN = Domain(
     name="rolling_tumbling",
     classes=(StaticEndEffector, Rollable, Region),
     disjoint=((StaticEndEffector, Rollable),),
-    predicates=(AT_REST, WITHIN, BEHIND, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE),
+    predicates=(AT_REST, INSIDE, BEHIND, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE),
     blocks=(reaching(REACH_BEHIND), ROLLING, RESTING),
     network=ReassignmentNetwork(
         [

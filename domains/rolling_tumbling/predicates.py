@@ -18,7 +18,7 @@ _TILT_TOLERANCE = np.sin(np.radians(3.0))
 _STANDBY_TOLERANCE = 0.025
 
 
-def _inside(state: State, thing: Token, region: Token) -> FloatArray:
+def _depth(state: State, thing: Token, region: Token) -> FloatArray:
     offset = (state[thing, "position"] - state[region, "position"])[..., :2]
     return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
 
@@ -50,15 +50,15 @@ def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
     return np.min([np.minimum(p - lower, upper - p).min(axis=-1) for p in (start, end, top)], axis=0)
 
 
-WITHIN = Predicate(
-    "within",
+INSIDE = Predicate(
+    "inside",
     (_OBJECT, _REGION),
-    _inside,
+    _depth,
     unit="m",
     scale=0.01,
     reads={"object": ("position",), "region": ("position",)},
     functional="region",
-    description="{object} is within {region}",
+    description="{object} is inside {region}",
 )
 BEHIND = Predicate(
     "behind",

@@ -30,7 +30,7 @@ from ..common.reaching import ReachGoal
 from ..common.servos import damping, force_on, position_servo
 from .classes import Rollable
 from .geometry import UP, dot, standby, touching, way
-from .predicates import BEHIND, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN, WITHIN_WORKSPACE
+from .predicates import BEHIND, LIES_ON_SIDE, ON_ROLLING_LINE, INSIDE, WITHIN_WORKSPACE
 
 _GRAVITY = 9.81
 _APPROACH_GAIN = 4.0
@@ -130,7 +130,7 @@ ROLLING = Block(
     anchor="object",
     targets=(Target("region", Region),),
     entry=(*_FEASIBLE, BEHIND("hand", "object", "region"), AT_REST("object")),
-    exit=(~WITHIN("object", ANY), WITHIN("object", "region"), AT_REST("object"), AT_REST("hand")),
+    exit=(~INSIDE("object", ANY), INSIDE("object", "region"), AT_REST("object"), AT_REST("hand")),
     writes={
         "hand": ("position", "velocity"),
         "object": ("position", "orientation", "velocity", "angular_velocity"),

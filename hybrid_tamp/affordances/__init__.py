@@ -1,0 +1,1 @@
+"""QUESTIONS about a task, above the verbs: why is there no plan?"""

@@ -155,7 +155,6 @@ class ClassRelations:
         if is_place(one) != is_place(other):
             return False
         return not any(
-            any(issubclass(one, member) for member in group)
-            and any(issubclass(other, member) for member in group)
+            any(issubclass(one, member) for member in group) and any(issubclass(other, member) for member in group)
             for group in self._groups
         )

@@ -60,9 +60,7 @@ def _blocks(domain: "Domain") -> Iterator[Issue]:
         for name in sorted({name for name in names if names.count(name) > 1}):
             yield Issue(f"{block.name}.{name}", "slots and targets of a block need different names")
         if block.anchor not in {slot.name for slot in block.slots}:
-            yield Issue(
-                block.name, "the anchor must be a slot of the block", repr(block.anchor), tuple(names)
-            )
+            yield Issue(block.name, "the anchor must be a slot of the block", repr(block.anchor), tuple(names))
         for slot in block.slots:
             if is_place(slot.object_class):
                 yield Issue(
@@ -109,9 +107,7 @@ def _conditions(domain: "Domain") -> Iterator[Issue]:
             where = f"{block.name}: {literal}"
             if id(literal.predicate) not in known:
                 names = tuple(sorted(predicate.name for predicate in domain.predicates))
-                yield Issue(
-                    where, "a condition uses a predicate of the domain", literal.predicate.name, names
-                )
+                yield Issue(where, "a condition uses a predicate of the domain", literal.predicate.name, names)
             yield from _arguments(block, literal, where)
         for literal in block.entry:
             if not literal.positive and not literal.predicate.static:
@@ -127,9 +123,7 @@ def _conditions(domain: "Domain") -> Iterator[Issue]:
 def _arguments(block: Block, literal: Literal, where: str) -> Iterator[Issue]:
     parameters = literal.predicate.parameters
     if len(parameters) != len(literal.arguments):
-        yield Issue(
-            where, f"{literal.predicate.name} takes {len(parameters)} arguments", str(len(literal.arguments))
-        )
+        yield Issue(where, f"{literal.predicate.name} takes {len(parameters)} arguments", str(len(literal.arguments)))
         return
     for parameter, argument in zip(parameters, literal.arguments, strict=True):
         if argument == ANY:
@@ -143,18 +137,14 @@ def _arguments(block: Block, literal: Literal, where: str) -> Iterator[Issue]:
                     remedy="change the class of the slot or the condition",
                 )
         elif not (isinstance(parameter.sort, SymbolSort) and argument in parameter.sort.symbols):
-            yield Issue(
-                where, "an argument is a slot, a target or a symbol", repr(argument), tuple(block.roles)
-            )
+            yield Issue(where, "an argument is a slot, a target or a symbol", repr(argument), tuple(block.roles))
 
 
 def _exit(block: Block, literal: Literal) -> Iterator[Issue]:
     predicate = literal.predicate
     where = f"{block.name}: {literal}"
     if predicate.static:
-        yield Issue(
-            where, "a static predicate cannot be an exit condition", remedy="drop 'static' or the condition"
-        )
+        yield Issue(where, "a static predicate cannot be an exit condition", remedy="drop 'static' or the condition")
     wild = [i for i, argument in enumerate(literal.arguments) if argument == ANY]
     if literal.positive and wild:
         yield Issue(where, "only negative exit conditions have wildcards")

@@ -77,9 +77,7 @@ def _instances(task: Task, plan: TaskPlan) -> Iterator[Violation]:
     names = [instance.name for instance in plan.instances]
     for instance in plan.instances:
         block = task.domain.block_by_name[instance.block]
-        yield from (
-            Violation(2, instance.start, instance.name, said) for said in _typing(task, block, instance)
-        )
+        yield from (Violation(2, instance.start, instance.name, said) for said in _typing(task, block, instance))
         if instance.end - instance.start <= TIME_TOLERANCE:
             yield Violation(4, instance.start, instance.name, "the instance has length zero")
         if names.count(instance.name) > 1:
@@ -94,9 +92,7 @@ def _typing(task: Task, block: Block, instance: BlockInstance) -> Iterator[str]:
         yield f"needs the targets {sorted(t.name for t in block.targets)}, has {sorted(instance.targets)}"
     for role, name in instance.roles.items():
         sort = block.roles.get(role)
-        if sort is not None and name not in {
-            v if isinstance(v, str) else v.name for v in task.values_of(sort)
-        }:
+        if sort is not None and name not in {v if isinstance(v, str) else v.name for v in task.values_of(sort)}:
             yield f"{name} in {role} is not of {sort.name}"
     tokens = [name for name in instance.roles.values() if name in task.token_by_name]
     if len(set(tokens)) < len(tokens):
@@ -134,13 +130,9 @@ def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
         length = instance.end - instance.start
         cut = block.hold and at(instance.end, plan.makespan) and not block.exit
         if length < block.duration.minimum - TIME_TOLERANCE and not cut:
-            yield Violation(
-                6, instance.start, instance.name, f"lasts {length:.3f} s < {block.duration.minimum} s"
-            )
+            yield Violation(6, instance.start, instance.name, f"lasts {length:.3f} s < {block.duration.minimum} s")
         if not block.hold and length > block.duration.maximum + TIME_TOLERANCE:
-            yield Violation(
-                6, instance.end, instance.name, f"lasts {length:.3f} s > {block.duration.maximum} s"
-            )
+            yield Violation(6, instance.end, instance.name, f"lasts {length:.3f} s > {block.duration.maximum} s")
 
 
 def _targets(task: Task, plan: TaskPlan) -> Iterator[Violation]:
@@ -150,11 +142,7 @@ def _targets(task: Task, plan: TaskPlan) -> Iterator[Violation]:
             name = reader.targets.get(target.name)
             for writer, slot in plan.timeline(name) if name is not None else ():
                 written = task.domain.block_by_name[writer.block].writes.get(slot, ())
-                if (
-                    set(written) & set(target.reads)
-                    and writer.name != reader.name
-                    and writer.overlaps(reader)
-                ):
+                if set(written) & set(target.reads) and writer.name != reader.name and writer.overlaps(reader):
                     said = f"its target {name} is changed by {writer.name}"
                     yield Violation(5, max(reader.start, writer.start), reader.name, said)
 

@@ -63,8 +63,7 @@ class State:
         tokens = tuple(tokens)
         layout = StateLayout.of(tokens)
         values = np.concatenate(
-            [np.asarray(varying.default, dtype=float) for t in tokens for varying in t.varying]
-            or [np.zeros(0)]
+            [np.asarray(varying.default, dtype=float) for t in tokens for varying in t.varying] or [np.zeros(0)]
         )
         return cls(layout, values).replace(given)
 

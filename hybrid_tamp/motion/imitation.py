@@ -16,7 +16,7 @@ SETTLE = 0.1
 """Settling time after a movement, as a part of its duration."""
 
 _SMOOTHNESS = 3e-3
-_END_EMPHASIS = np.array([[30.0], [3.0]])
+_END_EMPHASIS = np.array([[300.0], [30.0]])
 
 
 def fitted_weights(system: TransformationSystem, demonstrations: Sequence[Demonstration]) -> FloatArray:
@@ -33,7 +33,7 @@ def fitted_weights(system: TransformationSystem, demonstrations: Sequence[Demons
     Returns:
         Weights [m], shape ``(k, d)``.
     """
-    equations = [_equations(system, *demonstration) for demonstration in demonstrations]
+    equations = [_equations(system, demonstration) for demonstration in demonstrations]
     design, target = (np.concatenate(rows) for rows in zip(*equations, strict=True))
     # A basis function acts through s, at its centre. In units of that, the forcing term is asked to be
     # smooth, so weakly that it shows only where the samples are fewer than the weights.
@@ -45,10 +45,9 @@ def fitted_weights(system: TransformationSystem, demonstrations: Sequence[Demons
     return np.asarray(solution / centres[:, None])
 
 
-def _equations(
-    system: TransformationSystem, time: FloatArray, positions: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _equations(system: TransformationSystem, demonstration: Demonstration) -> tuple[FloatArray, FloatArray]:
     """Return the design matrix ``(n, k)`` and the targets ``(n, d)`` of one demonstration."""
+    time, positions = demonstration
     # It is held at its end for the settling time, so that what is faded out then is as good as at rest.
     n_held = max(2, round(SETTLE * len(time)))
     normalised = np.minimum((time - time[0]) / (time[-1] - time[0]), 1.0)
@@ -57,7 +56,7 @@ def _equations(
     span = positions[-1] - positions[0]
     responses = system.combined(system.responses_to_inputs(normalised))
     target = held - positions[0] - responses[:, 0, :1] * span
-    # Position and velocity at the very end count more: there the hand comes to what it reaches for.
+    # Position and velocity at the very end count for as good as fixed: there is what the hand reaches for.
     at_end = responses[len(time) - 1, :2]
     end_target = (np.array([[1.0], [0.0]]) - at_end[:, :1]) * span
     design = np.concatenate([responses[:, 0, 1:], _END_EMPHASIS * at_end[:, 1:]])

@@ -6,6 +6,7 @@ one matrix product. The equations are in :mod:`hybrid_tamp.motion.dmp`.
 """
 
 from functools import lru_cache
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -57,7 +58,8 @@ class TransformationSystem(NamedTuple):
         exponents = -self.widths() * (s - self.centres()) ** 2
         # Relative to the largest, so that the sum is not 0 where s has left all centres behind.
         psi = np.exp(exponents - np.max(exponents, axis=-1, keepdims=True))
-        return np.concatenate([np.ones_like(s), s, s * psi / np.sum(psi, axis=-1, keepdims=True)], axis=-1)
+        psi *= s / np.sum(psi, axis=-1, keepdims=True)
+        return np.concatenate([np.ones_like(s), s, psi], axis=-1)
 
     def transition(self, steps: FloatArray) -> FloatArray:
         """Return the matrices that take ``(y, y')`` over steps without input, the spring's exponential.
@@ -78,32 +80,46 @@ class TransformationSystem(NamedTuple):
         decay = np.exp(-0.5 * self.alpha * steps)
         return np.asarray((decay * even)[..., None, None] * np.eye(2) + (decay * odd)[..., None, None] * rest)
 
+    def driven(self, begins: FloatArray, steps: FloatArray) -> FloatArray:
+        """Return what the inputs make of a spring at rest within short steps.
+
+        Args:
+            begins: normalised times at which the steps begin, shape ``(n,)``.
+            steps: lengths of the steps in normalised time, shape ``(n,)``.
+
+        Returns:
+            Values and first derivatives at the ends of the steps, for each input, shape ``(n, 2, 2 + k)``.
+        """
+        # Gauss-Legendre quadrature of order 8 of the exact response to an impulse.
+        abscissas, weights = np.polynomial.legendre.leggauss(4)
+        offsets = steps[:, None] * (0.5 * abscissas + 0.5)
+        impulses = self.alpha * self.beta * self.transition(steps[:, None] - offsets)[..., 1]
+        weighted = (0.5 * steps[:, None] * weights)[..., None] * impulses
+        return np.asarray(np.swapaxes(weighted, 1, 2) @ self.inputs(begins[:, None] + offsets))
+
     def responses_to_inputs(self, times: FloatArray) -> FloatArray:
         """Return the spring's responses to each of the inputs, from rest at 0.
 
         Args:
-            times: normalised times from 0 on, ascending, shape ``(t,)``.
+            times: normalised times from 0 on, shape ``(t,)``.
 
         Returns:
             Values and first and second derivatives, shape ``(t, 3, 2 + k)``.
         """
-        # The spring itself is exact; the inputs are integrated by Gauss-Legendre quadrature of order 8, on
-        # steps short against basis functions and time constants whatever the caller's grid: all grids agree.
-        fastest = max(8.0 * self.n_weights, 4.0 * self.alpha, 4.0 * self.beta, 4.0 * self.alpha_phase)
-        nodes = np.union1d(np.linspace(0.0, times[-1], int(fastest * times[-1]) + 2), times)
-        steps = np.diff(nodes)
-        abscissas, gauss_weights = np.polynomial.legendre.leggauss(4)
-        offsets = steps[:, None] * (0.5 * abscissas + 0.5)
-        stiffness = self.alpha * self.beta
-        impulses = stiffness * self.transition(steps[:, None] - offsets)[..., 1]
-        inputs = self.inputs(nodes[:-1, None] + offsets)
-        gains = np.einsum("nq,nqc,nqk->nck", 0.5 * steps[:, None] * gauss_weights, impulses, inputs)
-        transitions = self.transition(steps)
-        states = np.zeros((len(nodes), *gains.shape[1:]))
-        for n in range(len(steps)):
-            states[n + 1] = transitions[n] @ states[n] + gains[n]
-        states = states[np.searchsorted(nodes, times)]
-        accelerations = stiffness * (self.inputs(times) - states[:, 0]) - self.alpha * states[:, 1]
+        # The nodes are close against basis functions and time constants and do not depend on the times asked
+        # for, each of which is one more step from the node before it: thus all grids agree.
+        density = max(8 * self.n_weights, ceil(4.0 * max(self.alpha, self.beta, self.alpha_phase)))
+        nodes = np.arange(ceil(density * np.max(times)) + 1) / density
+        steps = np.full(len(nodes), 1.0 / density)
+        at_nodes = np.zeros((len(nodes), 2, 2 + self.n_weights))
+        transition = self.transition(steps[0])
+        for n, gain in enumerate(self.driven(nodes, steps)[:-1]):
+            at_nodes[n + 1] = transition @ at_nodes[n] + gain
+        before = np.minimum((times * density).astype(np.intp), len(nodes) - 1)
+        rest = times - nodes[before]
+        states = self.transition(rest) @ at_nodes[before] + self.driven(nodes[before], rest)
+        pull = self.inputs(times) - states[:, 0]
+        accelerations = self.alpha * self.beta * pull - self.alpha * states[:, 1]
         return np.concatenate([states, accelerations[:, None]], axis=1)
 
     def combined(self, responses: FloatArray) -> FloatArray:
@@ -119,7 +135,7 @@ class TransformationSystem(NamedTuple):
         return np.concatenate([pull, responses[..., 2:]], axis=-1)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=16)
 def settling_responses(system: TransformationSystem, n_steps: int, n_settle: int) -> FloatArray:
     """Return the responses on a uniform grid that goes on beyond the end, where they settle.
 

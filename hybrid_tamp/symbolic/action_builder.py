@@ -8,14 +8,26 @@ from hybrid_tamp.symbolic.operators import Fact, Operator, Typed
 from hybrid_tamp.symbolic.vocabulary import COUNT, Vocabulary, no_value, opposite
 
 
+Same = dict[str, type[ObjectClass] | SymbolSort]
+
+
 class ActionBuilder:
     """One operator in the making. Roles of the new block are variables by their own names."""
 
-    def __init__(self, vocabulary: Vocabulary, name: str, block: Block) -> None:
-        """Begin an operator that takes a token to the block."""
+    def __init__(self, vocabulary: Vocabulary, name: str, block: Block, same: Same | None = None) -> None:
+        """Begin an operator that takes a token to the block.
+
+        Args:
+            vocabulary: the words of the domain.
+            name: the operator's name.
+            block: the block that the token goes to.
+            same: role of the block to the class that the same token has in a role of the block that it leaves; the
+                variable gets the narrower type of the two.
+        """
         self.vocabulary = vocabulary
         self.name = name
         self.block = block
+        self._same = same or {}
         self._parameters: dict[str, str] = {}
         self._variables: dict[str, str] = {}
         self._others: dict[str, str] = {}
@@ -28,7 +40,10 @@ class ActionBuilder:
     def role(self, role: str) -> str:
         """Make a role of the new block a parameter, with its guard; return the variable."""
         if role not in self._variables:
-            self._variables[role] = self._declare(role, self.block.roles[role])
+            sort = self.block.roles[role]
+            self._variables[role] = self._declare(role, self.vocabulary.narrower(sort, self._same.get(role, sort)))
+            for fact in self.vocabulary.guard(self._variables[role], sort):
+                self.require(fact)
         return self._variables[role]
 
     def other(self, block: Block, role: str, unified: dict[str, str] | None = None) -> str:

@@ -22,7 +22,7 @@ from itertools import combinations
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import SlotName
-from hybrid_tamp.symbolic.action_builder import ActionBuilder
+from hybrid_tamp.symbolic.action_builder import ActionBuilder, Same
 from hybrid_tamp.symbolic.conditions import Conditions
 from hybrid_tamp.symbolic.naming import legal
 from hybrid_tamp.symbolic.operators import Operator, PlanningDomain
@@ -109,10 +109,10 @@ class _Encoder:
             if old is new or slot_before == old.anchor:
                 return
             name += f"-{legal(slot_before)}"
-        action = ActionBuilder(self.vocabulary, name, new)
+        unified = self.conditions.unified(old, slot_before, new, slot)
+        action = ActionBuilder(self.vocabulary, name, new, self._same(old, slot_before, slot, unified))
         action.require(("idle",))
         token, anchor = action.role(slot), action.role(new.anchor)
-        unified = self.conditions.unified(old, slot_before, new, slot)
         self._leave_slot(action, old, slot_before, token, unified, anchor)
         self._claim(action, new, slot)
         for literal in self.conditions.entry_at_fill(new, slot):
@@ -170,10 +170,10 @@ class _Encoder:
 
     def _begin(self, old: Block, new: Block, moved: tuple[str, ...]) -> tuple[Operator, Meaning]:
         name = "-".join(["begin", legal(new.name), "from", legal(old.name), *(f"with-{legal(s)}" for s in moved)])
-        action = ActionBuilder(self.vocabulary, name, new)
+        unified = self.conditions.unified(old, old.anchor, new, new.anchor)
+        action = ActionBuilder(self.vocabulary, name, new, self._same(old, old.anchor, new.anchor, unified))
         action.require(("idle",))
         anchor = action.role(new.anchor)
-        unified = self.conditions.unified(old, old.anchor, new, new.anchor)
         self._leave_anchor(action, old, anchor, unified)
         rest = tuple(slot.name for slot in old.others if slot.name not in moved)
         for slot in old.others:
@@ -240,7 +240,7 @@ class _Encoder:
     def _leave(self, old: Block, slot: str, new: Block, rest: tuple[str, ...]) -> tuple[Operator, Meaning]:
         parts = ["leave", legal(old.name), legal(slot), "to", legal(new.name)]
         name = "-".join(parts + [f"before-{legal(other)}" for other in rest[1:]])
-        action = ActionBuilder(self.vocabulary, name, new)
+        action = ActionBuilder(self.vocabulary, name, new, self._same(old, slot, new.anchor, {}))
         token = action.role(new.anchor)
         if self.conditions.claimable(old, slot):
             action.require(("unclaimed", token))
@@ -256,6 +256,12 @@ class _Encoder:
             action.require_literal(literal)
         self._enter(action, old, slot, new)
         return action.build(), self._meaning("leave", action, new, new.anchor, old, slot)
+
+    @staticmethod
+    def _same(old: Block, slot_before: str, slot: str, unified: dict[str, str]) -> Same:
+        """Return the classes that roles of the new block have in the old one."""
+        pairs = {**unified, slot_before: slot}
+        return {new: old.roles[role] for role, new in pairs.items() if role in old.roles}
 
     # -- leaving the old block ------------------------------------------------------------------------------------
 

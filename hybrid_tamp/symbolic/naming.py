@@ -55,6 +55,7 @@ _KEYWORDS = frozenset(
         "all",
         "always",
         "sometime",
+        "within",
         "at-most-once",
         "sometime-after",
         "sometime-before",

@@ -20,6 +20,9 @@ from hybrid_tamp.symbolic.decoder import OrderedInstance
 Constraint = tuple[int, int, float, str]
 """Event j comes at least so many seconds after event i; the reason."""
 
+_TICK = 1e-3
+"""Times are whole ticks [s]: sums of floats would turn a cycle of length zero into an endless one."""
+
 
 class InfeasibleScheduleError(ValueError):
     """No times satisfy the plan's order and durations; the message names the cycle."""
@@ -140,15 +143,16 @@ def _changes(effects: Sequence[Atom], atom: Atom) -> bool:
 
 
 def _earliest(constraints: Sequence[Constraint]) -> list[float]:
-    """Return the earliest time of each event: the longest path from event 0."""
+    """Return the earliest time of each event [s]: the longest path from event 0."""
     graph: nx.DiGraph[int] = nx.DiGraph()
     for source, target, least, reason in constraints:
-        if not graph.has_edge(source, target) or -least < graph[source][target]["weight"]:
-            graph.add_edge(source, target, weight=-least, reason=reason)
+        ticks = round(least / _TICK)
+        if not graph.has_edge(source, target) or -ticks < graph[source][target]["weight"]:
+            graph.add_edge(source, target, weight=-ticks, reason=reason)
     try:
         lengths = nx.single_source_bellman_ford_path_length(graph, 0)
     except nx.NetworkXUnbounded as error:
         cycle = nx.find_negative_cycle(graph, 0)
         reasons = [graph[i][j]["reason"] for i, j in zip(cycle, cycle[1:], strict=False)]
         raise InfeasibleScheduleError("these cannot all be so: " + "; ".join(dict.fromkeys(reasons))) from error
-    return [-lengths[event] + 0.0 for event in sorted(lengths)]
+    return [round(-lengths[event] * _TICK, 6) for event in sorted(lengths)]

@@ -82,6 +82,20 @@ class Vocabulary:
         above = [c for c in sort.__mro__ if c in self.typed]
         return self.word(above[0].name) if above else (ROOT if is_place(sort) else self.word(TOKEN.name))
 
+    def narrower(
+        self, one: type[ObjectClass] | SymbolSort, other: type[ObjectClass] | SymbolSort
+    ) -> type[ObjectClass] | SymbolSort:
+        """Return the one of two classes of a token whose PDDL type lies below the other's, else the first."""
+        if isinstance(one, SymbolSort) or isinstance(other, SymbolSort):
+            return one
+        below = dict(self.types)
+        parent: str | None = self.type_of(other)
+        while parent is not None:
+            if parent == self.type_of(one):
+                return other
+            parent = below.get(parent)
+        return one
+
     def guard(self, variable: str, sort: type[ObjectClass] | SymbolSort) -> Iterator[Fact]:
         """Yield the unary fact that guards a variable whose class is no type."""
         if not isinstance(sort, SymbolSort) and sort not in self.typed:

@@ -1,11 +1,11 @@
 """The planner's own process: ``python -m hybrid_tamp.symbolic.worker DIRECTORY``.
 
-It imports unified_planning at once, while its parent is still reading the task, then takes one request, a
-line of JSON, from standard input, solves it, and leaves its answer in ``DIRECTORY/reply.json``. Standard
-input stays open for as long as the parent lives: where it ends, everything started here ends with it.
+It imports unified_planning at once, while its parent still reads the task. Then it takes one request, a
+line of JSON, from standard input, solves it, and leaves its reply in ``DIRECTORY/reply.json``. Standard
+input stays open for as long as the parent lives; when it ends, everything that was started here ends too.
 
-Engines print what they like; the parent turns both output streams into a log. An exception is left to the
-log, too: a worker that ends without an answer has crashed.
+Engines print what they like: the parent makes a log of both output streams. An exception goes there as
+well, and a worker that ends without a reply has crashed.
 """
 
 import json
@@ -15,42 +15,84 @@ import signal
 import sys
 import threading
 import traceback
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
-from types import FrameType, ModuleType
 from typing import Any, NoReturn
 
-from hybrid_tamp.symbolic.engines import Engine, ENGINES
 from hybrid_tamp.symbolic.operators import Operator, PlanningDomain, PlanningProblem
-from hybrid_tamp.symbolic.unified import UnifiedProblem, original_plan, simplify_for, unify
+from hybrid_tamp.symbolic.processes import adopt_orphans, kill_descendants
+from hybrid_tamp.symbolic.solving import Solver
 
 REPLY = "reply.json"
-LOG_TAIL = 2000
-"""How much of an engine's log goes into a message [characters]."""
 
 
 def main(directory: Path) -> NoReturn:
     """Answer one request and leave."""
-    signal.signal(signal.SIGTERM, _stop)
-    _adopt_orphans()
+    signal.signal(signal.SIGTERM, lambda number, frame: _leave(1))
+    adopt_orphans()
     code = 1
     try:
-        engines = _warm_up()
+        solver = Solver()
         line = sys.stdin.buffer.readline()
-        if line:
-            threading.Thread(target=_outlive_nobody, args=(directory,), daemon=True).start()
-            _write(directory / REPLY, _answer(json.loads(line), engines))
+        if not line:
+            _abandon(directory)
+        threading.Thread(target=_watch_parent, args=(directory,), daemon=True).start()
+        request = json.loads(line)
+        # A Java engine would sooner take more memory than tidy up what it has.
+        os.environ["JAVA_TOOL_OPTIONS"] = f"{os.environ.get('JAVA_TOOL_OPTIONS', '')} -Xmx{request['memory']}m"
+        _write(directory / REPLY, solver.reply(decoded_problem(request["problem"]), request["engine"]))
         code = 0
-    except Exception:  # noqa: BLE001 the process's outermost boundary: an engine may raise anything
+    except Exception:  # noqa: BLE001 the outermost boundary: engines raise anything, and the log shows it
         traceback.print_exc()
     _leave(code)
 
 
-def _answer(request: Mapping[str, Any], engines: Mapping[str, tuple[str, str]]) -> dict[str, Any]:
-    """Return the reply to a request: status, actions, message and what else the status needs."""
-    name = request["engine"]
-    # A Java engine would rather take more memory than collect its garbage.
-    os.environ["JAVA_TOOL_OPTIONS"] = f"{os.environ.get('JAVA_TOOL_OPTIONS', '')} -Xmx{request['memory']}m"
-    factory = _factory()
-    ...
+def decoded_problem(data: Mapping[str, Any]) -> PlanningProblem:
+    """Return the planning problem from its JSON form, in which tuples are lists."""
+    fields = {key: _tuples(value) for key, value in data.items() if key != "domain"}
+    domain = {key: _tuples(value) for key, value in data["domain"].items()}
+    domain["operators"] = tuple(Operator(**each) for each in domain["operators"])
+    return PlanningProblem(domain=PlanningDomain(**domain), **fields)
+
+
+def _tuples(value: Any) -> Any:
+    """Return the value with tuples for lists."""
+    if isinstance(value, dict):
+        return {key: _tuples(each) for key, each in value.items()}
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
+
+
+def _watch_parent(directory: Path) -> NoReturn:
+    """Wait until the parent is gone, however it went."""
+    sys.stdin.buffer.read()
+    _abandon(directory)
+
+
+def _abandon(directory: Path) -> NoReturn:
+    """End everything and leave no trace: nobody else will."""
+    kill_descendants()
+    # The main thread may be writing there.
+    shutil.rmtree(directory, ignore_errors=True)
+    os._exit(1)
+
+
+def _leave(code: int) -> NoReturn:
+    """End this process and everything that it started, at once.
+
+    Without the interpreter's own end, which waits for the threads of engines and takes its time.
+    """
+    kill_descendants()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
+
+
+def _write(path: Path, reply: Mapping[str, Any]) -> None:
+    """Write the reply to a temporary name and rename it: half a reply is never read."""
+    temporary = path.with_suffix(".part")
+    temporary.write_text(json.dumps(reply), encoding="utf-8")
+    temporary.replace(path)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

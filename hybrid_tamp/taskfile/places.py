@@ -142,11 +142,3 @@ def shown(value: Any) -> str:
 
 def _cut(text: str) -> str:
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
-
-
-def subject(path: KeyPath) -> str:
-    """Return how messages call a part: its key, with the index where it stands in a list."""
-    if not path:
-        return "a task file"
-    last = path[-1]
-    return f"{subject(path[:-1])}[{last}]" if isinstance(last, int) else last

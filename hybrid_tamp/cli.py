@@ -1,0 +1,322 @@
+"""The command line: arguments, printing, exit codes. Nothing heavy is imported before it is needed."""
+
+import json
+import logging
+import sys
+from collections.abc import Callable
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from hybrid_tamp.errors import HybridTampError, InputError, Issue
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from hybrid_tamp.model.task import Task
+
+app = typer.Typer(
+    name="hybrid-tamp",
+    help="Plan a manipulation task, export its PDDL, run it in physics, or learn why it cannot be done.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+TaskArgument = Annotated[str, typer.Argument(metavar="TASK", help="a YAML task file, or the name of a bundled one")]
+JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON document and nothing else")]
+PlannerOption = Annotated[str | None, typer.Option("--planner", metavar="NAME", help="planning engine")]
+SeedOption = Annotated[int | None, typer.Option("--seed", min=0, help="seed of everything random")]
+TimeOption = Annotated[float | None, typer.Option("--time-limit", min=0.001, help="of the planner [s]")]
+MemoryOption = Annotated[float | None, typer.Option("--memory-limit", min=1, help="of the planner [MiB]")]
+ForceOption = Annotated[bool, typer.Option("--force", help="replace another run in the output folder")]
+
+
+class Document(str, Enum):
+    """Documents whose JSON Schema can be printed."""
+
+    task = "task"
+    plan = "plan"
+    result = "result"
+
+
+@app.callback()
+def _options(
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log what is done to standard error")] = False,
+) -> None:
+    level = logging.INFO if verbose else logging.WARNING
+    logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s", stream=sys.stderr)
+
+
+@app.command()
+def check(task: TaskArgument, as_json: JsonOption = False) -> None:
+    """Check a task file: every fault at once, each with its place and what would be right."""
+    loaded = _load(task)
+    summary = {
+        "schema": "hybrid-tamp/check/1",
+        "task": loaded.name,
+        "domain": loaded.domain.name,
+        "tokens": len(loaded.tokens),
+        "goal": [str(atom) for atom in loaded.goal],
+        "status": "ok",
+    }
+    _say(summary, as_json, lambda: f"{loaded.source}: ok, {len(loaded.tokens)} tokens of {loaded.domain.name}")
+
+
+@app.command()
+def plan(
+    task: TaskArgument,
+    as_json: JsonOption = False,
+    planner: PlannerOption = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for plan.json and PDDL")] = None,
+    force: ForceOption = False,
+    seed: SeedOption = None,
+    time_limit: TimeOption = None,
+    memory_limit: MemoryOption = None,
+) -> None:
+    """Plan a task; show the checked plan, or why there is none."""
+    from hybrid_tamp.symbolic.planner import PlannerProcess
+
+    # The planner's process warms up while the task file is read.
+    with PlannerProcess() as process:
+        loaded = _adjusted(_load(task), planner, seed, time_limit, memory_limit)
+        from hybrid_tamp import pipeline
+        from hybrid_tamp.report.folder import RunFolder
+
+        folder = RunFolder.create(output, force=force) if output else None
+        outcome = pipeline.plan(loaded, process)
+    if folder:
+        pipeline.save_plan(outcome, folder)
+    if as_json:
+        _print_json(outcome.document.dump())
+    elif outcome.plan is not None:
+        from hybrid_tamp.report.tables import plan_table
+
+        _show(plan_table(outcome.document))
+        seconds = outcome.document.planner.seconds
+        typer.echo(f"{len(outcome.plan.actions)} actions, {outcome.plan.makespan:.2f} s, planned in {seconds:.2f} s")
+    if outcome.error is not None:
+        _explain(outcome.document.explanation, as_json)
+        raise typer.Exit(outcome.error.exit_status)
+
+
+@app.command()
+def pddl(
+    task: TaskArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="folder for domain.pddl and problem.pddl")],
+    as_json: JsonOption = False,
+    force: ForceOption = False,
+) -> None:
+    """Write the task as PDDL that any planner reads."""
+    loaded = _load(task)
+    from hybrid_tamp import pipeline
+    from hybrid_tamp.report.folder import RunFolder
+
+    files = [str(path) for path in pipeline.export(loaded, RunFolder.create(output, force=force))]
+    document = {"schema": "hybrid-tamp/pddl/1", "task": loaded.name, "files": files}
+    _say(document, as_json, lambda: "\n".join(files))
+
+
+@app.command()
+def run(
+    task: TaskArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="folder for the files of the run")],
+    as_json: JsonOption = False,
+    planner: PlannerOption = None,
+    backend: Annotated[str, typer.Option("--backend", metavar="NAME", help="physics backend")] = "pybullet",
+    video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="draw a video")] = None,
+    force: ForceOption = False,
+    seed: SeedOption = None,
+    time_limit: TimeOption = None,
+    memory_limit: MemoryOption = None,
+) -> None:
+    """Plan a task and carry the plan out in physics; record it and judge it."""
+    from hybrid_tamp.symbolic.planner import PlannerProcess
+
+    with PlannerProcess() as process:
+        loaded = _adjusted(_load(task), planner, seed, time_limit, memory_limit)
+        from hybrid_tamp import pipeline
+        from hybrid_tamp.report.folder import RunFolder
+        from hybrid_tamp.report.progress import progress_bar
+
+        folder = RunFolder.create(output, force=force)
+        with progress_bar() as progress:
+            outcome = pipeline.run(loaded, folder, planner=process, backend=backend, video=video, progress=progress)
+    document = outcome.document
+    if as_json:
+        _print_json(document.dump())
+    else:
+        from hybrid_tamp.report.tables import plan_table, result_table
+
+        _show(plan_table(outcome.plan.document))
+        _show(result_table(document))
+        if video:
+            typer.echo(f"video: {video}")
+        typer.echo(f"files: {output}")
+    if document.failure is not None:
+        typer.echo(f"step {document.failure.step}, {document.failure.instance}: {document.failure.reason}", err=True)
+    for breach in document.law:
+        typer.echo(f"the recording breaks {breach}", err=True)
+    if not document.success or document.law:
+        typer.echo("The plan was run and the goal was not reached.", err=True)
+        raise typer.Exit(40)
+    if not as_json:
+        typer.echo(f"The goal was reached after {document.sim_seconds:.2f} s of simulated time.")
+
+
+@app.command()
+def replay(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="the folder that a run left")],
+    as_json: JsonOption = False,
+) -> None:
+    """Run the recorded commands again and say whether the same happened, bit for bit."""
+    from hybrid_tamp import pipeline
+
+    report = pipeline.replay(directory)
+    document = {"schema": "hybrid-tamp/replay/1", "directory": str(directory), **report.document()}
+    _say(document, as_json, report.sentence)
+    if not report.identical:
+        raise typer.Exit(40)
+
+
+@app.command()
+def domains(as_json: JsonOption = False) -> None:
+    """List the domains that are installed."""
+    from hybrid_tamp.taskfile.domains import available_domains, find_domain
+
+    found = [find_domain(name) for name in available_domains()]
+    if as_json:
+        _print_json(
+            {
+                "schema": "hybrid-tamp/domains/1",
+                "domains": [
+                    {
+                        "name": domain.name,
+                        "description": domain.description,
+                        "classes": [c.name for c in domain.classes],
+                        "blocks": [b.name for b in domain.blocks],
+                        "predicates": [p.name for p in domain.predicates],
+                    }
+                    for domain in found
+                ],
+            }
+        )
+        return
+    from hybrid_tamp.report.tables import domains_table
+
+    _show(domains_table(found))
+
+
+@app.command()
+def schema(
+    document: Annotated[Document, typer.Argument(help="which document")] = Document.task,
+    reference: Annotated[bool, typer.Option("--reference", help="a reference page in Markdown instead")] = False,
+) -> None:
+    """Print the JSON Schema of task files, or of the documents that are printed and written."""
+    if document is not Document.task:
+        from hybrid_tamp.report.documents import json_schemas
+
+        _print_json(json_schemas()[f"{document.value}-1"])
+        return
+    from hybrid_tamp.taskfile.domains import available_domains, find_domain
+    from hybrid_tamp.taskfile.schema import json_schema, reference_page
+
+    found = [find_domain(name) for name in available_domains()]
+    if reference:
+        typer.echo(reference_page(found), nl=False)
+    else:
+        _print_json(json_schema(found))
+
+
+def _load(text: str) -> "Task":
+    from hybrid_tamp.taskfile.loader import load_task
+    from hybrid_tamp.taskfile.places import find_task_file
+
+    return load_task(find_task_file(text))
+
+
+def _adjusted(
+    task: "Task", planner: str | None, seed: int | None, time_limit: float | None, memory_limit: float | None
+) -> "Task":
+    """Return the task with what the command line says in place of what the file says."""
+    from dataclasses import replace
+
+    limits = replace(
+        task.limits,
+        time=task.limits.time if time_limit is None else time_limit,
+        memory=task.limits.memory if memory_limit is None else memory_limit,
+    )
+    return task.replaced(planner=planner or task.planner, seed=task.seed if seed is None else seed, limits=limits)
+
+
+def _say(document: dict[str, Any], as_json: bool, sentence: Callable[[], str]) -> None:
+    if as_json:
+        _print_json(document)
+    else:
+        typer.echo(sentence())
+
+
+def _print_json(document: dict[str, Any]) -> None:
+    typer.echo(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def _show(renderable: "RenderableType") -> None:
+    from rich.console import Console
+
+    Console(highlight=False, markup=False).print(renderable)
+
+
+def _explain(explanation: Any, as_json: bool) -> None:
+    if explanation is None or as_json:
+        return
+    from rich.console import Console
+
+    from hybrid_tamp.report.tables import explanation_text
+
+    Console(stderr=True, highlight=False, markup=False).print(explanation_text(explanation))
+
+
+def _report(error: HybridTampError, as_json: bool) -> None:
+    """Print an error: for people on standard error, for programs as one JSON document as well."""
+    typer.echo(str(error), err=True)
+    if as_json:
+        issues: tuple[Issue, ...] = error.issues if isinstance(error, InputError) else ()
+        _print_json(
+            {
+                "schema": "hybrid-tamp/error/1",
+                "error": type(error).__name__,
+                "status": error.exit_status,
+                "message": str(error),
+                "issues": [{**issue.__dict__, "message": str(issue)} for issue in issues],
+            }
+        )
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return its exit status."""
+    words = sys.argv[1:] if arguments is None else arguments
+    usage_error = typer.BadParameter.__mro__[1]  # UsageError of whichever click typer brings
+    try:
+        status = app(args=words, prog_name="hybrid-tamp", standalone_mode=False)
+    except HybridTampError as error:
+        _report(error, "--json" in words)
+        return error.exit_status
+    except usage_error as error:
+        message = error.format_message() if hasattr(error, "format_message") else str(error)
+        typer.echo(f"hybrid-tamp: {message}; see 'hybrid-tamp --help'", err=True)
+        return InputError.exit_status
+    except (KeyboardInterrupt, typer.Abort):
+        typer.echo("interrupted", err=True)
+        return 130
+    except BrokenPipeError:
+        # The reader of our output went away, e.g. `| head`; nothing is left to say to it.
+        sys.stderr.close()
+        return 0
+    return int(status or 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,92 @@
+"""What happens in a run, as it happens: one JSON document a line."""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Literal, TextIO
+
+from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.recording import AtomMargin
+
+
+@dataclass(frozen=True)
+class Event:
+    """One thing that happened.
+
+    Attributes:
+        time: when, in simulated time [s].
+        event: what.
+        instance: the instance that it happened to; None where it concerns the run.
+        ending: instances that end in a reassignment.
+        starting: instances that start in a reassignment.
+        hyperparameters: those that the instance uses.
+        margins: entry conditions at a beginning, exit conditions at an end, what does not hold at a failure.
+        reason: why a run failed; empty otherwise.
+    """
+
+    time: float
+    event: Literal["begin", "end", "reassignment", "failure", "goal"]
+    instance: BlockInstance | None = None
+    ending: tuple[str, ...] = ()
+    starting: tuple[str, ...] = ()
+    hyperparameters: Mapping[str, float] = field(default_factory=dict)
+    margins: tuple[AtomMargin, ...] = ()
+    reason: str = ""
+
+    def document(self) -> dict[str, Any]:
+        """Return the event as JSON data, every event with the same keys."""
+        instance = self.instance
+        return {
+            "time": self.time,
+            "event": self.event,
+            "instance": instance and instance.name,
+            "block": instance and instance.block,
+            "slots": dict(instance.slots) if instance else {},
+            "targets": dict(instance.targets) if instance else {},
+            "hyperparameters": {name: _finite(value) for name, value in self.hyperparameters.items()},
+            "margins": [
+                {"atom": margin.atom, "measured": _finite(margin.measured), "holds": margin.holds}
+                for margin in self.margins
+            ],
+            "ending": list(self.ending),
+            "starting": list(self.starting),
+            "reason": self.reason,
+        }
+
+
+Observer = Callable[[Event], None]
+
+
+def _finite(value: float | None) -> float | None:
+    """JSON has no infinity."""
+    return value if value is not None and math.isfinite(value) else None
+
+
+class EventLog:
+    """Appends events to a file, a line each, flushed, so that a run that dies leaves what happened until then."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._file: TextIO | None = None
+
+    def __call__(self, event: Event) -> None:
+        """Write one event; an `Observer`."""
+        assert self._file is not None, "an EventLog is used in a with statement"
+        self._file.write(json.dumps(event.document(), allow_nan=False) + "\n")
+        self._file.flush()
+
+    def __enter__(self) -> "EventLog":
+        self._file = self._path.open("a", encoding="utf-8", newline="\n")
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._file is not None:
+            self._file.close()

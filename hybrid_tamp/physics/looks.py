@@ -1,0 +1,80 @@
+"""How tokens look in pictures: coloured meshes, with marks that show a rotation."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hybrid_tamp.model.shape import Box, Cylinder
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.physics.camera import disc_radius
+from hybrid_tamp.physics.meshes import Mesh, box, cylinder, disc, solid
+
+Colour = tuple[float, float, float]
+"""Red, green, blue, each from 0 to 1."""
+
+HANDS: Sequence[Colour] = ((0.24, 0.44, 0.78), (0.13, 0.60, 0.72), (0.42, 0.38, 0.76), (0.30, 0.30, 0.45))
+THINGS: Sequence[Colour] = ((0.95, 0.65, 0.28), (0.88, 0.42, 0.36), (0.72, 0.50, 0.74), (0.80, 0.72, 0.38))
+PLACES: Sequence[Colour] = ((0.62, 0.85, 0.66), (0.62, 0.80, 0.88), (0.86, 0.82, 0.62))
+_RIM = 0.06
+_MARK = 0.35
+_THIN = 0.002
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One coloured mesh of a token, in the token's body frame.
+
+    Attributes:
+        token: name of the token.
+        mesh: its surface.
+        colour: its colour.
+        flat: whether it lies on the floor whatever the token's height and orientation.
+    """
+
+    token: str
+    mesh: Mesh
+    colour: Colour
+    flat: bool = False
+
+
+def parts_of(task: Task) -> list[Part]:
+    """Return what is drawn of every token: hands blue, things warm, places green, each a shade of its own."""
+    found: list[Part] = []
+    counts: dict[int, int] = {}
+    for token in task.tokens:
+        shades = PLACES if token.place else HANDS if token.basic_actions else THINGS
+        count = counts.get(id(shades), 0)
+        counts[id(shades)] = count + 1
+        found += _parts(token, shades[count % len(shades)])
+    return found
+
+
+def _parts(token: Token, colour: Colour) -> list[Part]:
+    dark = _darker(colour, 0.5)
+    if token.shape is None:
+        radius = disc_radius(token)
+        # A little above the floor, and the disc above its rim, so that neither flickers with what is below.
+        rim = disc(radius).moved([0, 0, _THIN])
+        inner = disc(radius * (1 - _RIM)).moved([0, 0, 2 * _THIN])
+        return [Part(token.name, rim, _darker(colour, 0.6), True), Part(token.name, inner, colour, True)]
+    body = Part(token.name, solid(token.shape), colour)
+    if token.place or token.basic_actions:
+        return [body]
+    return [body, Part(token.name, _mark(token), dark)]
+
+
+def _mark(token: Token) -> Mesh:
+    """Return what stands out a little from the surface, so that one sees how the thing has turned."""
+    shape = token.shape
+    if isinstance(shape, Cylinder):
+        return box((shape.radius * 1.006, shape.radius * 0.1, shape.length / 2 + _THIN))
+    if isinstance(shape, Box):
+        x, y, z = shape.half_extents
+        return box((x * _MARK, y * _MARK, _THIN)).moved([0, 0, z])
+    assert shape is not None, "a thing without a shape is drawn as a disc"
+    return cylinder(shape.radius * 1.004, shape.radius * 0.12)
+
+
+def _darker(colour: Colour, factor: float) -> Colour:
+    red, green, blue = (part * factor for part in colour)
+    return (red, green, blue)

@@ -1,0 +1,145 @@
+"""An instance while it runs: its policy, its conditions measured, its bounds."""
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from hybrid_tamp.model.block import Block, Commands
+from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
+from hybrid_tamp.model.predicate import ANY, Literal
+from hybrid_tamp.model.recording import AtomMargin
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+
+
+class RunError(Exception):
+    """Ends a run as a failure of one instance; never leaves the package.
+
+    Attributes:
+        instance: name of the instance.
+        reason: what went wrong.
+        margins: the conditions that do not hold.
+    """
+
+    def __init__(self, instance: str, reason: str, margins: Iterable[AtomMargin] = ()) -> None:
+        super().__init__(reason)
+        self.instance = instance
+        self.reason = reason
+        self.margins = tuple(margins)
+
+
+def measurable(literals: Iterable[Literal]) -> tuple[Literal, ...]:
+    """Return the literals that have a margin: a wildcard only says which old facts are void."""
+    return tuple(literal for literal in literals if ANY not in literal.arguments)
+
+
+def entry_conditions(block: Block) -> tuple[Literal, ...]:
+    """Return what must be measured before an instance starts; static facts do not change."""
+    return tuple(literal for literal in measurable(block.entry) if not literal.predicate.static)
+
+
+def measure(task: Task, literals: Iterable[Literal], instance: BlockInstance, state: State) -> list[AtomMargin]:
+    """Return the measured margins of an instance's conditions; one that is no number counts as not measured."""
+    binding = task.bind(instance.roles)
+    found = []
+    for literal in literals:
+        margin = float(literal.margin(state, binding))
+        found.append(AtomMargin(str(literal.ground(binding)), None if math.isnan(margin) else margin))
+    return found
+
+
+class Running:
+    """One instance from its beginning on.
+
+    Raises:
+        RunError: a hyperparameter is not finite.
+    """
+
+    def __init__(self, task: Task, instance: BlockInstance, time: float, state: State) -> None:
+        self.instance = instance
+        self.block: Block = task.domain.block_by_name[instance.block]
+        self.begin = time
+        self.reached = False
+        self._task = task
+        self._binding = task.bind(instance.roles)
+        self._exits = measurable(self.block.exit)
+        self.hyperparameters = self._chosen(state)
+        arrays = {name: np.asarray(value) for name, value in self.hyperparameters.items()}
+        maker = self.block.policy
+        self._policy = None if maker is None else maker(self._binding, state, arrays)
+
+    def __repr__(self) -> str:
+        return f"Running({self.instance.name!r})"
+
+    @property
+    def latest(self) -> float:
+        """By when its exit conditions must have held [s]; without conditions they hold from its minimum on."""
+        bounds = self.block.duration
+        return self.begin + (bounds.maximum if self._exits or not self.block.hold else bounds.minimum)
+
+    def exits(self, state: State) -> list[AtomMargin]:
+        """Measure its exit conditions."""
+        return measure(self._task, self._exits, self.instance, state)
+
+    def ready(self, time: float, state: State) -> bool:
+        """Say whether it may end now: it has lasted its minimum, and all its exit conditions hold."""
+        if time - self.begin < self.block.duration.minimum - TIME_TOLERANCE:
+            return False
+        if not all(float(literal.margin(state, self._binding)) >= 0 for literal in self._exits):
+            return False
+        self.reached = True
+        return True
+
+    def check_overdue(self, time: float, state: State) -> None:
+        """Refuse to go on beyond its maximum.
+
+        Raises:
+            RunError: it has no hold and should have ended, or its exit conditions have not held yet.
+        """
+        maximum = self.block.duration.maximum
+        if time - self.begin <= maximum + TIME_TOLERANCE or (self.block.hold and self.reached):
+            return
+        missing = [margin for margin in self.exits(state) if not margin.holds]
+        said = "; ".join(map(shortfall, missing)) or "its exit conditions hold, but its tokens cannot leave it"
+        elapsed = time - self.begin
+        raise RunError(
+            self.instance.name,
+            f"{self.instance.name} has lasted {elapsed:.3f} s, longer than its bound of {maximum:g} s: {said}",
+            missing,
+        )
+
+    def commands(self, time: float, state: State) -> Commands:
+        """Ask its policy.
+
+        Raises:
+            RunError: the policy commands something that is not finite.
+        """
+        if self._policy is None:
+            return {}
+        commands = self._policy(np.float64(time - self.begin), state)
+        for (token, action), command in commands.items():
+            if not np.isfinite(command).all():
+                said = f"the policy of {self.block.name} commands {action} {np.asarray(command).tolist()} on {token}"
+                raise RunError(self.instance.name, f"{said}, which is not finite")
+        return commands
+
+    def _chosen(self, state: State) -> dict[str, float]:
+        """Return the plan's hyperparameters where it gives any, else the block's guesses."""
+        given = self.instance.hyperparameters
+        chosen = {
+            h.name: float(given[h.name] if h.name in given else h.initial(self._binding, state))
+            for h in self.block.hyperparameters
+        }
+        for name, value in chosen.items():
+            if not math.isfinite(value):
+                said = f"hyperparameter {name} of {self.instance.name} is {value}"
+                raise RunError(self.instance.name, said)
+        return chosen
+
+
+def shortfall(margin: AtomMargin) -> str:
+    """Say that a condition does not hold and by how much."""
+    if margin.measured is None:
+        return f"{margin.atom} has no margin: it is not a number"
+    return f"{margin.atom} does not hold, its margin is {margin.measured:.4g}"

@@ -1,0 +1,206 @@
+"""Recordings as files: three arrays and one JSON document in an npz archive, without pickle.
+
+Whatever the bytes are, `load` returns a recording or says what is wrong with the file; a claim of the file, such as
+the shape of an array, is compared with what is there before it is believed.
+"""
+
+import io
+import math
+import os
+import struct
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveInt, ValidationError
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
+from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
+from hybrid_tamp.model.state import FloatArray, StateLayout
+
+MAXIMAL_SIZE = 512 * 2**20
+"""Largest uncompressed member that is read [bytes]: days of simulated time."""
+
+_MEMBERS = {"times": (1, np.float64), "states": (2, np.float64), "commands": (2, np.float64), "document": (1, np.uint8)}
+_UNREADABLE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    KeyError,
+    OSError,
+    OverflowError,
+    RuntimeError,  # encrypted, or (NotImplementedError) an unknown compression
+    SyntaxError,
+    ValueError,
+    struct.error,
+)
+
+_Entry = tuple[str, str, PositiveInt]
+
+
+class _Document(BaseModel):
+    """Everything of a recording that is not an array."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, ser_json_inf_nan="constants")
+
+    version: Literal["hybrid-tamp/recording/1"]
+    layout: tuple[_Entry, ...]
+    commands_layout: tuple[_Entry, ...]
+    instances: tuple[BlockInstance, ...]
+    exits: dict[str, tuple[AtomMargin, ...]]
+    goal: tuple[AtomMargin, ...]
+    backend: str
+    timestep: Annotated[FiniteFloat, Field(gt=0)]
+    failure: Failure | None
+    warnings: tuple[str, ...]
+
+
+def save(recording: Recording, path: Path) -> None:
+    """Write the recording under a temporary name and rename it.
+
+    Raises:
+        OSError: the folder cannot be written to.
+    """
+    document = _Document(
+        version="hybrid-tamp/recording/1",
+        layout=recording.layout.entries,
+        commands_layout=recording.commands_layout,
+        instances=recording.instances,
+        exits=dict(recording.exits),
+        goal=recording.goal,
+        backend=recording.backend,
+        timestep=recording.timestep,
+        failure=recording.failure,
+        warnings=recording.warnings,
+    )
+    arrays = {
+        "times": recording.times,
+        "states": recording.states,
+        "commands": recording.commands,
+        "document": np.frombuffer(document.model_dump_json().encode(), dtype=np.uint8),
+    }
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with temporary.open("wb") as file:
+            np.savez_compressed(file, allow_pickle=False, **arrays)  # type: ignore[arg-type]
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def load(path: Path) -> Recording:
+    """Read a recording.
+
+    Raises:
+        InputError: the file is not there, or is not a whole and consistent recording; names the file and the fault.
+    """
+    try:
+        arrays = _arrays(path)
+        document = _Document.model_validate_json(arrays["document"].tobytes())
+        recording = _recording(document, arrays)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(map(str, first["loc"])) or "the document"
+        raise _refused(path, f"its document is wrong at {place}: {first['msg']}") from error
+    except _UNREADABLE as error:
+        raise _refused(path, str(error) or type(error).__name__) from error
+    fault = _fault(recording)
+    if fault:
+        raise _refused(path, fault)
+    return recording
+
+
+def _refused(path: Path, what: str) -> InputError:
+    return InputError([Issue(str(path), "a recording of a run", what, remedy="run the task again")])
+
+
+def _arrays(path: Path) -> Mapping[str, FloatArray]:
+    with zipfile.ZipFile(path) as archive:
+        names = set(archive.namelist())
+        wanted = {f"{name}.npy" for name in _MEMBERS}
+        if names != wanted:
+            missing, strange = sorted(wanted - names), sorted(names - wanted)
+            raise ValueError(f"it lacks {missing}" if missing else f"it holds {strange}, which it should not")
+        return {name: _array(archive, name) for name in _MEMBERS}
+
+
+def _array(archive: zipfile.ZipFile, name: str) -> FloatArray:
+    dimensions, dtype = _MEMBERS[name]
+    member = f"{name}.npy"
+    claimed = archive.getinfo(member).file_size
+    if claimed > MAXIMAL_SIZE:
+        raise ValueError(f"its {name} claim {claimed} bytes, more than the {MAXIMAL_SIZE} that are read")
+    with archive.open(member) as stream:
+        data = io.BytesIO(stream.read(MAXIMAL_SIZE))
+    read_header = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+    version = np.lib.format.read_magic(data)
+    if version not in read_header:
+        raise ValueError(f"its {name} have the unknown format version {version}")
+    shape, fortran, found = read_header[version](data)
+    size = data.getbuffer().nbytes - data.tell()
+    if found != dtype or fortran:
+        raise ValueError(f"its {name} should be of type {np.dtype(dtype)}, in C order, got {found}")
+    if len(shape) != dimensions or min(shape) < 0 or math.prod(shape) * found.itemsize != size:
+        raise ValueError(f"its {name} claim the shape {shape}, which {size} bytes do not fill")
+    return np.frombuffer(data.getvalue(), dtype=found, offset=data.tell()).reshape(shape)
+
+
+def _recording(document: _Document, arrays: Mapping[str, FloatArray]) -> Recording:
+    return Recording(
+        layout=StateLayout(document.layout),
+        commands_layout=document.commands_layout,
+        times=arrays["times"],
+        states=arrays["states"],
+        commands=arrays["commands"],
+        instances=document.instances,
+        exits=document.exits,
+        goal=document.goal,
+        backend=document.backend,
+        timestep=document.timestep,
+        failure=document.failure,
+        warnings=document.warnings,
+    )
+
+
+def _fault(recording: Recording) -> str:
+    """Say what contradicts what; empty if all is well."""
+    rows = len(recording.times)
+    width = sum(size for _, _, size in recording.commands_layout)
+    shapes = {
+        "states": (recording.states.shape, (rows, recording.layout.size)),
+        "commands": (recording.commands.shape, (rows - 1, width)),
+    }
+    if rows == 0:
+        return "it has no rows"
+    for name, (shape, wanted) in shapes.items():
+        if shape != wanted:
+            return f"its {name} have the shape {shape}, not {wanted}"
+    for name in ("times", "states", "commands"):
+        if not np.isfinite(getattr(recording, name)).all():
+            return f"its {name} are not all finite"
+    if not np.allclose(recording.times, np.arange(rows) * recording.timestep, rtol=1e-9, atol=TIME_TOLERANCE):
+        return "its times are not multiples of its control period"
+    return _instances_fault(recording)
+
+
+def _instances_fault(recording: Recording) -> str:
+    names = [instance.name for instance in recording.instances]
+    if len(set(names)) < len(names):
+        return "two of its instances have one name"
+    if set(recording.exits) - set(names):
+        return "it has exit conditions of an instance that did not run"
+    for instance in recording.instances:
+        numbers = (instance.start, instance.end, *instance.hyperparameters.values())
+        if not all(map(math.isfinite, numbers)):
+            return f"{instance.name} has times or hyperparameters that are not finite"
+        if not -TIME_TOLERANCE <= instance.start <= instance.end <= recording.duration + TIME_TOLERANCE:
+            return f"{instance.name} runs from {instance.start} s to {instance.end} s, outside the run"
+    failure = () if recording.failure is None else recording.failure.margins
+    for margin in (*recording.goal, *failure, *(m for ms in recording.exits.values() for m in ms)):
+        if any(value is not None and math.isnan(value) for value in (margin.measured, margin.predicted)):
+            return f"the margin of {margin.atom} is not a number"
+    return ""

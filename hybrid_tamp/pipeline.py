@@ -1,0 +1,189 @@
+"""The story in one screen: task file -> task -> plan -> physics run -> documents.
+
+Each function is one verb of the command line; the stages know nothing of each other.
+"""
+
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from hybrid_tamp.affordances.explanation import explain
+from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.report.documents import (
+    ExplanationEntry,
+    PlanDocument,
+    PlannerEntry,
+    ReasonEntry,
+    ResultDocument,
+    plan_document,
+    result_document,
+)
+from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.report.versions import versions
+from hybrid_tamp.symbolic.pddl import domain_text, plan_text, problem_text
+from hybrid_tamp.symbolic.planner import PlannerProcess
+from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.stage import Planned, Planner, plan_task
+from hybrid_tamp.taskfile.loader import load_task
+
+_LOG = logging.getLogger(__name__)
+
+Progress = Callable[[float, str], None]
+"""Called with the share done, 0 to 1, and what is being done."""
+
+_SAID = {
+    "unsolvable": "No plan exists; the planner has proven it.",
+    "not_found": "The planner found no plan, but has not proven that there is none.",
+    "planner_crashed": "The planner crashed.",
+    "plan_refused": "The planner returned a plan that is wrong; it was refused.",
+}
+
+
+@dataclass(frozen=True)
+class PlanOutcome:
+    """What came of planning: the document that is shown, and the plan where there is one."""
+
+    task: Task
+    document: PlanDocument
+    plan: TaskPlan | None
+    error: HybridTampError | None
+
+    def required(self) -> TaskPlan:
+        """Return the plan.
+
+        Raises:
+            NoPlan: there is none, or none was found.
+            LimitReached: the planner ran into a limit.
+        """
+        if self.plan is None:
+            raise self.error or NoPlan("no plan", proven=False, kind="not_found")
+        return self.plan
+
+
+@dataclass(frozen=True)
+class RunOutcome:
+    """What came of a run."""
+
+    plan: PlanOutcome
+    recording: Recording
+    document: ResultDocument
+
+
+def plan(task: Task, planner: Planner | None = None) -> PlanOutcome:
+    """Plan a task and judge the plan.
+
+    Args:
+        task: the task.
+        planner: a running planner process; without one, one is started for this call.
+
+    Raises:
+        InputError: the engine is unknown or not installed.
+    """
+    if planner is None:
+        with PlannerProcess() as process:
+            return plan(task, process)
+    began = time.monotonic()
+    try:
+        planned = plan_task(task, planner)
+    except LimitReached as limit:
+        entry = PlannerEntry(name=task.planner, seconds=time.monotonic() - began)
+        said = ExplanationEntry(kind=limit.limit, message=str(limit), reasons=[])
+        document = plan_document(task, status="limit", planner=entry, plan=None, explanation=said)
+        return PlanOutcome(task, document, None, limit)
+    return _outcome(task, planned)
+
+
+def _outcome(task: Task, planned: Planned) -> PlanOutcome:
+    answer = planned.answer
+    entry = PlannerEntry(name=answer.engine, seconds=answer.seconds)
+    if planned.plan is not None:
+        document = plan_document(task, status="solved", planner=entry, plan=planned.plan, explanation=None)
+        return PlanOutcome(task, document, planned.plan, None)
+    proven = planned.status == "unsolvable"
+    detail = planned.refusal or ("" if proven else answer.message)
+    said = " ".join(filter(None, [_SAID[planned.status], detail]))
+    reasons = [ReasonEntry(**reason.__dict__) for reason in explain(task)] if not detail else []
+    explanation = ExplanationEntry(kind=planned.status, message=said, reasons=reasons)
+    status: Literal["unsolvable", "unknown"] = "unsolvable" if proven else "unknown"
+    document = plan_document(task, status=status, planner=entry, plan=None, explanation=explanation)
+    message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in reasons)])
+    return PlanOutcome(task, document, None, NoPlan(message, proven=proven, kind=planned.status))
+
+
+def export(task: Task, folder: RunFolder, actions: tuple[str, ...] | None = None) -> list[Path]:
+    """Write the PDDL of a task, and of its plan where given, for other planners."""
+    problem = compile_task(task).problem
+    files = [
+        folder.write_text("domain.pddl", domain_text(problem.domain)),
+        folder.write_text("problem.pddl", problem_text(problem)),
+    ]
+    if actions is not None:
+        files.append(folder.write_text("plan.pddl", plan_text(actions)))
+    return files
+
+
+def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
+    """Write a plan's document and PDDL files, and a copy of the task file."""
+    if outcome.task.source is not None:
+        folder.write_text("task.yaml", outcome.task.source.read_text(encoding="utf-8"))
+    folder.write_json("plan.json", outcome.document.dump())
+    export(outcome.task, folder, outcome.plan.actions if outcome.plan else None)
+
+
+def run(
+    task: Task,
+    folder: RunFolder,
+    *,
+    planner: Planner | None = None,
+    backend: str = "pybullet",
+    video: Path | None = None,
+    progress: Progress | None = None,
+) -> RunOutcome:
+    """Plan a task, carry the plan out, record it and judge the recording.
+
+    Args:
+        task: the task.
+        folder: where the files of the run go.
+        planner: a running planner process; without one, one is started for this call.
+        backend: name of the physics backend.
+        video: where the video goes; without it only one picture a step is drawn.
+        progress: told how far the work is.
+
+    Raises:
+        NoPlan: there is no plan, or none was found.
+        LimitReached: the planner ran into a limit.
+        InputError: the planner or the backend is unknown.
+    """
+    from hybrid_tamp.physics.backend import open_backend
+    from hybrid_tamp.physics.execution import execute, predict, with_predictions
+    from hybrid_tamp.physics.storage import save
+
+    began = time.monotonic()
+    outcome = plan(task, planner)
+    save_plan(outcome, folder)
+    chosen = outcome.required()
+    tell = progress or (lambda share, what: None)
+    with open_backend(backend) as physics, folder.open_events() as events:
+        recording = execute(task, chosen, physics, progress=lambda t: tell(t, "running"), observer=_log_to(events))
+        recording = with_predictions(recording, predict(task, chosen))
+        save(recording, folder.path / "recording.npz")
+        draw(task, recording, physics, folder, video, tell)
+    metrics = task.domain.metrics(task, recording) if task.domain.metrics else {}
+    breaches = [] if recording.failure else check_law(task, recording.plan, recording.at)
+    document = result_document(
+        task,
+        recording,
+        wall_seconds=time.monotonic() - began,
+        metrics=metrics,
+        versions=versions(),
+        law=map(str, breaches),
+    )
+    folder.write_json("result.json", document.dump())
+    return RunOutcome(outcome, recording, document)

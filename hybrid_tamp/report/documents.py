@@ -1,0 +1,246 @@
+"""The JSON documents that programs read, as pydantic models; their JSON Schemas are published in `schemas/`."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.recording import AtomMargin, Recording
+from hybrid_tamp.model.task import Task
+
+PLAN_SCHEMA = "hybrid-tamp/plan/1"
+RESULT_SCHEMA = "hybrid-tamp/result/1"
+
+
+class _Document(BaseModel):
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+    def dump(self) -> dict[str, Any]:
+        """Return plain data with the published keys."""
+        return self.model_dump(by_alias=True, mode="json")
+
+
+class InstanceEntry(_Document):
+    """One block instance within a step."""
+
+    block: str
+    mode: str | None
+    instance: str
+    slots: dict[str, str]
+    targets: dict[str, str]
+    hyperparameters: dict[str, float]
+
+
+class StepEntry(_Document):
+    """A stretch of time in which no token is reassigned; shows where every token is."""
+
+    index: int
+    start: float = Field(description="[s]")
+    end: float = Field(description="[s]")
+    blocks: list[InstanceEntry]
+
+
+class PlannerEntry(_Document):
+    """Which engine answered, and how long it took."""
+
+    name: str
+    seconds: float
+
+
+class NetworkEntry(_Document):
+    """The network that was planned on."""
+
+    blocks: list[str]
+    edges: list[list[str]] = Field(description="pairs of 'BLOCK.slot', source first")
+    reduced_from: int | None = None
+    expanded_with: list[str] = Field(default_factory=list)
+
+
+class ReasonEntry(_Document):
+    """One reason why there is no plan."""
+
+    goal: str
+    block: str
+    kind: str
+    message: str
+    atom: str = ""
+    margin: float | None = None
+    unit: str = ""
+
+
+class ExplanationEntry(_Document):
+    """Why there is no plan."""
+
+    kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, time or memory")
+    message: str
+    reasons: list[ReasonEntry]
+
+
+class PlanDocument(_Document):
+    """What `plan --json` prints and `plan.json` holds."""
+
+    schema_: Literal["hybrid-tamp/plan/1"] = Field(PLAN_SCHEMA, alias="schema")
+    task: str
+    domain: str
+    status: Literal["solved", "unsolvable", "unknown", "limit"]
+    planner: PlannerEntry
+    seed: int
+    makespan: float | None = Field(description="[s]")
+    cost: float | None = Field(description="number of PDDL actions")
+    actions: list[str] = Field(description="the PDDL plan, a line each")
+    steps: list[StepEntry]
+    network: NetworkEntry
+    explanation: ExplanationEntry | None
+
+
+class AtomEntry(_Document):
+    """A goal atom as measured at the end."""
+
+    atom: str
+    margin: float | None
+    holds: bool
+
+
+class ExitEntry(_Document):
+    """An exit condition of an instance when it ended."""
+
+    atom: str
+    predicted: float | None
+    measured: float | None
+    holds: bool
+
+
+class RunEntry(_Document):
+    """One block instance that ran."""
+
+    instance: str
+    start: float = Field(description="[s]")
+    end: float = Field(description="[s]")
+    exit: list[ExitEntry]
+
+
+class FailureEntry(_Document):
+    """Why a run stopped early."""
+
+    step: int
+    instance: str
+    reason: str
+    margins: list[ExitEntry]
+
+
+class ResultDocument(_Document):
+    """What `run --json` prints and `result.json` holds."""
+
+    schema_: Literal["hybrid-tamp/result/1"] = Field(RESULT_SCHEMA, alias="schema")
+    task: str
+    success: bool
+    goal: list[AtomEntry]
+    blocks: list[RunEntry]
+    replans: int
+    metrics: dict[str, float]
+    sim_seconds: float
+    wall_seconds: float
+    seed: int
+    backend: str
+    versions: dict[str, str]
+    failure: FailureEntry | None
+    law: list[str] = Field(description="breaches of the law of assignment by the recording; empty if none")
+
+
+def network_entry(domain: Domain) -> NetworkEntry:
+    """Return the domain's network as data."""
+    return NetworkEntry(
+        blocks=sorted(block.name for block in domain.blocks),
+        edges=[[".".join(source), ".".join(target)] for source, target in domain.network.edges],
+    )
+
+
+def plan_document(
+    task: Task,
+    *,
+    status: Literal["solved", "unsolvable", "unknown", "limit"],
+    planner: PlannerEntry,
+    plan: TaskPlan | None,
+    explanation: ExplanationEntry | None,
+) -> PlanDocument:
+    """Return the document of one planning attempt."""
+    return PlanDocument(
+        task=task.name,
+        domain=task.domain.name,
+        status=status,
+        planner=planner,
+        seed=task.seed,
+        makespan=plan.makespan if plan else None,
+        cost=float(len(plan.actions)) if plan else None,
+        actions=list(plan.actions) if plan else [],
+        steps=list(_steps(plan)) if plan else [],
+        network=network_entry(task.domain),
+        explanation=explanation,
+    )
+
+
+def _steps(plan: TaskPlan) -> Iterable[StepEntry]:
+    for step in plan.steps:
+        yield StepEntry(index=step.index, start=step.start, end=step.end, blocks=[_instance(i) for i in step.instances])
+
+
+def _instance(instance: BlockInstance) -> InstanceEntry:
+    return InstanceEntry(
+        block=instance.block,
+        mode=instance.mode,
+        instance=instance.name,
+        slots=dict(instance.slots),
+        targets=dict(instance.targets),
+        hyperparameters=dict(instance.hyperparameters),
+    )
+
+
+def result_document(
+    task: Task,
+    recording: Recording,
+    *,
+    wall_seconds: float,
+    metrics: Mapping[str, float],
+    versions: Mapping[str, str],
+    law: Iterable[str],
+    replans: int = 0,
+) -> ResultDocument:
+    """Return the document of one run."""
+    failure = recording.failure
+    return ResultDocument(
+        task=task.name,
+        success=recording.success,
+        goal=[AtomEntry(atom=a.atom, margin=a.measured, holds=a.holds) for a in recording.goal],
+        blocks=[
+            RunEntry(instance=i.name, start=i.start, end=i.end, exit=_exits(recording.exits.get(i.name, ())))
+            for i in recording.instances
+        ],
+        replans=replans,
+        metrics=dict(metrics),
+        sim_seconds=recording.duration,
+        wall_seconds=wall_seconds,
+        seed=task.seed,
+        backend=recording.backend,
+        versions=dict(versions),
+        failure=FailureEntry(
+            step=failure.step, instance=failure.instance, reason=failure.reason, margins=_exits(failure.margins)
+        )
+        if failure
+        else None,
+        law=list(law),
+    )
+
+
+def _exits(margins: Iterable[AtomMargin]) -> list[ExitEntry]:
+    return [ExitEntry(atom=m.atom, predicted=m.predicted, measured=m.measured, holds=m.holds) for m in margins]
+
+
+def json_schemas() -> dict[str, dict[str, Any]]:
+    """Return the JSON Schemas of the documents, file stem to schema."""
+    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    return {
+        "plan-1": dialect | PlanDocument.model_json_schema(by_alias=True),
+        "result-1": dialect | ResultDocument.model_json_schema(by_alias=True),
+    }

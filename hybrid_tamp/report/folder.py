@@ -1,0 +1,80 @@
+"""The folder that a run leaves behind; every file appears under its name only when it is whole."""
+
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import IO, Any
+
+from hybrid_tamp.errors import InputError, Issue
+
+RUN_FILES = (
+    "task.yaml",
+    "plan.json",
+    "domain.pddl",
+    "problem.pddl",
+    "plan.pddl",
+    "result.json",
+    "recording.npz",
+    "events.jsonl",
+    "video.mp4",
+    "report.html",
+)
+STEP_PICTURES = "step-*.png"
+
+
+class RunFolder:
+    """A folder for the files of one run."""
+
+    def __init__(self, path: Path) -> None:
+        """Take the folder as it is; `create` prepares one."""
+        self.path = path
+
+    @classmethod
+    def create(cls, path: Path, *, force: bool = False) -> "RunFolder":
+        """Make the folder, or take an existing one.
+
+        Args:
+            path: the folder.
+            force: whether the files of another run in it are removed; other files never are.
+
+        Raises:
+            InputError: the path is a file, cannot be made, or holds another run and `force` is not given.
+        """
+        if path.exists() and not path.is_dir():
+            raise InputError([Issue(str(path), "the output must be a folder", "a file")])
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError([Issue(str(path), "a folder that can be made", str(error.strerror))]) from error
+        old = [path / name for name in RUN_FILES if (path / name).exists()] + sorted(path.glob(STEP_PICTURES))
+        if old and not force:
+            held = ", ".join(file.name for file in old[:4])
+            raise InputError(
+                [Issue(str(path), "an output folder without another run", f"{held}", remedy="--force replaces it")]
+            )
+        for file in old:
+            file.unlink()
+        return cls(path)
+
+    def write_text(self, name: str, text: str) -> Path:
+        """Write a text file under a temporary name, then rename it."""
+        target = self.path / name
+        handle, temporary = tempfile.mkstemp(dir=self.path, prefix=f".{name}.")
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                file.write(text)
+            os.chmod(temporary, 0o644)
+            os.replace(temporary, target)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+        return target
+
+    def write_json(self, name: str, document: dict[str, Any]) -> Path:
+        """Write a JSON document; NaN and infinity are refused."""
+        return self.write_text(name, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+    def open_events(self) -> IO[str]:
+        """Open the event log for appending, a line an event, flushed at every line."""
+        return (self.path / "events.jsonl").open("a", encoding="utf-8", buffering=1)

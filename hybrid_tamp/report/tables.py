@@ -1,0 +1,93 @@
+"""Tables for people: plans, results, domains. Programs read the JSON documents instead."""
+
+from collections.abc import Iterable
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.report.documents import ExplanationEntry, InstanceEntry, PlanDocument, ResultDocument
+
+_BAR = 48
+
+
+def plan_table(document: PlanDocument) -> RenderableType:
+    """Return the table of steps and allocations, as under the pictures of the paper's Fig. 3."""
+    table = Table(title=f"Plan of {document.task}", title_justify="left", header_style="bold")
+    table.add_column("step", justify="right")
+    table.add_column("from [s]", justify="right")
+    table.add_column("to [s]", justify="right")
+    table.add_column("which tokens are in which blocks")
+    for step in document.steps:
+        busy = [allocation(entry) for entry in step.blocks if entry.block != "RESTING"]
+        resting = [token for entry in step.blocks if entry.block == "RESTING" for token in entry.slots.values()]
+        if resting:
+            busy.append(f"RESTING: {', '.join(sorted(resting))}")
+        table.add_row(str(step.index), f"{step.start:.2f}", f"{step.end:.2f}", Text("\n".join(busy)))
+    return table
+
+
+def allocation(entry: InstanceEntry) -> str:
+    """Return one instance with its tokens and targets, e.g. ``ROLLING-1: hand=h, object=drum -> region=goal``."""
+    slots = ", ".join(f"{slot}={token}" for slot, token in entry.slots.items())
+    targets = ", ".join(f"{target}={value}" for target, value in entry.targets.items())
+    return f"{entry.instance}: {slots}" + (f" -> {targets}" if targets else "")
+
+
+def timeline(plan: TaskPlan, tokens: Iterable[str]) -> RenderableType:
+    """Return one row a token with its blocks over time."""
+    table = Table(box=None, show_header=False, pad_edge=False)
+    table.add_column(no_wrap=True)
+    table.add_column(no_wrap=True)
+    for token in tokens:
+        row = Text()
+        for instance, _ in plan.timeline(token):
+            width = round(instance.end / plan.makespan * _BAR) - round(instance.start / plan.makespan * _BAR)
+            label = "" if instance.block == "RESTING" else instance.name
+            style = "dim" if instance.block == "RESTING" else "reverse"
+            row.append(f"{label[:width]:{'.' if not label else ' '}^{width}}" if width else "", style=style)
+        table.add_row(token, row)
+    table.add_row("", Text(f"0{f'{plan.makespan:.1f} s':>{_BAR - 1}}", style="dim"))
+    return table
+
+
+def explanation_text(entry: ExplanationEntry) -> RenderableType:
+    """Return why there is no plan."""
+    lines: list[RenderableType] = [Text(entry.message, style="bold red")]
+    lines += [Text(f"  {reason.goal}: {reason.message}") for reason in entry.reasons]
+    return Group(*lines)
+
+
+def result_table(document: ResultDocument) -> RenderableType:
+    """Return what a run did: predicted against measured exit margins, the goal, the domain's measures."""
+    table = Table(title=f"Run of {document.task} in {document.backend}", title_justify="left", header_style="bold")
+    for heading in ("block", "from [s]", "to [s]", "exit condition", "predicted", "measured", ""):
+        table.add_column(heading, justify="right" if heading in ("from [s]", "to [s]") else "left")
+    for run in document.blocks:
+        for index, condition in enumerate(run.exit):
+            first = (run.instance, f"{run.start:.2f}", f"{run.end:.2f}") if index == 0 else ("", "", "")
+            numbers = (_number(condition.predicted), _number(condition.measured))
+            table.add_row(*map(Text, first), Text(condition.atom), *numbers, "holds" if condition.holds else "fails")
+    goal = Table(box=None, show_header=False, pad_edge=False)
+    for atom in document.goal:
+        goal.add_row("goal", Text(atom.atom), _number(atom.margin), "holds" if atom.holds else "FAILS")
+    for name, value in document.metrics.items():
+        goal.add_row("measured", Text(name), f"{value:.4g}", "")
+    return Group(table, goal)
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:+.4f}"
+
+
+def domains_table(domains: Iterable[Domain]) -> RenderableType:
+    """Return one row a domain."""
+    table = Table(header_style="bold")
+    for heading in ("domain", "what it is about", "classes", "blocks"):
+        table.add_column(heading)
+    for domain in domains:
+        classes = ", ".join(c.name for c in domain.classes)
+        table.add_row(domain.name, domain.description, classes, ", ".join(b.name for b in domain.blocks))
+    return table

@@ -1,0 +1,17 @@
+"""Versions of what a result depends on."""
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+_PACKAGES = ("hybrid-tamp", "numpy", "pybullet", "pybullet-arm64", "unified-planning", "up-fast-downward")
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of Python, the system and the packages that are installed."""
+    found = {"python": platform.python_version(), "system": f"{platform.system()} {platform.machine()}"}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue  # pybullet comes under one of two names
+    return found

@@ -1,0 +1,246 @@
+"""The parent's side of the planner: a process that is started early, asked once, and never left behind.
+
+The process imports unified_planning (`symbolic.worker`) while this one reads and compiles the task. The
+limits hold for it and everything that it starts. However a request ends, by an answer, a limit, a crash or
+an interrupt, no process and no file is left.
+"""
+
+import json
+import logging
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+import uuid
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import mkdtemp
+from types import TracebackType
+from typing import IO, TYPE_CHECKING, Any, Literal
+
+from hybrid_tamp.errors import InputError, Issue, LimitReached
+from hybrid_tamp.symbolic.engines import check_engine, known_engines, unknown_engine
+from hybrid_tamp.symbolic.operators import PlannedAction, PlanningProblem
+from hybrid_tamp.symbolic.processes import MARK, ProcessTree
+from hybrid_tamp.symbolic.worker import REPLY
+
+if TYPE_CHECKING:
+    # Its import takes as long as the worker's; the worker ought to have started by then.
+    from hybrid_tamp.model.task import Limits
+
+__all__ = ["PlannerAnswer", "PlannerProcess", "check_engine", "known_engines"]
+
+_LOG = logging.getLogger(__name__)
+
+_FIRST_LOOK = 0.01  # From the request to the first look at the processes [s]; later ones are further apart,
+_LAST_LOOK = 0.05  # up to this [s].
+_GRACE = 0.5  # For the worker to end what it started, before it is killed itself [s].
+_LOG_FILE = "log"
+_LOG_TAIL = 2000  # How much of a crashed worker's log goes into the message [byte].
+
+Status = Literal["solved", "unsolvable", "not_found", "crashed", "refused"]
+
+
+@dataclass(frozen=True)
+class PlannerAnswer:
+    """What a planning engine answered.
+
+    Attributes:
+        status: ``solved``; ``unsolvable``, proven to have no plan; ``not_found``, ended without a plan and
+            without a proof; ``crashed``; or ``refused``, returned a plan that is wrong.
+        actions: the plan, where it is solved or refused.
+        seconds: time from the request to the answer [s].
+        engine: name of the engine.
+        message: what else there is to say, for people; empty where the status says it all.
+        validated: whether unified_planning's validator accepted the actions.
+    """
+
+    status: Status
+    actions: tuple[PlannedAction, ...]
+    seconds: float
+    engine: str
+    message: str = ""
+    validated: bool = False
+
+
+class PlannerProcess:
+    """The planner's process, a context manager; starts at once, so enter it before reading the task.
+
+    One process answers one request; for a further one another process is started.
+    """
+
+    def __init__(self) -> None:
+        self._worker: _Worker | None = None
+
+    def __enter__(self) -> "PlannerProcess":
+        self._worker = _Worker()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._worker is not None:
+            self._worker.stop()
+            self._worker = None
+
+    def solve(self, problem: PlanningProblem, engine: str, limits: "Limits") -> PlannerAnswer:
+        """Have an engine solve a problem.
+
+        Args:
+            problem: the problem.
+            engine: a name from `known_engines`, or ``package.module:ClassName``.
+            limits: the time from now, and the memory of all processes together.
+
+        Raises:
+            InputError: if the engine is unknown, not installed, or not made for such problems.
+            LimitReached: if a limit was reached first.
+        """
+        check_engine(engine)
+        began = time.monotonic()
+        worker, self._worker = self._worker or _Worker(), None
+        try:
+            worker.ask({"problem": problem, "engine": engine, "memory": max(1, int(limits.memory))})
+            worker.wait(limits, began)
+            reply = worker.reply()
+        finally:
+            worker.stop()
+        _LOG.debug("%s: %s", engine, reply)
+        return _answer(reply, engine, time.monotonic() - began)
+
+
+def _answer(reply: dict[str, Any], engine: str, seconds: float) -> PlannerAnswer:
+    """Return the answer that a worker's reply makes.
+
+    Raises:
+        InputError: if there is no such engine, or if it does not take such problems.
+        LimitReached: if the engine itself says that it ran out of time or memory.
+    """
+    status, message = reply["status"], reply.get("message", "")
+    if status == "unknown":
+        raise unknown_engine(engine, tuple(reply["available"]))
+    if status == "unsupported":
+        wanted = f"an engine is wanted that takes {message}"
+        raise InputError([Issue("planner", wanted, engine, remedy="choose another engine")])
+    if status == "limit":
+        raise LimitReached(message, limit=reply["limit"])
+    actions = tuple(map(tuple, reply.get("actions", ())))
+    return PlannerAnswer(status, actions, seconds, engine, message, validated=status == "solved")
+
+
+class _Worker:
+    """One run of `symbolic.worker`."""
+
+    def __init__(self) -> None:
+        self._directory = Path(mkdtemp(prefix="hybrid-tamp-"))
+        mark = uuid.uuid4().hex
+        try:
+            self._process = self._started(mark)
+        except BaseException:
+            # Also an interrupt.
+            shutil.rmtree(self._directory)
+            raise
+        self._tree = ProcessTree(self._process.pid, mark)
+        self._ended = threading.Event()
+        self._threads = [threading.Thread(target=self._await_end, daemon=True)]
+        self._threads[0].start()
+
+    def ask(self, request: Mapping[str, Any]) -> None:
+        """Send the request, without waiting for the worker to take it."""
+        line = json.dumps(request, default=vars).encode() + b"\n"
+        self._threads.append(threading.Thread(target=self._send, args=(line,), daemon=True))
+        self._threads[-1].start()
+
+    def wait(self, limits: "Limits", began: float) -> None:
+        """Wait until the worker has ended.
+
+        Raises:
+            LimitReached: if a limit is reached first.
+        """
+        pause = _FIRST_LOOK
+        while not self._ended.wait(min(pause, max(0.0, began + limits.time - time.monotonic()))):
+            if time.monotonic() - began >= limits.time:
+                raise LimitReached(f"the planner reached its time limit of {limits.time:g} s", limit="time")
+            if self._tree.memory() > limits.memory and self._tree.exact_memory() > limits.memory:
+                raise LimitReached(f"the planner reached its memory limit of {limits.memory:g} MiB", limit="memory")
+            pause = min(2 * pause, _LAST_LOOK)
+
+    def reply(self) -> dict[str, Any]:
+        """Return the reply of a worker that has ended; one that left none has crashed."""
+        path = self._directory / REPLY
+        code = self._process.returncode
+        if code == 0 and path.exists():
+            reply: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            return reply
+        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+        tail = (self._directory / _LOG_FILE).read_bytes()[-_LOG_TAIL:].decode(errors="replace").strip()
+        return {"status": "crashed", "message": "\n".join(filter(None, [f"the planner ended with {how}", tail]))}
+
+    def stop(self) -> None:
+        """End the worker and everything that it started, and remove its files."""
+        if not self._ended.is_set():
+            # It ends what it started itself, and leaves no zombies behind.
+            self._process.terminate()
+            self._ended.wait(_GRACE)
+        self._tree.kill(search=self._process.returncode != 0)
+        for thread in self._threads:
+            thread.join()
+        # A worker that did not take its request leaves it in the buffer.
+        with suppress(BrokenPipeError):
+            self._input.close()
+        shutil.rmtree(self._directory)
+
+    def _started(self, mark: str) -> subprocess.Popen[bytes]:
+        """Start the process.
+
+        It runs in its directory, because engines write files where they are, and in a session of its own,
+        because a terminal's interrupt is for the parent alone.
+        """
+        temporary = self._directory / "tmp"
+        temporary.mkdir()
+        with (self._directory / _LOG_FILE).open("wb") as log:
+            return subprocess.Popen(
+                [sys.executable, "-m", "hybrid_tamp.symbolic.worker", str(self._directory)],
+                stdin=subprocess.PIPE,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                cwd=self._directory,
+                env=_environment(mark, temporary),
+                start_new_session=True,
+            )
+
+    @property
+    def _input(self) -> IO[bytes]:
+        assert self._process.stdin is not None
+        return self._process.stdin
+
+    def _await_end(self) -> None:
+        self._process.wait()
+        self._ended.set()
+
+    def _send(self, line: bytes) -> None:
+        # The worker may end before it takes the request; how it ended is what counts then.
+        with suppress(BrokenPipeError):
+            self._input.write(line)
+            self._input.flush()
+
+
+def _environment(mark: str, temporary: Path) -> dict[str, str]:
+    """Return the worker's environment.
+
+    It finds the modules that this process finds. It gives equal answers to equal requests, which sets of
+    strings do not do otherwise. Its temporary files land in its own directory; Java has to be told extra.
+    """
+    java = f"-Djava.io.tmpdir={temporary} -XX:-UsePerfData"
+    return {
+        **os.environ,
+        **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary)),
+        "JAVA_TOOL_OPTIONS": f"{os.environ.get('JAVA_TOOL_OPTIONS', '')} {java}".strip(),
+        "PYTHONHASHSEED": "0",
+        "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path)),
+        MARK: mark,
+    }

@@ -1,0 +1,162 @@
+"""Finding what is named: domains by name, module or path, and task files by path or bundled name."""
+
+import hashlib
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from importlib.resources import files
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.domain import Domain
+
+GROUP = "hybrid_tamp.domains"
+"""Entry point group by which installed packages offer their domains."""
+PROBLEMS = "hybrid_tamp_problems"
+"""Package that carries the bundled task files."""
+
+
+def available_domains() -> tuple[str, ...]:
+    """Return the names of the installed domains, sorted."""
+    return tuple(sorted({entry.name for entry in entry_points(group=GROUP)}))
+
+
+def installed_domain(name: str) -> Domain:
+    """Return an installed domain by its name; whatever the name is, it starts no other code.
+
+    Raises:
+        InputError: there is none of this name, or its module does not load.
+    """
+    entry = _entry(name)
+    if entry is not None:
+        return _domain(_loaded(entry.load, entry.value), entry.value)
+    remedy = ""
+    if name.endswith(".py") or ":" in name:
+        remedy = (
+            f"a task file cannot start code: install the domain under the entry point group {GROUP}, "
+            "or pass find_domain to load_task"
+        )
+    raise InputError([Issue("", "unknown domain", repr(name), available_domains(), remedy)])
+
+
+def find_domain(name_or_path: str) -> Domain:
+    """Return a domain by the name of an installed one, as ``package.module:ATTRIBUTE`` or by the path of its file.
+
+    A file is imported once, by its resolved path, and has the domain in its attribute ``DOMAIN``. Modules and files
+    are code that runs: pass only names that you trust, never those of somebody else's task file.
+
+    Raises:
+        InputError: nothing of this name is there, or its module does not load.
+    """
+    if _entry(name_or_path) is not None:
+        return installed_domain(name_or_path)
+    if name_or_path.endswith(".py"):
+        path = Path(name_or_path).resolve()
+        if not path.is_file():
+            raise InputError([Issue("", "the path of a domain's file", f"{name_or_path!r}, which is not there")])
+        return _domain(_loaded(lambda: _import_file(path), str(path)), str(path), "DOMAIN")
+    module, colon, attribute = name_or_path.partition(":")
+    if colon and attribute.isidentifier() and all(part.isidentifier() for part in module.split(".")):
+        return _domain(_loaded(lambda: import_module(module), module), name_or_path, attribute)
+    remedy = "or name a module as package.module:ATTRIBUTE, or a file by its path that ends in .py"
+    raise InputError([Issue("", "unknown domain", repr(name_or_path), available_domains(), remedy)])
+
+
+def _entry(name: str) -> EntryPoint | None:
+    return next((entry for entry in entry_points(group=GROUP) if entry.name == name), None)
+
+
+def _loaded(load: Callable[[], Any], source: str) -> Any:
+    """Import a domain's code; whatever it raises is reported as a fault of that code."""
+    try:
+        return load()
+    except InputError as error:
+        wanted = "the domain's declarations contradict each other"
+        raise InputError([Issue(source, wanted), *error.issues]) from error
+    except (Exception, SystemExit) as error:
+        came = f"{type(error).__name__}: {error}"
+        raise InputError([Issue(_line_of(error, source), "a domain's module must load", came)]) from error
+
+
+def _line_of(error: BaseException, source: str) -> str:
+    """Return where in the source an error came from, if its traceback says so."""
+    if isinstance(error, SyntaxError) and error.filename == source:
+        return f"{source}:{error.lineno}:{error.offset or 1}"
+    line, trace = 0, error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == source:
+            line = trace.tb_lineno
+        trace = trace.tb_next
+    return f"{source}:{line}:1" if line else source
+
+
+def _domain(found: Any, source: str, attribute: str | None = None) -> Domain:
+    if attribute is not None:
+        if not hasattr(found, attribute):
+            names = tuple(sorted(key for key, value in vars(found).items() if isinstance(value, Domain)))
+            raise InputError([Issue(source, f"the module has no attribute {attribute}", available=names)])
+        found = getattr(found, attribute)
+    if not isinstance(found, Domain):
+        raise InputError([Issue(source, "a domain is an object of hybrid_tamp.Domain", type(found).__name__)])
+    return found
+
+
+def _import_file(path: Path) -> ModuleType:
+    """Import a file once: the same file gives the same module, also where a package has it already."""
+    for entry in entry_points(group=GROUP):
+        spec = find_spec(entry.module)
+        if spec is not None and spec.origin is not None and Path(spec.origin).resolve() == path:
+            return import_module(entry.module)
+    for module in list(sys.modules.values()):
+        file = getattr(module, "__file__", None)
+        if file is not None and module.__name__ != "__main__" and Path(file).resolve() == path:
+            return module
+    name = f"hybrid_tamp_domain_{hashlib.sha256(str(path).encode()).hexdigest()[:16]}"
+    spec = spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"no module can be made of {path}")
+    module = module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        # A half-made module must not be found the next time.
+        del sys.modules[name]
+        raise
+    return module
+
+
+def bundled_tasks() -> tuple[str, ...]:
+    """Return the names of the bundled task files without their ending, sorted; none if they are not installed."""
+    if find_spec(PROBLEMS) is None:
+        return ()
+    return tuple(sorted(file.name[:-5] for file in files(PROBLEMS).iterdir() if file.name.endswith(".yaml")))
+
+
+def find_task_file(text: str) -> Path:
+    """Return the path of a task file: one that is there, else a bundled one by name.
+
+    Args:
+        text: a path, or e.g. ``roll_cylinder``, ``roll_cylinder.yaml`` or ``problems/roll_cylinder.yaml``.
+
+    Raises:
+        InputError: there is neither, with the bundled names.
+    """
+    path = Path(text)
+    try:
+        if path.is_file():
+            return path
+        name, folder, there = path.name.removesuffix(".yaml"), str(path.parent), path.exists()
+    except ValueError as error:
+        raise InputError([Issue("", "the path of a task file", f"{text!r}: {error}")]) from error
+    if folder in (".", "problems") and name in bundled_tasks():
+        return Path(str(files(PROBLEMS).joinpath(f"{name}.yaml")))
+    if there:
+        return path
+    raise InputError(
+        [Issue("", "no task file of this path, and no bundled task of this name", repr(text), bundled_tasks())]
+    )

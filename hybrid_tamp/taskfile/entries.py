@@ -1,0 +1,96 @@
+"""The form of a task file: every key with its type, unit, bounds and description, as pydantic models.
+
+Everything else that speaks of the form is made from these models: the checks, the JSON Schema and the reference page.
+"""
+
+import math
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
+
+from hybrid_tamp.model.affordance import Number, quantity
+from hybrid_tamp.model.shape import Shape
+from hybrid_tamp.model.task import DEFAULT_PLANNER, Limits
+
+Text = Annotated[str, Strict(), Field(min_length=1)]
+Whole = Annotated[int, Strict()]
+Coordinate = Annotated[Number, Field(ge=-1000, le=1000)]
+"""Bounded so that no square of it overflows."""
+Angle = Annotated[Number, Field(ge=-1000, le=1000)]
+Component = Annotated[Number, Field(ge=-1000, le=1000)]
+
+
+def _has_length(quaternion: tuple[float, ...]) -> tuple[float, ...]:
+    if math.hypot(*quaternion) < 1e-9:
+        raise ValueError("a quaternion must not have length zero")
+    return quaternion
+
+
+Quaternion = Annotated[tuple[Component, Component, Component, Component], AfterValidator(_has_length)]
+
+
+class _Entry(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Pose(_Entry):
+    """Where a token is at the beginning, in the world."""
+
+    position: tuple[Coordinate, Coordinate, Coordinate] = quantity("m", "of the body frame's origin: x, y, z")
+    rpy: tuple[Angle, Angle, Angle] | None = quantity(
+        "rad", "roll, pitch and yaw about the world's fixed axes x, y, z in this order", default=None
+    )
+    quaternion: Quaternion | None = quantity("1", "rotation as x, y, z, w instead of rpy; is normalised", default=None)
+
+    @model_validator(mode="after")
+    def _one_rotation(self) -> "Pose":
+        if self.rpy is not None and self.quaternion is not None:
+            raise ValueError("a pose has rpy or quaternion, not both")
+        return self
+
+
+class TokenEntry(_Entry):
+    """One object token: a thing, a part of a robot, or a place."""
+
+    classes: list[Text] = Field(description="names of the domain's classes that it is a member of")
+    properties: dict[str, Any] = Field(
+        default_factory=dict, description="fixed properties, the union of those of its classes"
+    )
+    shape: Shape | None = Field(default=None, description="its geometry; default: what its classes imply, if anything")
+    pose: Pose | None = Field(
+        default=None, description="where it is at the beginning; needed by whatever has a position"
+    )
+
+
+class LimitsEntry(_Entry):
+    """Bounds on the work for the task."""
+
+    time: Number = quantity("s", "wall-clock time of the planner", default=Limits.time, gt=0, le=1e6)
+    memory: Number = quantity(
+        "MiB", "memory of the planner and its children together", default=Limits.memory, gt=0, le=1e8
+    )
+    refinements: Whole = quantity(
+        "1", "how often the planner is asked again after a refused plan", default=Limits.refinements, ge=0, le=1000
+    )
+
+
+class TaskFile(_Entry):
+    """A task of hybrid_tamp, in SI units."""
+
+    domain: Text = Field(description="name of an installed domain")
+    tokens: dict[str, TokenEntry] = Field(description="every object and place by its name", min_length=1)
+    goal: list[Any] = Field(
+        description="atoms that hold at the end: 'predicate: [tokens]', or 'not: {predicate: [tokens]}'", min_length=1
+    )
+    agents: dict[str, Annotated[list[Text], Field(min_length=1)]] = Field(
+        default_factory=dict, description="named groups of capability tokens"
+    )
+    assignment: dict[str, Text] = Field(
+        default_factory=dict, description="token to the block in which it starts; default: the domain's resting block"
+    )
+    planner: Annotated[Text, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\[\]-]*$")] = Field(
+        default=DEFAULT_PLANNER, description="name of the planning engine"
+    )
+    limits: LimitsEntry = Field(default=LimitsEntry(), description="bounds on the work")
+    seed: Whole = quantity("1", "seed of everything random", default=0, ge=0, le=2**32 - 1)
+    name: Text | None = Field(default=None, description="name of the task; default: the file's name without its ending")

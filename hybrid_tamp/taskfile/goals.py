@@ -1,0 +1,134 @@
+"""The goal of a task file: atoms, their arguments' types, and whether they can hold together."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort
+from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+from hybrid_tamp.taskfile.tokens import Scene
+
+_FORM = "an atom of the goal is 'predicate: [tokens]' or 'not: {predicate: [tokens]}'"
+
+
+def read_goal(data: Any, faults: Faults, domain: Domain | None, scene: Scene) -> tuple[Atom, ...]:
+    """Read the goal's atoms, note their faults and return those that are right, each once."""
+    items = data.get("goal") if isinstance(data, dict) else None
+    if not isinstance(items, list):
+        return ()
+    atoms: dict[Atom, KeyPath] = {}
+    for index, item in enumerate(items):
+        path: KeyPath = ("goal", index)
+        found = _form(item, path, faults) if faults.sound(path) else None
+        if found is None:
+            continue
+        atom, path = found
+        predicate = _predicate(atom, path, faults, domain)
+        _check_arguments(atom, predicate, path, faults, scene)
+        if faults.sound(path) and predicate is not None:
+            _check_company(atom, predicate, path, atoms, faults)
+            atoms.setdefault(atom, path)
+    return tuple(atoms)
+
+
+def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[Atom, KeyPath] | None:
+    """Return the atom and the path of its arguments, or None if the item is no atom."""
+    positive = True
+    if isinstance(item, dict) and list(item) == ["not"]:
+        item, path, positive = item["not"], (*path, "not"), False
+    if not isinstance(item, dict) or len(item) != 1:
+        came = "several keys" if isinstance(item, dict) and item else faults.shown(path, item)
+        faults.at(path, _FORM, came, remedy="write one atom an entry")
+        return None
+    ((predicate, arguments),) = item.items()
+    path = (*path, predicate)
+    if not isinstance(arguments, list):
+        faults.at(path, _FORM, faults.shown(path, arguments), remedy="write the tokens in brackets")
+        return None
+    for index, argument in enumerate(arguments):
+        if not isinstance(argument, str):
+            here = (*path, index)
+            faults.at(here, "an argument is a name", faults.shown(here, argument), remedy="write it in quotes")
+    return (Atom(predicate, tuple(arguments), positive), path) if faults.sound(path) else None
+
+
+def _predicate(atom: Atom, path: KeyPath, faults: Faults, domain: Domain | None) -> Predicate | None:
+    if domain is None:
+        return None
+    predicate = domain.predicate_by_name.get(atom.predicate)
+    if predicate is None:
+        wanted = f"unknown predicate in the domain {domain.name}"
+        # The key alone is at fault: its arguments are still looked at.
+        mark = faults.mark(path, key=True)
+        faults.add(mark, wanted, shown(atom.predicate), sorted(domain.predicate_by_name))
+    elif len(atom.arguments) != len(predicate.parameters):
+        wanted = f"{predicate.name} takes {_signature(predicate)}"
+        count = len(atom.arguments)
+        faults.at(path, wanted, f"{count} argument{'' if count == 1 else 's'}")
+    return predicate
+
+
+def _signature(predicate: Predicate) -> str:
+    return ", ".join(f"{parameter.name} ({parameter.sort.name})" for parameter in predicate.parameters) or "nothing"
+
+
+def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
+    """Note arguments that are no tokens, or of a class that the predicate does not take."""
+    typed = predicate is not None and len(predicate.parameters) == len(atom.arguments)
+    parameters = predicate.parameters if predicate is not None and typed else [None] * len(atom.arguments)
+    for index, (argument, parameter) in enumerate(zip(atom.arguments, parameters, strict=True)):
+        here = (*path, index)
+        if parameter is not None and isinstance(parameter.sort, SymbolSort):
+            if argument not in parameter.sort.symbols:
+                wanted = f"{parameter.name} of {atom.predicate} must be a {parameter.sort.name}"
+                faults.at(here, wanted, shown(argument), parameter.sort.symbols)
+        elif scene.names is not None and argument not in scene.names:
+            # Without a predicate the argument might be a symbol.
+            if predicate is not None:
+                faults.at(here, "the goal is about a token that is not there", shown(argument), scene.names)
+        elif parameter is not None and argument in scene.outlines:
+            _check_class(argument, atom, parameter, here, faults, scene)
+
+
+def _check_class(argument: str, atom: Atom, parameter: Parameter, path: KeyPath, faults: Faults, scene: Scene) -> None:
+    sort, outline = parameter.sort, scene.outlines[argument]
+    if isinstance(sort, SymbolSort) or outline.is_member(sort):
+        return
+    members = ", ".join(member.name for member in outline.classes)
+    fitting = [name for name, token in scene.outlines.items() if token.is_member(sort)]
+    wanted = f"{parameter.name} of {atom.predicate} must be a member of {sort.name}"
+    remedy = "" if fitting else f"no token is a member of {sort.name}"
+    faults.at(path, wanted, f"token {shown(argument)}, a member of {members}", fitting, remedy)
+
+
+def _check_company(
+    atom: Atom, predicate: Predicate, path: KeyPath, others: dict[Atom, KeyPath], faults: Faults
+) -> None:
+    """Refuse an atom that cannot hold together with an earlier one."""
+    opposite = Atom(atom.predicate, atom.arguments, not atom.positive)
+    if opposite in others:
+        wanted = f"a goal cannot ask for both {opposite} and {atom}"
+        faults.at(path, wanted, _first(others[opposite], faults), remedy="remove one")
+    if predicate.functional_index is None or not atom.positive:
+        return
+    rest = _without(atom, predicate.functional_index)
+    for other, place in others.items():
+        same = other.positive and other.predicate == atom.predicate and other != atom
+        if same and _without(other, predicate.functional_index) == rest:
+            wanted = f"{predicate.name} gives {_owners(predicate)} one {predicate.functional}"
+            came = f"{other} and {atom}, {_first(place, faults)}"
+            faults.at(path, wanted, came, remedy="remove one")
+            return
+
+
+def _without(atom: Atom, index: int) -> tuple[str, ...]:
+    return atom.arguments[:index] + atom.arguments[index + 1 :]
+
+
+def _owners(predicate: Predicate) -> str:
+    names: Iterator[str] = (p.name for p in predicate.parameters if p.name != predicate.functional)
+    return " and ".join(f"each {name}" for name in names) or "the task"
+
+
+def _first(path: KeyPath, faults: Faults) -> str:
+    return f"the first on line {faults.mark(path).line}"

@@ -1,0 +1,128 @@
+"""A task file to a task: every fault of the file at once, or none."""
+
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from hybrid_tamp.errors import InputError
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Limits, Task
+from hybrid_tamp.taskfile.domains import installed_domain
+from hybrid_tamp.taskfile.entries import TaskFile
+from hybrid_tamp.taskfile.goals import read_goal
+from hybrid_tamp.taskfile.places import Faults, shown
+from hybrid_tamp.taskfile.roles import read_agents, read_assignment
+from hybrid_tamp.taskfile.tokens import read_scene
+from hybrid_tamp.taskfile.wording import add_validation_faults
+from hybrid_tamp.taskfile.yaml_nodes import check_size, parse, read_text
+
+FindDomain = Callable[[str], Domain]
+"""Name to domain; raises InputError for a name that it does not know."""
+
+
+def load_task(
+    path: Path | str,
+    find_domain: FindDomain = installed_domain,
+    planners: Collection[str] | None = None,
+) -> Task:
+    """Load a task file.
+
+    Args:
+        path: the YAML file.
+        find_domain: how the domain is found that the file names. The default knows installed domains only, so that
+            no file can run code; `domains.find_domain` also takes modules and paths.
+        planners: names of planners to check the file's against, or None to leave that to whoever plans.
+
+    Raises:
+        InputError: everything that is wrong with the file, each fault with its line and column, in order.
+    """
+    path = Path(path)
+    return _load(read_text(path), str(path), path.stem, path, find_domain, planners)
+
+
+def load_task_text(
+    text: str,
+    name: str,
+    find_domain: FindDomain = installed_domain,
+    planners: Collection[str] | None = None,
+) -> Task:
+    """Load a task from the text of its file.
+
+    Args:
+        text: YAML.
+        name: what messages call the text, and the task's name if the text does not say.
+        find_domain: as in `load_task`.
+        planners: as in `load_task`.
+
+    Raises:
+        InputError: as in `load_task`.
+    """
+    return _load(text, name, name, None, find_domain, planners)
+
+
+def _load(
+    text: str,
+    source: str,
+    name: str,
+    path: Path | None,
+    find_domain: FindDomain,
+    planners: Collection[str] | None,
+) -> Task:
+    check_size(len(text.encode("utf-8", "surrogatepass")), source)
+    document = parse(text, source)
+    data, faults = document.data, document.faults
+    file = _check_form(data, faults)
+    domain = _find(data, faults, find_domain)
+    scene = read_scene(data, faults, domain)
+    goal = read_goal(data, faults, domain, scene)
+    agents = read_agents(data, faults, scene)
+    assignment = read_assignment(data, faults, domain, scene)
+    _check_planner(data, faults, planners)
+    faults.raise_if_any()
+    assert file is not None
+    assert domain is not None
+    return Task(
+        name=file.name or name,
+        domain=domain,
+        tokens=tuple(scene.tokens),
+        state=State.of(scene.tokens, scene.given),
+        goal=goal,
+        agents=agents,
+        assignment=assignment,
+        planner=file.planner,
+        limits=Limits(**dict(file.limits)),
+        seed=file.seed,
+        source=path,
+    )
+
+
+def _check_form(data: Any, faults: Faults) -> TaskFile | None:
+    try:
+        return TaskFile.model_validate(data)
+    except ValidationError as error:
+        add_validation_faults(faults, error, TaskFile)
+        return None
+
+
+def _find(data: Any, faults: Faults, find_domain: FindDomain) -> Domain | None:
+    path = ("domain",)
+    if not isinstance(data, dict) or "domain" not in data or not faults.sound(path):
+        return None
+    try:
+        return find_domain(data["domain"])
+    except InputError as error:
+        for issue in error.issues:
+            wanted = f"{issue.where}: {issue.wanted}" if issue.where else issue.wanted
+            faults.at(path, wanted, issue.came, issue.available, issue.remedy)
+        return None
+
+
+def _check_planner(data: Any, faults: Faults, planners: Collection[str] | None) -> None:
+    path = ("planner",)
+    if planners is None or not isinstance(data, dict) or "planner" not in data or not faults.sound(path):
+        return
+    if data["planner"] not in planners:
+        faults.at(path, "unknown planner", shown(data["planner"]), sorted(planners))

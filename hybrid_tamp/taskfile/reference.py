@@ -1,0 +1,131 @@
+"""The reference page of task files in Markdown, made from the same declarations as the checks and the JSON Schema."""
+
+from collections.abc import Iterable, Sequence
+
+from pydantic import BaseModel
+
+from hybrid_tamp.model.affordance import CapabilityClass, ObjectClass, is_place
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.predicate import Literal, Predicate
+from hybrid_tamp.model.shape import Box, Cylinder, Sphere
+from hybrid_tamp.taskfile.entries import LimitsEntry, Pose, TaskFile, TokenEntry
+from hybrid_tamp.taskfile.forms import JsonObject, bounds_in_words, form_of, type_in_words
+from hybrid_tamp.taskfile.roles import can_start
+from hybrid_tamp.taskfile.tokens import known_classes
+
+_INTRODUCTION = """# Task files
+
+A task file is one YAML 1.2 document in UTF-8. All numbers are in SI units, all vectors in the world frame unless
+said otherwise; `no` is text and `010` is ten. Aliases and tags are refused. This page is made from the declarations
+that the checks use.
+"""
+_COLUMNS = ("key", "type", "unit", "bounds", "default", "meaning")
+
+
+def reference_page(domains: Sequence[Domain]) -> str:
+    """Return the reference page: every key of a task file, then every domain with all that a file can name."""
+    parts = [_INTRODUCTION]
+    parts += [_model("The file", TaskFile), _model("`TokenEntry`: a token", TokenEntry), _model("`Pose`", Pose)]
+    parts += [_model(f"`{shape.__name__}`: a shape", shape) for shape in (Cylinder, Box, Sphere)]
+    parts += [_model("`LimitsEntry`: limits", LimitsEntry)]
+    parts += [part for domain in domains for part in _domain(domain)]
+    return "\n".join(parts)
+
+
+def _model(title: str, model: type[BaseModel]) -> str:
+    summary = (model.__doc__ or "").strip().splitlines()[0]
+    return f"## {title}\n\n{summary}\n\n{_keys(model)}"
+
+
+def _keys(model: type[BaseModel]) -> str:
+    form = form_of(model)
+    return _table(_COLUMNS, (_row(key, schema, key in form.required) for key, schema in form.keys.items()))
+
+
+def _row(key: str, schema: JsonObject, required: bool) -> tuple[str, ...]:
+    unit = str(schema.get("unit", ""))
+    meaning = str(schema.get("description", "")).removesuffix(f" [{unit}]")
+    default = "required" if required else _default(schema.get("default"))
+    return (f"`{key}`", type_in_words(schema), unit, bounds_in_words(schema), default, meaning)
+
+
+def _default(value: object) -> str:
+    return "" if value is None or isinstance(value, dict) else f"`{value}`"
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)
+
+
+def _domain(domain: Domain) -> list[str]:
+    parts = [f"## Domain `{domain.name}`\n\n{domain.description}\n"]
+    parts += [f"### Classes of `{domain.name}`\n"]
+    parts += [_class(object_class) for object_class in known_classes(domain).values()]
+    parts += [f"### Predicates of `{domain.name}`\n", _predicates(domain.predicates)]
+    parts += [f"### Blocks of `{domain.name}`\n"]
+    parts += [_block(block) for block in domain.blocks]
+    return parts
+
+
+def _class(object_class: type[ObjectClass]) -> str:
+    kind = "affordance class"
+    if is_place(object_class):
+        kind = "place"
+    elif issubclass(object_class, CapabilityClass):
+        kind = "capability class"
+    text = f"#### `{object_class.name}` ({kind})\n\n{object_class.describe()}\n"
+    if object_class.model_fields:
+        text += f"\n{_keys(object_class)}"
+    for action in object_class.basic_actions:
+        limit = f", at most its `{action.limit}`" if action.limit else ""
+        text += f"\nBasic action `{action.name}`: {action.size} numbers [{action.unit}]{limit}. {action.description}\n"
+    return text
+
+
+def _predicates(predicates: Iterable[Predicate]) -> str:
+    rows = []
+    for predicate in predicates:
+        names = tuple(parameter.name for parameter in predicate.parameters)
+        signature = ", ".join(f"{parameter.name}: {parameter.sort.name}" for parameter in predicate.parameters)
+        rows.append((f"`{predicate.name}({signature})`", predicate.sentence(names), predicate.unit, _notes(predicate)))
+    return _table(("predicate", "says", "unit of its margin", "notes"), rows)
+
+
+def _notes(predicate: Predicate) -> str:
+    notes = []
+    if predicate.static:
+        notes.append("static: never changes during a task")
+    if predicate.functional is not None:
+        notes.append(f"at most one {predicate.functional} each")
+    if predicate.maintained:
+        notes.append("holds only as long as the block that made it so")
+    return "; ".join(notes)
+
+
+def _block(block: Block) -> str:
+    upper = "until it is relieved, once its exit holds" if block.hold else "never longer"
+    lines = [
+        f"#### `{block.name}`\n",
+        f"{block.description}\n" if block.description else "",
+        *(f"- slot `{slot.name}`: {slot.object_class.name}{_anchor(block, slot.name)}" for slot in block.slots),
+        *(f"- target `{target.name}`: {target.sort.name}" for target in block.targets),
+        f"- entry: {_conditions(block.entry)}",
+        f"- exit: {_conditions(block.exit)}",
+        f"- lasts from {block.duration.minimum:g} s to {block.duration.maximum:g} s; {upper}",
+        *(
+            f"- hyperparameter `{h.name}`: {h.lower:g} to {h.upper:g} [{h.unit}]. {h.description}".rstrip()
+            for h in block.hyperparameters
+        ),
+        "- a task may begin with it: `assignment` can name it" if can_start(block) else "",
+    ]
+    return "\n".join(line for line in lines if line) + "\n"
+
+
+def _anchor(block: Block, slot: str) -> str:
+    return " (anchor)" if slot == block.anchor and len(block.slots) > 1 else ""
+
+
+def _conditions(literals: Iterable[Literal]) -> str:
+    return ", ".join(f"`{literal}`" for literal in literals) or "always"

@@ -1,0 +1,87 @@
+"""What a task file says of its tokens by name: who they belong to, and in which block they start."""
+
+from typing import Any
+
+from hybrid_tamp.model.affordance import CapabilityClass
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+from hybrid_tamp.taskfile.tokens import Scene
+
+
+def read_agents(data: Any, faults: Faults, scene: Scene) -> dict[str, tuple[str, ...]]:
+    """Read the agents and note names that are no capability tokens or belong to two agents."""
+    agents = data.get("agents", {}) if isinstance(data, dict) else {}
+    owners: dict[str, str] = {}
+    for agent, names in agents.items() if isinstance(agents, dict) else ():
+        for index, name in enumerate(names if isinstance(names, list) else ()):
+            path: KeyPath = ("agents", agent, index)
+            if not faults.sound(path) or not _is_known(name, path, faults, scene, f"agent {shown(agent)}"):
+                continue
+            if name in scene.outlines and not is_capability(scene.outlines[name]):
+                capable = [other for other, token in scene.outlines.items() if is_capability(token)]
+                members = ", ".join(member.name for member in scene.outlines[name].classes)
+                wanted = f"agent {shown(agent)} names a token that is no member of a capability class"
+                faults.at(path, wanted, f"{shown(name)}, a member of {members}", capable)
+            elif name in owners:
+                wanted = "a capability token belongs to one agent"
+                came = f"{shown(name)}, which agent {shown(owners[name])} names already"
+                faults.at(path, wanted, came, remedy="remove one")
+            owners.setdefault(name, agent)
+    return {agent: tuple(names) for agent, names in agents.items()} if faults.sound(("agents",)) else {}
+
+
+def is_capability(token: Token) -> bool:
+    """Say whether the robot commands the token directly."""
+    return any(issubclass(member, CapabilityClass) for member in token.classes)
+
+
+def read_assignment(data: Any, faults: Faults, domain: Domain | None, scene: Scene) -> dict[str, str]:
+    """Read in which block every token starts, the domain's resting block where the file does not say."""
+    starts = data.get("assignment", {}) if isinstance(data, dict) else {}
+    for name, block in starts.items() if isinstance(starts, dict) else ():
+        path: KeyPath = ("assignment", name)
+        if not faults.sound(path) or not _is_known(name, path, faults, scene, "the assignment", key=True):
+            continue
+        outline = scene.outlines.get(name)
+        if outline is not None and outline.place:
+            wanted = "a place is in no block: only things are assigned"
+            faults.at(path, wanted, shown(name), remedy="remove the line", key=True)
+        elif domain is not None:
+            _check_start(block, path, faults, domain, outline)
+    if domain is None or not faults.sound(("assignment",)):
+        return {}
+    return {token.name: starts.get(token.name, domain.resting) for token in scene.tokens if not token.place}
+
+
+def can_start(block: Block) -> bool:
+    """Say whether a token can be in the block at the beginning: it needs nothing else."""
+    return len(block.slots) == 1 and not block.targets
+
+
+def _check_start(name: str, path: KeyPath, faults: Faults, domain: Domain, outline: Token | None) -> None:
+    block = domain.block_by_name.get(name)
+    fitting = [
+        other.name
+        for other in domain.blocks
+        if can_start(other) and (outline is None or outline.is_member(other.slots[0].object_class))
+    ]
+    if block is None:
+        faults.at(path, f"unknown block in the domain {domain.name}", shown(name), fitting)
+    elif not can_start(block):
+        roles = ", ".join(block.roles)
+        wanted = "a token starts in a block with one slot and no targets"
+        faults.at(path, wanted, f"{shown(name)} with {roles}", fitting)
+    elif outline is not None and block.name not in fitting:
+        needed = block.slots[0].object_class.name
+        wanted = f"only a member of {needed} starts in {block.name}"
+        members = ", ".join(member.name for member in outline.classes)
+        faults.at(path, wanted, f"token {shown(outline.name)}, a member of {members}", fitting)
+
+
+def _is_known(name: str, path: KeyPath, faults: Faults, scene: Scene, who: str, *, key: bool = False) -> bool:
+    if scene.names is None or name in scene.names:
+        return True
+    faults.at(path, f"{who} names a token that is not there", shown(name), scene.names, key=key)
+    return False

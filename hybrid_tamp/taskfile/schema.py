@@ -1,0 +1,129 @@
+"""The JSON Schema of task files (draft 2020-12), so that editors complete and check them.
+
+The form comes from `entries`; for every domain its classes, properties, predicates and blocks are added under a
+condition on the key ``domain``.
+"""
+
+from collections.abc import Iterable, Sequence
+
+from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.predicate import Parameter, Predicate, SymbolSort
+from hybrid_tamp.taskfile.entries import TaskFile
+from hybrid_tamp.taskfile.forms import JsonObject, form_of
+from hybrid_tamp.taskfile.reference import reference_page
+from hybrid_tamp.taskfile.roles import can_start
+from hybrid_tamp.taskfile.tokens import known_classes
+
+__all__ = ["json_schema", "reference_page"]
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+
+def json_schema(domains: Sequence[Domain]) -> JsonObject:
+    """Return the JSON Schema of task files.
+
+    Args:
+        domains: the domains whose names are completed; files of others are checked in their form only.
+    """
+    form = form_of(TaskFile)
+    keys, definitions = dict(form.keys), dict(form.definitions)
+    keys["domain"] = {**keys["domain"], "examples": [domain.name for domain in domains]}
+    keys["goal"] = {**keys["goal"], "items": {"type": "object", "minProperties": 1, "maxProperties": 1}}
+    keys["tokens"] = {**keys["tokens"], "propertyNames": {"minLength": 1}}
+    conditions = []
+    for number, domain in enumerate(domains):
+        then = _of_domain(domain, f"domain{number}.", definitions)
+        conditions.append({"if": _equals("domain", domain.name), "then": then})
+    return {
+        "$schema": DIALECT,
+        "title": "A task of hybrid_tamp",
+        "description": "Tokens of a domain, where they are, and what is wanted. All numbers are in SI units.",
+        "type": "object",
+        "properties": keys,
+        "required": list(form.required),
+        "additionalProperties": False,
+        "allOf": conditions,
+        "$defs": dict(sorted(definitions.items())),
+    }
+
+
+def _equals(key: str, value: str) -> JsonObject:
+    return {"properties": {key: {"const": value}}, "required": [key]}
+
+
+def _of_domain(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) -> JsonObject:
+    """Return what a file of the domain must satisfy beyond the common form."""
+    starts = [_choice(block.name, block.description) for block in domain.blocks if can_start(block)]
+    return {
+        "properties": {
+            "tokens": {"additionalProperties": _token(domain, prefix, definitions)},
+            "goal": {"items": _atom(domain.predicates, negatable=True)},
+            "assignment": {"additionalProperties": {"anyOf": starts}},
+        }
+    }
+
+
+def _choice(value: str, description: str) -> JsonObject:
+    return {"const": value, "description": description} if description else {"const": value}
+
+
+def _token(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) -> JsonObject:
+    """Return the schema of a token: any property of the domain's classes, and what its own classes need."""
+    known: dict[str, list[JsonObject]] = {}
+    needs = []
+    for number, object_class in enumerate(known_classes(domain).values()):
+        form = form_of(object_class, f"{prefix}class{number}.")
+        definitions.update(form.definitions)
+        for key, schema in form.keys.items():
+            if schema not in known.setdefault(key, []):
+                known[key].append(schema)
+        if form.keys:
+            needs.append(_need(object_class, form.keys, form.required))
+    properties = {key: ones[0] if len(ones) == 1 else {"anyOf": ones} for key, ones in sorted(known.items())}
+    names = [_choice(name, one.describe()) for name, one in known_classes(domain).items()]
+    return {
+        "properties": {
+            "classes": {"items": {"anyOf": names}, "uniqueItems": True},
+            "properties": {"properties": properties, "additionalProperties": False},
+        },
+        "allOf": needs,
+    }
+
+
+def _need(object_class: type[ObjectClass], keys: dict[str, JsonObject], required: Iterable[str]) -> JsonObject:
+    contains = {"properties": {"classes": {"contains": {"const": object_class.name}}}, "required": ["classes"]}
+    needed = list(required)
+    then: JsonObject = {"properties": {"properties": {"properties": keys, "required": needed}}}
+    return {"if": contains, "then": then | ({"required": ["properties"]} if needed else {})}
+
+
+def _atom(predicates: Iterable[Predicate], *, negatable: bool) -> JsonObject:
+    predicates = tuple(predicates)
+    keys: dict[str, JsonObject] = {predicate.name: _arguments(predicate) for predicate in predicates}
+    if negatable:
+        keys["not"] = {"description": "an atom that must not hold", **_atom(predicates, negatable=False)}
+    return {
+        "type": "object",
+        "minProperties": 1,
+        "maxProperties": 1,
+        "properties": keys,
+        "additionalProperties": False,
+    }
+
+
+def _arguments(predicate: Predicate) -> JsonObject:
+    count = len(predicate.parameters)
+    return {
+        "description": predicate.sentence(tuple(parameter.name for parameter in predicate.parameters)),
+        "type": "array",
+        "prefixItems": [_argument(parameter) for parameter in predicate.parameters],
+        "minItems": count,
+        "maxItems": count,
+    }
+
+
+def _argument(parameter: Parameter) -> JsonObject:
+    if isinstance(parameter.sort, SymbolSort):
+        return {"enum": list(parameter.sort.symbols), "description": f"{parameter.name}: a {parameter.sort.name}"}
+    return {"type": "string", "description": f"{parameter.name}: a token of the class {parameter.sort.name}"}

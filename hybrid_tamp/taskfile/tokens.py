@@ -1,0 +1,206 @@
+"""The tokens of a task file: their classes, properties, shapes and where they are."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, TypeAdapter, ValidationError
+
+from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.predicate import ANY, SymbolSort
+from hybrid_tamp.model.shape import Shape
+from hybrid_tamp.model.state import FloatArray
+from hybrid_tamp.model.token import PropertyConflictError, Token, union_of
+from hybrid_tamp.motion.poses import normalized, quaternion_from_rpy
+from hybrid_tamp.taskfile.entries import Pose
+from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+from hybrid_tamp.taskfile.wording import add_validation_faults
+
+_SHAPE: TypeAdapter[Shape | None] = TypeAdapter(Shape | None)
+
+
+@dataclass
+class Scene:
+    """What is known of the tokens, as far as the file is sound.
+
+    Attributes:
+        names: every name that the file gives to a token; None if the tokens cannot be read.
+        outlines: name to a token whose classes are right, whatever its properties are.
+        tokens: the tokens that are right altogether.
+        given: (token, varying property) to its initial value.
+    """
+
+    names: tuple[str, ...] | None = None
+    outlines: dict[str, Token] = field(default_factory=dict)
+    tokens: list[Token] = field(default_factory=list)
+    given: dict[tuple[str, str], FloatArray] = field(default_factory=dict)
+
+
+def read_scene(data: Any, faults: Faults, domain: Domain | None) -> Scene:
+    """Read the tokens and note their faults.
+
+    Args:
+        data: the file's plain data.
+        faults: the faults that were found in its form.
+        domain: the domain, or None if it is unknown; then names alone are read.
+    """
+    entries = data.get("tokens") if isinstance(data, dict) else None
+    if not isinstance(entries, dict):
+        return Scene()
+    scene = Scene(names=tuple(entries))
+    for name in entries:
+        _check_name(name, faults, domain)
+    if domain is not None:
+        for name, entry in entries.items():
+            if isinstance(entry, dict):
+                _read_token(name, entry, faults, domain, scene)
+    return scene
+
+
+def _check_name(name: str, faults: Faults, domain: Domain | None) -> None:
+    # A name at fault leaves the token itself sound, hence `add`.
+    mark = faults.mark(("tokens", name), key=True)
+    if not name:
+        faults.add(mark, "a token needs a name that is not empty", shown(name))
+    if name == ANY:
+        remedy = "it means every value in conditions: rename the token"
+        faults.add(mark, f"a token needs a name other than {ANY!r}", shown(name), remedy=remedy)
+    for sort in symbol_sorts(domain) if domain else ():
+        if name in sort.symbols:
+            wanted = f"a token needs a name that is no {sort.name} of the domain"
+            faults.add(mark, wanted, shown(name), remedy="rename the token")
+
+
+def symbol_sorts(domain: Domain) -> tuple[SymbolSort, ...]:
+    """Return every sort of symbols that the domain speaks of, each once, sorted by name."""
+    parameters = [parameter.sort for predicate in domain.predicates for parameter in predicate.parameters]
+    targets = [target.sort for block in domain.blocks for target in block.targets]
+    sorts = {sort for sort in (*domain.sorts, *parameters, *targets) if isinstance(sort, SymbolSort)}
+    return tuple(sorted(sorts, key=lambda sort: sort.name))
+
+
+def known_classes(domain: Domain) -> Mapping[str, type[ObjectClass]]:
+    """Return name to class, the root class included."""
+    return {TOKEN.name: TOKEN, **domain.class_by_name}
+
+
+def _read_token(name: str, entry: dict[str, Any], faults: Faults, domain: Domain, scene: Scene) -> None:
+    path = ("tokens", name)
+    classes = _classes(entry, path, faults, domain)
+    if classes is None:
+        return
+    members = classes if any(map(is_place, classes)) else tuple({TOKEN: None, **dict.fromkeys(classes)})
+    outline = Token(name, members, {})
+    scene.outlines[name] = outline
+    token = _make(outline, entry, path, faults)
+    _read_pose(outline, entry, path, faults, scene)
+    if token is not None:
+        scene.tokens.append(token)
+
+
+def _classes(
+    entry: dict[str, Any], path: KeyPath, faults: Faults, domain: Domain
+) -> tuple[type[ObjectClass], ...] | None:
+    """Return the classes that a token names, or None if they are not sound."""
+    path = (*path, "classes")
+    if "classes" not in entry or not faults.sound(path):
+        return None
+    known = known_classes(domain)
+    found: list[type[ObjectClass]] = []
+    for index, class_name in enumerate(entry["classes"]):
+        here = (*path, index)
+        if class_name not in known:
+            wanted = f"unknown class in the domain {domain.name}"
+            faults.at(here, wanted, shown(class_name), sorted(domain.class_by_name))
+        elif known[class_name] in found:
+            faults.at(here, "a token names each of its classes once", shown(class_name), remedy="remove one")
+        else:
+            _check_company(known[class_name], found, here, faults, domain)
+            found.append(known[class_name])
+    if not faults.sound(path):
+        return None
+    try:
+        union_of(found)
+    except PropertyConflictError as error:
+        for issue in error.issues:
+            wanted = f"{issue.where} are in conflict: {issue.wanted}"
+            faults.at(path, wanted, issue.came, remedy="use one of the two classes, or mend the domain")
+        return None
+    return tuple(found)
+
+
+def _check_company(
+    one: type[ObjectClass], others: list[type[ObjectClass]], path: KeyPath, faults: Faults, domain: Domain
+) -> None:
+    """Refuse a class that cannot share a token with one of the others."""
+    for other in others:
+        if is_place(one) != is_place(other):
+            place, thing = (one, other) if is_place(one) else (other, one)
+            came = f"the place {place.name} and the thing {thing.name}"
+            faults.at(path, "a token is a place or a thing, not both", came, remedy="make two tokens of it")
+        elif not domain.relations.can_share_token(one, other):
+            wanted = f"no token is a member of both {other.name} and {one.name}"
+            faults.at(path, wanted, shown(one.name), remedy=f"the domain {domain.name} declares them disjoint")
+
+
+def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults) -> Token | None:
+    """Make the token from its properties and shape and ask its classes whether they go together."""
+    properties, base = entry.get("properties", {}), (*path, "properties")
+    if not isinstance(properties, dict) or not faults.sound(base):
+        return None
+    has_shape = faults.sound((*path, "shape"))
+    shape = _SHAPE.validate_python(entry.get("shape")) if has_shape else None
+    union: type[BaseModel] = union_of(outline.classes)
+    try:
+        token = Token.make(outline.name, outline.classes, properties, shape)
+    except ValidationError as error:
+        add_validation_faults(faults, error, union, base, lambda key: _needed_by(outline, key))
+        return None
+    except ArithmeticError:
+        faults.at(base, f"the properties of token {shown(outline.name)} must be numbers of a physical size")
+        return None
+    if not has_shape:
+        return None
+    for complaint in dict.fromkeys(_complaints(token)):
+        # The token may be named elsewhere all the same, hence `add`.
+        faults.add(faults.mark(path, key=True), f"token {shown(token.name)} contradicts itself: {complaint}")
+    return token
+
+
+def _needed_by(outline: Token, key: str) -> str:
+    return "; needed by " + ", ".join(member.name for member in outline.classes if key in member.model_fields)
+
+
+def _complaints(token: Token) -> list[str]:
+    checks = [member.consistent for member in token.classes if member.consistent is not None]
+    return [complaint for check in checks if (complaint := check(token)) is not None]
+
+
+def _read_pose(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, scene: Scene) -> None:
+    """Read where a token is; what has a position needs to say which."""
+    here = (*path, "pose")
+    if not faults.sound(here):
+        return
+    varying = {one.name for one in outline.varying}
+    if entry.get("pose") is None:
+        if "position" in varying:
+            wanted = f"missing key 'pose' in token {shown(outline.name)}: where it is at the beginning"
+            faults.at(here, wanted, remedy="write pose: {position: [x, y, z]}")
+        return
+    pose = Pose.model_validate(entry["pose"])
+    values = {"position": np.asarray(pose.position, dtype=float), "orientation": _orientation(pose)}
+    for key, value in values.items():
+        if value is not None and key in varying:
+            scene.given[outline.name, key] = value
+        elif value is not None:
+            faults.at(
+                here, f"token {shown(outline.name)} has no {key}", remedy="remove it: none of its classes has one"
+            )
+
+
+def _orientation(pose: Pose) -> FloatArray | None:
+    if pose.quaternion is not None:
+        return normalized(pose.quaternion)
+    return None if pose.rpy is None else quaternion_from_rpy(pose.rpy)

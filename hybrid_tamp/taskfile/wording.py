@@ -1,0 +1,161 @@
+"""pydantic's errors in our words: the one place where they are translated."""
+
+from collections.abc import Callable
+from types import NoneType
+from typing import Annotated, Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+
+_MAPPING = "must be a mapping of keys to values"
+_WANTED = {
+    "bool_type": "must be true or false",
+    "dict_type": _MAPPING,
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "greater_than": "must be more than {gt}",
+    "greater_than_equal": "must be at least {ge}",
+    "int_type": "must be a whole number",
+    "less_than": "must be less than {lt}",
+    "less_than_equal": "must be at most {le}",
+    "list_type": "must be a list",
+    "literal_error": "must be {expected}",
+    "model_attributes_type": _MAPPING,
+    "model_type": _MAPPING,
+    "string_pattern_mismatch": "must be a name of letters, digits, '-', '_', '.', '[' and ']'",
+    "string_too_short": "must not be empty",
+    "string_type": "must be text",
+    "too_long": "must be a list of {max_length}",
+    "too_short": "must have at least {min_length} entry",
+    "tuple_type": "must be a list",
+    "union_tag_not_found": "needs the key 'kind'",
+}
+_NUMBERS = ("finite_number", "float_type", "greater_than", "greater_than_equal", "less_than", "less_than_equal")
+
+
+def no_reason(key: str) -> str:
+    """Say nothing about why a key is needed."""
+    return ""
+
+
+def add_validation_faults(
+    faults: Faults,
+    error: ValidationError,
+    model: type[BaseModel],
+    base: KeyPath = (),
+    why: Callable[[str], str] = no_reason,
+) -> None:
+    """Note everything that pydantic found, each at its place.
+
+    Args:
+        faults: where to note it.
+        error: what pydantic raised.
+        model: what was validated against; its fields tell units, descriptions and known keys.
+        base: path of the validated part within the file.
+        why: words on why a missing key is needed, behind its description.
+    """
+    for details in error.errors(include_url=False):
+        way = _Way(model, details["loc"])
+        path = base + way.path
+        if details["type"] == "missing":
+            _add_missing(faults, way, path, details["input"], why)
+        elif details["type"] == "extra_forbidden":
+            wanted = f"unknown key in {subject(path[:-1])}"
+            faults.at(path, wanted, shown(path[-1]), way.siblings, key=True)
+        elif details["type"] == "union_tag_invalid":
+            tags = [tag.strip(" '") for tag in details["ctx"]["expected_tags"].split(",")]
+            path = (*path, details["ctx"]["discriminator"].strip("'"))
+            faults.at(path, f"{subject(path)} is none of those known", shown(details["ctx"]["tag"]), tags)
+        else:
+            wanted = _wanted(details, way.unit)
+            faults.at(path, f"{subject(path)} {wanted}", faults.shown(path, details["input"]))
+
+
+def _wanted(details: ErrorDetails, unit: str) -> str:
+    context = {
+        key: f"{value:g}" if isinstance(value, float) else value for key, value in details.get("ctx", {}).items()
+    }
+    if details["type"] == "value_error":
+        return f"is refused: {context['error']}"
+    template = _WANTED.get(details["type"])
+    if template is None:
+        return details["msg"].replace("Input should", "must", 1)
+    return template.format(**context) + (unit if details["type"] in _NUMBERS else "")
+
+
+def _add_missing(faults: Faults, way: "_Way", path: KeyPath, came: Any, why: Callable[[str], str]) -> None:
+    last = path[-1]
+    if isinstance(last, int):
+        faults.at(path[:-1], f"{subject(path[:-1])} must be a list of {way.length}", shown(came))
+        return
+    description = ": " + way.field.description if way.field and way.field.description else ""
+    faults.at(path, f"missing key {last!r}{way.unit} in {subject(path[:-1])}{description}{why(last)}")
+
+
+class _Way:
+    """The way through a model's declarations along an error's location.
+
+    Attributes:
+        path: the location without the tags of unions, which the file does not have.
+        field: the innermost declared field on the way, or None.
+        siblings: the keys that the innermost model on the way knows.
+        length: how many entries the innermost tuple on the way has.
+    """
+
+    def __init__(self, model: type[BaseModel], loc: tuple[int | str, ...]) -> None:
+        self.path: KeyPath = ()
+        self.field: FieldInfo | None = None
+        self.siblings: tuple[str, ...] = ()
+        self.length = 0
+        here: Any = model
+        for step in loc:
+            members = _members(here)
+            if len(members) > 1:
+                here = next((m for m in members if step in get_args(m.model_fields["kind"].annotation)), Any)
+            else:
+                here = self._into(members[0], step)
+                self.path += (step,)
+
+    @property
+    def unit(self) -> str:
+        """The unit of the innermost field, ready to stand behind a number; empty for pure numbers."""
+        extra = self.field.json_schema_extra if self.field else None
+        unit = extra.get("unit", "1") if isinstance(extra, dict) else "1"
+        return "" if unit == "1" else f" [{unit}]"
+
+    def _into(self, here: Any, step: int | str) -> Any:
+        arguments = get_args(here)
+        if isinstance(here, type) and issubclass(here, BaseModel):
+            self.siblings = tuple(here.model_fields)
+            self.field = here.model_fields.get(str(step))
+            return self.field.annotation if self.field else Any
+        if get_origin(here) is tuple:
+            self.length = len(arguments)
+        return arguments[-1] if arguments else Any
+
+
+def _members(annotation: Any) -> tuple[Any, ...]:
+    """Return the members of a union, None left out, or the one type that it is."""
+    if get_origin(annotation) is Annotated:
+        return _members(get_args(annotation)[0])
+    if get_origin(annotation) in (None, list, dict, tuple):
+        return (annotation,)
+    return tuple(member for one in get_args(annotation) if one is not NoneType for member in _members(one))
+
+
+def subject(path: KeyPath) -> str:
+    """Return how messages call a part of a task file, e.g. ``pose.position[2] of token 'drum'``."""
+    if not path:
+        return "the task file"
+    if path[0] != "tokens" or len(path) == 1:
+        return _dotted(path)
+    token = f"token {shown(path[1])}"
+    rest = path[3:] if path[2:3] == ("properties",) and len(path) > 3 else path[2:]
+    return f"{_dotted(rest)} of {token}" if rest else token
+
+
+def _dotted(path: KeyPath) -> str:
+    return "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")

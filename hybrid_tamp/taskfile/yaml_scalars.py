@@ -1,0 +1,110 @@
+"""The values of single scalars by the core schema of YAML 1.2 (Sec. 10.3.2): `no` is text, `010` is ten.
+
+The parser's own tables also know underscores, binary numbers and dates, which YAML 1.2 does not.
+"""
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from ruamel.yaml.events import CollectionStartEvent, MappingStartEvent, ScalarEvent
+
+_CORE = "tag:yaml.org,2002:"
+_NULL = re.compile("|~|null|Null|NULL")
+_BOOLEAN = re.compile("true|True|TRUE|false|False|FALSE")
+_DECIMAL = re.compile("[-+]?[0-9]+")
+_BASES = {8: re.compile("0o([0-7]+)"), 16: re.compile("0x([0-9a-fA-F]+)")}
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_INFINITE = re.compile(r"([-+]?)\.(inf|Inf|INF)")
+_NOT_A_NUMBER = re.compile(r"\.(nan|NaN|NAN)")
+_LONGEST_INTEGER = 250
+_TYPES: dict[str, type | tuple[type, ...]] = {
+    "null": type(None),
+    "bool": bool,
+    "int": int,
+    "float": float,
+}
+
+
+@dataclass
+class Unresolvable(Exception):
+    """A scalar or tag that has no value here, as the three parts of a message."""
+
+    wanted: str
+    came: str
+    remedy: str = ""
+
+
+def resolve(event: ScalarEvent) -> Any:
+    """Return the value of a scalar: text, number, truth value or None.
+
+    Raises:
+        Unresolvable: its tag is not of the core schema or does not fit, or its text is half a character.
+    """
+    text = _whole_characters(event.value)
+    tag = _tag(event)
+    if tag is None:
+        return _plain(text) if event.style is None or event.style == "" else text
+    if tag in ("!", _CORE + "str"):
+        return text
+    wanted = _TYPES.get(tag.removeprefix(_CORE)) if tag.startswith(_CORE) else None
+    if wanted is None:
+        raise _refused(tag)
+    value = _plain(text)
+    if wanted is float and type(value) is int:
+        return float(value)
+    if type(value) is not wanted:
+        raise Unresolvable(f"a value must fit its tag {_written(tag)}", repr(text), "remove the tag")
+    return value
+
+
+def check_tag(event: CollectionStartEvent) -> None:
+    """Refuse a list or mapping with a tag that says it is something else.
+
+    Raises:
+        Unresolvable: the tag is not the one of its kind in the core schema.
+    """
+    own = _CORE + ("map" if isinstance(event, MappingStartEvent) else "seq")
+    tag = _tag(event)
+    if tag not in (None, "!", own):
+        raise _refused(str(tag))
+
+
+def _tag(event: ScalarEvent | CollectionStartEvent) -> str | None:
+    return None if event.ctag is None else str(event.ctag)
+
+
+def _refused(tag: str) -> Unresolvable:
+    wanted = "a task file is plain data and never constructs objects"
+    return Unresolvable(wanted, f"the tag {_written(tag)}", "remove the tag")
+
+
+def _written(tag: str) -> str:
+    return "!!" + tag.removeprefix(_CORE) if tag.startswith(_CORE) else tag
+
+
+def _whole_characters(text: str) -> str:
+    r"""Join the halves of characters that JSON writes in two, e.g. ``"\ud83d\ude00"``."""
+    try:
+        return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le")
+    except UnicodeDecodeError as error:
+        remedy = r"write the character itself, or as \U and 8 digits"
+        raise Unresolvable("text must be whole characters", "half of a surrogate pair", remedy) from error
+
+
+def _plain(text: str) -> Any:
+    if _NULL.fullmatch(text):
+        return None
+    if _BOOLEAN.fullmatch(text):
+        return text.lower() == "true"
+    if _DECIMAL.fullmatch(text):
+        # Python refuses to convert very long ones; as infinity it is refused with its place.
+        return int(text) if len(text) <= _LONGEST_INTEGER else float(text)
+    for base, pattern in _BASES.items():
+        if digits := pattern.fullmatch(text):
+            return int(digits[1], base) if len(text) <= _LONGEST_INTEGER else float("inf")
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    if infinite := _INFINITE.fullmatch(text):
+        return float(f"{infinite[1]}inf")
+    return float("nan") if _NOT_A_NUMBER.fullmatch(text) else text

