@@ -233,7 +233,7 @@ def schema(
 
 def _load(text: str) -> "Task":
     from hybrid_tamp.taskfile.loader import load_task
-    from hybrid_tamp.taskfile.places import find_task_file
+    from hybrid_tamp.taskfile.domains import find_task_file
 
     return load_task(find_task_file(text))
 

@@ -3,12 +3,11 @@
 Each function is one verb of the command line; the stages know nothing of each other.
 """
 
-import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from hybrid_tamp.affordances.explanation import explain
 from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
@@ -27,13 +26,14 @@ from hybrid_tamp.report.documents import (
 )
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.report.versions import versions
-from hybrid_tamp.symbolic.pddl import domain_text, plan_text, problem_text
+from hybrid_tamp.symbolic.pddl import domain_text, problem_text
 from hybrid_tamp.symbolic.planner import PlannerProcess
 from hybrid_tamp.symbolic.problem import compile_task
 from hybrid_tamp.symbolic.stage import Planned, Planner, plan_task
 from hybrid_tamp.taskfile.loader import load_task
 
-_LOG = logging.getLogger(__name__)
+if TYPE_CHECKING:
+    from hybrid_tamp.physics.replay import ReplayReport
 
 Progress = Callable[[float, str], None]
 """Called with the share done, 0 to 1, and what is being done."""
@@ -125,7 +125,7 @@ def export(task: Task, folder: RunFolder, actions: tuple[str, ...] | None = None
         folder.write_text("problem.pddl", problem_text(problem)),
     ]
     if actions is not None:
-        files.append(folder.write_text("plan.pddl", plan_text(actions)))
+        files.append(folder.write_text("plan.pddl", "".join(f"{line}\n" for line in actions)))
     return files
 
 
@@ -162,19 +162,21 @@ def run(
         InputError: the planner or the backend is unknown.
     """
     from hybrid_tamp.physics.backend import open_backend
-    from hybrid_tamp.physics.execution import execute, predict, with_predictions
+    from hybrid_tamp.physics.events import EventLog
+    from hybrid_tamp.physics.execution import execute
+    from hybrid_tamp.physics.prediction import predict, with_predictions
     from hybrid_tamp.physics.storage import save
 
     began = time.monotonic()
+    tell = progress or (lambda share, what: None)
     outcome = plan(task, planner)
     save_plan(outcome, folder)
     chosen = outcome.required()
-    tell = progress or (lambda share, what: None)
-    with open_backend(backend) as physics, folder.open_events() as events:
-        recording = execute(task, chosen, physics, progress=lambda t: tell(t, "running"), observer=_log_to(events))
-        recording = with_predictions(recording, predict(task, chosen))
-        save(recording, folder.path / "recording.npz")
-        draw(task, recording, physics, folder, video, tell)
+    with open_backend(backend) as physics, EventLog(folder.path / "events.jsonl") as events:
+        measured = execute(task, chosen, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
+    recording = with_predictions(measured, predict(task, chosen))
+    save(recording, folder.path / "recording.npz")
+    draw(task, recording, folder, video, tell)
     metrics = task.domain.metrics(task, recording) if task.domain.metrics else {}
     breaches = [] if recording.failure else check_law(task, recording.plan, recording.at)
     document = result_document(
@@ -187,3 +189,33 @@ def run(
     )
     folder.write_json("result.json", document.dump())
     return RunOutcome(outcome, recording, document)
+
+
+def draw(task: Task, recording: Recording, folder: RunFolder, video: Path | None, tell: Progress) -> None:
+    """Draw one picture a step, and the video where one is wanted."""
+    from hybrid_tamp.physics.rendering import open_renderer
+    from hybrid_tamp.report.video import step_pictures, write_video
+
+    with open_renderer(task, recording) as renderer:
+        step_pictures(folder.path, task, recording, renderer.picture)
+        if video is not None:
+            write_video(video, task, recording, renderer.picture, lambda done, of: tell(done / of, "drawing"))
+
+
+def replay(directory: Path) -> "ReplayReport":
+    """Run the commands of a recording again and compare, bit for bit.
+
+    Args:
+        directory: the folder that a run left.
+
+    Raises:
+        InputError: the folder holds no run, or a broken one; the message says what is wrong with it.
+    """
+    from hybrid_tamp.physics.backend import open_backend
+    from hybrid_tamp.physics.replay import replay as run_again
+    from hybrid_tamp.physics.storage import load
+
+    recording = load(directory / "recording.npz")
+    task = load_task(directory / "task.yaml")
+    with open_backend(recording.backend) as physics:
+        return run_again(task, recording, physics)

@@ -7,7 +7,7 @@ from hybrid_tamp.model.shape import Box, Cylinder
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.physics.camera import disc_radius
-from hybrid_tamp.physics.meshes import Mesh, box, cylinder, disc, solid
+from hybrid_tamp.physics.meshes import Mesh, box, cylinder, disc, joined, solid
 
 Colour = tuple[float, float, float]
 """Red, green, blue, each from 0 to 1."""
@@ -18,6 +18,7 @@ PLACES: Sequence[Colour] = ((0.62, 0.85, 0.66), (0.62, 0.80, 0.88), (0.86, 0.82,
 _RIM = 0.06
 _MARK = 0.35
 _THIN = 0.002
+_HAIRLINE = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +57,22 @@ def _parts(token: Token, colour: Colour) -> list[Part]:
         # A little above the floor, and the disc above its rim, so that neither flickers with what is below.
         rim = disc(radius).moved([0, 0, _THIN])
         inner = disc(radius * (1 - _RIM)).moved([0, 0, 2 * _THIN])
-        return [Part(token.name, rim, _darker(colour, 0.6), True), Part(token.name, inner, colour, True)]
+        green = _darker(colour, 0.6)
+        return [
+            Part(token.name, _cross(radius), green, True),
+            Part(token.name, rim, green, True),
+            Part(token.name, inner, colour, True),
+        ]
     body = Part(token.name, solid(token.shape), colour)
     if token.place or token.basic_actions:
         return [body]
     return [body, Part(token.name, _mark(token), dark)]
+
+
+def _cross(radius: float) -> Mesh:
+    """Return hairlines through a place, which show where it is even when something stands on it."""
+    arm = radius + _HAIRLINE
+    return joined(box((arm, _THIN, _THIN / 2)), box((_THIN, arm, _THIN / 2)))
 
 
 def _mark(token: Token) -> Mesh:

@@ -4,7 +4,7 @@ import json
 import os
 import tempfile
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from hybrid_tamp.errors import InputError, Issue
 
@@ -74,7 +74,3 @@ class RunFolder:
     def write_json(self, name: str, document: dict[str, Any]) -> Path:
         """Write a JSON document; NaN and infinity are refused."""
         return self.write_text(name, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
-
-    def open_events(self) -> IO[str]:
-        """Open the event log for appending, a line an event, flushed at every line."""
-        return (self.path / "events.jsonl").open("a", encoding="utf-8", buffering=1)

@@ -107,14 +107,9 @@ def _domain(found: Any, source: str, attribute: str | None = None) -> Domain:
 
 def _import_file(path: Path) -> ModuleType:
     """Import a file once: the same file gives the same module, also where a package has it already."""
-    for entry in entry_points(group=GROUP):
-        spec = find_spec(entry.module)
-        if spec is not None and spec.origin is not None and Path(spec.origin).resolve() == path:
-            return import_module(entry.module)
-    for module in list(sys.modules.values()):
-        file = getattr(module, "__file__", None)
-        if file is not None and module.__name__ != "__main__" and Path(file).resolve() == path:
-            return module
+    known = _module_of(path)
+    if known is not None:
+        return import_module(known)
     name = f"hybrid_tamp_domain_{hashlib.sha256(str(path).encode()).hexdigest()[:16]}"
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
@@ -128,6 +123,24 @@ def _import_file(path: Path) -> ModuleType:
         del sys.modules[name]
         raise
     return module
+
+
+def _module_of(path: Path) -> str | None:
+    """Return the dotted name under which a file is installed as a domain, or has been imported already."""
+    for entry in entry_points(group=GROUP):
+        try:
+            spec = find_spec(entry.module)
+        except ImportError:
+            # Another package's entry point is broken; that is no fault of this file.
+            continue
+        if spec is not None and spec.origin is not None and Path(spec.origin).resolve() == path:
+            return entry.module
+    for name, module in list(sys.modules.items()):
+        # Through vars, because asking some modules for an attribute imports more of them.
+        file = vars(module).get("__file__") if isinstance(module, ModuleType) else None
+        if name != "__main__" and isinstance(file, str) and file.endswith(path.name) and Path(file).resolve() == path:
+            return name
+    return None
 
 
 def bundled_tasks() -> tuple[str, ...]:

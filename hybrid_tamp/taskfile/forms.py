@@ -60,7 +60,8 @@ def type_in_words(schema: JsonObject) -> str:
         return f"`{schema['const']}`"
     if "enum" in schema:
         return " or ".join(f"`{value}`" for value in schema["enum"])
-    choices = [one for one in schema.get("anyOf", schema.get("oneOf", ())) if one.get("type") != "null"]
+    every: list[JsonObject] = schema.get("anyOf") or schema.get("oneOf") or []
+    choices = [one for one in every if one.get("type") != "null"]
     if choices:
         return " or ".join(dict.fromkeys(map(type_in_words, choices)))
     if "prefixItems" in schema:
@@ -87,4 +88,9 @@ def bounds_in_words(schema: JsonObject) -> str:
     """Return the bounds of a number, or of every entry of a list of numbers, e.g. ``> 0, ≤ 10``."""
     inner = [one for one in schema.get("anyOf", ()) if one.get("type") != "null"] or [schema]
     one = inner[0].get("prefixItems", inner)[0]
-    return ", ".join(f"{sign} {one[key]:g}" for key, sign in _BOUNDS if key in one)
+    return ", ".join(f"{sign} {number_in_words(one[key])}" for key, sign in _BOUNDS if key in one)
+
+
+def number_in_words(value: float) -> str:
+    """Return a number without a fraction that is zero."""
+    return str(int(value)) if float(value).is_integer() else f"{value:g}"

@@ -1,6 +1,5 @@
 """The goal of a task file: atoms, their arguments' types, and whether they can hold together."""
 
-from collections.abc import Iterator
 from typing import Any
 
 from hybrid_tamp.model.domain import Domain
@@ -11,12 +10,13 @@ from hybrid_tamp.taskfile.tokens import Scene
 _FORM = "an atom of the goal is 'predicate: [tokens]' or 'not: {predicate: [tokens]}'"
 
 
-def read_goal(data: Any, faults: Faults, domain: Domain | None, scene: Scene) -> tuple[Atom, ...]:
+def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> tuple[Atom, ...]:
     """Read the goal's atoms, note their faults and return those that are right, each once."""
-    items = data.get("goal") if isinstance(data, dict) else None
+    items = data.get("goal")
     if not isinstance(items, list):
         return ()
     atoms: dict[Atom, KeyPath] = {}
+    values: dict[tuple[Any, ...], Atom] = {}
     for index, item in enumerate(items):
         path: KeyPath = ("goal", index)
         found = _form(item, path, faults) if faults.sound(path) else None
@@ -25,9 +25,10 @@ def read_goal(data: Any, faults: Faults, domain: Domain | None, scene: Scene) ->
         atom, path = found
         predicate = _predicate(atom, path, faults, domain)
         _check_arguments(atom, predicate, path, faults, scene)
+        _check_different(atom, path, faults, scene)
         if faults.sound(path) and predicate is not None:
-            _check_company(atom, predicate, path, atoms, faults)
             atoms.setdefault(atom, path)
+            _check_company(atom, predicate, path, atoms, values, faults)
     return tuple(atoms)
 
 
@@ -90,6 +91,14 @@ def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, fau
             _check_class(argument, atom, parameter, here, faults, scene)
 
 
+def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) -> None:
+    """Refuse a token that is two arguments at once: facts are over different tokens."""
+    for index, argument in enumerate(atom.arguments):
+        if argument in (scene.names or ()) and argument in atom.arguments[:index]:
+            wanted = f"the arguments of {atom.predicate} are different tokens"
+            faults.at((*path, index), wanted, f"{shown(argument)} twice", remedy="name another token")
+
+
 def _check_class(argument: str, atom: Atom, parameter: Parameter, path: KeyPath, faults: Faults, scene: Scene) -> None:
     sort, outline = parameter.sort, scene.outlines[argument]
     if isinstance(sort, SymbolSort) or outline.is_member(sort):
@@ -102,31 +111,29 @@ def _check_class(argument: str, atom: Atom, parameter: Parameter, path: KeyPath,
 
 
 def _check_company(
-    atom: Atom, predicate: Predicate, path: KeyPath, others: dict[Atom, KeyPath], faults: Faults
+    atom: Atom,
+    predicate: Predicate,
+    path: KeyPath,
+    atoms: dict[Atom, KeyPath],
+    values: dict[tuple[Any, ...], Atom],
+    faults: Faults,
 ) -> None:
     """Refuse an atom that cannot hold together with an earlier one."""
     opposite = Atom(atom.predicate, atom.arguments, not atom.positive)
-    if opposite in others:
+    if opposite in atoms:
         wanted = f"a goal cannot ask for both {opposite} and {atom}"
-        faults.at(path, wanted, _first(others[opposite], faults), remedy="remove one")
+        faults.at(path, wanted, _first(atoms[opposite], faults), remedy="remove one")
     if predicate.functional_index is None or not atom.positive:
         return
-    rest = _without(atom, predicate.functional_index)
-    for other, place in others.items():
-        same = other.positive and other.predicate == atom.predicate and other != atom
-        if same and _without(other, predicate.functional_index) == rest:
-            wanted = f"{predicate.name} gives {_owners(predicate)} one {predicate.functional}"
-            came = f"{other} and {atom}, {_first(place, faults)}"
-            faults.at(path, wanted, came, remedy="remove one")
-            return
-
-
-def _without(atom: Atom, index: int) -> tuple[str, ...]:
-    return atom.arguments[:index] + atom.arguments[index + 1 :]
+    index = predicate.functional_index
+    other = values.setdefault((atom.predicate, atom.arguments[:index], atom.arguments[index + 1 :]), atom)
+    if other != atom:
+        wanted = f"{predicate.name} gives {_owners(predicate)} one {predicate.functional}"
+        faults.at(path, wanted, f"{other} and {atom}, {_first(atoms[other], faults)}", remedy="remove one")
 
 
 def _owners(predicate: Predicate) -> str:
-    names: Iterator[str] = (p.name for p in predicate.parameters if p.name != predicate.functional)
+    names = [parameter.name for parameter in predicate.parameters if parameter.name != predicate.functional]
     return " and ".join(f"each {name}" for name in names) or "the task"
 
 

@@ -99,7 +99,7 @@ def _load(
     )
 
 
-def _check_form(data: Any, faults: Faults) -> TaskFile | None:
+def _check_form(data: dict[str, Any], faults: Faults) -> TaskFile | None:
     try:
         return TaskFile.model_validate(data)
     except ValidationError as error:
@@ -107,9 +107,9 @@ def _check_form(data: Any, faults: Faults) -> TaskFile | None:
         return None
 
 
-def _find(data: Any, faults: Faults, find_domain: FindDomain) -> Domain | None:
+def _find(data: dict[str, Any], faults: Faults, find_domain: FindDomain) -> Domain | None:
     path = ("domain",)
-    if not isinstance(data, dict) or "domain" not in data or not faults.sound(path):
+    if "domain" not in data or not faults.sound(path):
         return None
     try:
         return find_domain(data["domain"])
@@ -120,9 +120,9 @@ def _find(data: Any, faults: Faults, find_domain: FindDomain) -> Domain | None:
         return None
 
 
-def _check_planner(data: Any, faults: Faults, planners: Collection[str] | None) -> None:
+def _check_planner(data: dict[str, Any], faults: Faults, planners: Collection[str] | None) -> None:
     path = ("planner",)
-    if planners is None or not isinstance(data, dict) or "planner" not in data or not faults.sound(path):
+    if planners is None or "planner" not in data or not faults.sound(path):
         return
     if data["planner"] not in planners:
         faults.at(path, "unknown planner", shown(data["planner"]), sorted(planners))

@@ -6,13 +6,15 @@ asks first, so that one fault is not reported again by everything that depends o
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 from hybrid_tamp.errors import InputError, Issue
 
 KeyPath = tuple[str | int, ...]
 """Keys and indices from the root of a file to one of its parts."""
 
+MOST_FAULTS = 100
+"""So many faults are spelt out; of more, which only a broken generator makes, the number is told."""
 _LONGEST = 60
 
 
@@ -113,7 +115,20 @@ class Faults:
             InputError: at least one fault was found.
         """
         if self._found:
-            raise InputError(self.issues)
+            self.raise_all()
+
+    def raise_all(self) -> NoReturn:
+        """Raise what was found, of very many faults the first ones.
+
+        Raises:
+            InputError: always.
+        """
+        issues = self.issues
+        more = len(issues) - MOST_FAULTS
+        if more > 0:
+            rest = Issue(issues[MOST_FAULTS].where, f"{more} more faults from here on", remedy="mend the others first")
+            issues = (*issues[:MOST_FAULTS], rest)
+        raise InputError(issues)
 
     def _taint(self, path: KeyPath) -> None:
         self._faulty.add(path)

@@ -4,13 +4,13 @@ from collections.abc import Iterable, Sequence
 
 from pydantic import BaseModel
 
-from hybrid_tamp.model.affordance import CapabilityClass, ObjectClass, is_place
+from hybrid_tamp.model.affordance import AffordanceClass, CapabilityClass, ObjectClass, is_place
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Literal, Predicate
 from hybrid_tamp.model.shape import Box, Cylinder, Sphere
 from hybrid_tamp.taskfile.entries import LimitsEntry, Pose, TaskFile, TokenEntry
-from hybrid_tamp.taskfile.forms import JsonObject, bounds_in_words, form_of, type_in_words
+from hybrid_tamp.taskfile.forms import JsonObject, bounds_in_words, form_of, number_in_words, type_in_words
 from hybrid_tamp.taskfile.roles import can_start
 from hybrid_tamp.taskfile.tokens import known_classes
 
@@ -44,14 +44,16 @@ def _keys(model: type[BaseModel]) -> str:
 
 
 def _row(key: str, schema: JsonObject, required: bool) -> tuple[str, ...]:
-    unit = str(schema.get("unit", ""))
+    unit = str(schema.get("unit", "1"))
     meaning = str(schema.get("description", "")).removesuffix(f" [{unit}]")
     default = "required" if required else _default(schema.get("default"))
-    return (f"`{key}`", type_in_words(schema), unit, bounds_in_words(schema), default, meaning)
+    return (f"`{key}`", type_in_words(schema), "" if unit == "1" else unit, bounds_in_words(schema), default, meaning)
 
 
 def _default(value: object) -> str:
-    return "" if value is None or isinstance(value, dict) else f"`{value}`"
+    if value is None or isinstance(value, dict):
+        return ""
+    return f"`{number_in_words(value) if isinstance(value, float) else value}`"
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -70,7 +72,7 @@ def _domain(domain: Domain) -> list[str]:
 
 
 def _class(object_class: type[ObjectClass]) -> str:
-    kind = "affordance class"
+    kind = "affordance class" if issubclass(object_class, AffordanceClass) else "root class"
     if is_place(object_class):
         kind = "place"
     elif issubclass(object_class, CapabilityClass):
@@ -80,7 +82,7 @@ def _class(object_class: type[ObjectClass]) -> str:
         text += f"\n{_keys(object_class)}"
     for action in object_class.basic_actions:
         limit = f", at most its `{action.limit}`" if action.limit else ""
-        text += f"\nBasic action `{action.name}`: {action.size} numbers [{action.unit}]{limit}. {action.description}\n"
+        text += f"\nBasic action `{action.name}`: {action.size} numbers [{action.unit}]{limit}; {action.description}\n"
     return text
 
 
@@ -128,4 +130,4 @@ def _anchor(block: Block, slot: str) -> str:
 
 
 def _conditions(literals: Iterable[Literal]) -> str:
-    return ", ".join(f"`{literal}`" for literal in literals) or "always"
+    return ", ".join(f"`{literal}`" for literal in literals) or "none"

@@ -10,9 +10,9 @@ from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 from hybrid_tamp.taskfile.tokens import Scene
 
 
-def read_agents(data: Any, faults: Faults, scene: Scene) -> dict[str, tuple[str, ...]]:
+def read_agents(data: dict[str, Any], faults: Faults, scene: Scene) -> dict[str, tuple[str, ...]]:
     """Read the agents and note names that are no capability tokens or belong to two agents."""
-    agents = data.get("agents", {}) if isinstance(data, dict) else {}
+    agents = data.get("agents", {})
     owners: dict[str, str] = {}
     for agent, names in agents.items() if isinstance(agents, dict) else ():
         for index, name in enumerate(names if isinstance(names, list) else ()):
@@ -37,9 +37,9 @@ def is_capability(token: Token) -> bool:
     return any(issubclass(member, CapabilityClass) for member in token.classes)
 
 
-def read_assignment(data: Any, faults: Faults, domain: Domain | None, scene: Scene) -> dict[str, str]:
+def read_assignment(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> dict[str, str]:
     """Read in which block every token starts, the domain's resting block where the file does not say."""
-    starts = data.get("assignment", {}) if isinstance(data, dict) else {}
+    starts = data.get("assignment", {})
     for name, block in starts.items() if isinstance(starts, dict) else ():
         path: KeyPath = ("assignment", name)
         if not faults.sound(path) or not _is_known(name, path, faults, scene, "the assignment", key=True):

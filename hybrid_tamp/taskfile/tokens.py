@@ -26,19 +26,19 @@ class Scene:
     """What is known of the tokens, as far as the file is sound.
 
     Attributes:
-        names: every name that the file gives to a token; None if the tokens cannot be read.
+        names: every name that the file gives to a token, with what it says of it; None if that cannot be read.
         outlines: name to a token whose classes are right, whatever its properties are.
         tokens: the tokens that are right altogether.
         given: (token, varying property) to its initial value.
     """
 
-    names: tuple[str, ...] | None = None
+    names: Mapping[str, Any] | None = None
     outlines: dict[str, Token] = field(default_factory=dict)
     tokens: list[Token] = field(default_factory=list)
     given: dict[tuple[str, str], FloatArray] = field(default_factory=dict)
 
 
-def read_scene(data: Any, faults: Faults, domain: Domain | None) -> Scene:
+def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None) -> Scene:
     """Read the tokens and note their faults.
 
     Args:
@@ -46,10 +46,10 @@ def read_scene(data: Any, faults: Faults, domain: Domain | None) -> Scene:
         faults: the faults that were found in its form.
         domain: the domain, or None if it is unknown; then names alone are read.
     """
-    entries = data.get("tokens") if isinstance(data, dict) else None
+    entries = data.get("tokens")
     if not isinstance(entries, dict):
         return Scene()
-    scene = Scene(names=tuple(entries))
+    scene = Scene(names=entries)
     for name in entries:
         _check_name(name, faults, domain)
     if domain is not None:

@@ -85,10 +85,10 @@ class Builder:
         mark = mark_of_event(event)
         if self._nodes > MAX_NODES:
             self.faults.add(mark, f"a task file has at most {MAX_NODES} keys and values", "more")
-            self.faults.raise_if_any()
+            self.faults.raise_all()
         if isinstance(event, CollectionStartEvent) and len(self._frames) > MAX_DEPTH:
             self.faults.add(mark, f"lists and mappings nest at most {MAX_DEPTH} deep", "deeper nesting")
-            self.faults.raise_if_any()
+            self.faults.raise_all()
 
     def _take_key(self, event: NodeEvent, frame: _Frame, container: dict[str, Any]) -> None:
         """Read a key; of what is no text, note the fault and go on with a text in its stead."""

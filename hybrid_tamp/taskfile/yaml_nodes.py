@@ -9,7 +9,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
 from hybrid_tamp.errors import InputError, Issue
-from hybrid_tamp.taskfile.places import Faults, Mark, mark_of
+from hybrid_tamp.taskfile.places import Faults, Mark, mark_of, shown
 from hybrid_tamp.taskfile.yaml_builder import Builder, mark_of_event
 from hybrid_tamp.taskfile.yaml_syntax import add_syntax_fault
 
@@ -22,11 +22,11 @@ class Document:
     """One YAML document as plain data.
 
     Attributes:
-        data: dictionaries with text keys, lists, texts, numbers, truth values and None.
+        data: the root mapping; in it mappings with text keys, lists, texts, numbers, truth values and None.
         faults: the place of every part, and the faults found while reading.
     """
 
-    data: Any
+    data: dict[str, Any]
     faults: Faults
 
 
@@ -89,7 +89,7 @@ def parse(text: str, source: str) -> Document:
         The data, with the faults that leave the rest readable, e.g. duplicate keys.
 
     Raises:
-        InputError: the text is empty, not YAML, too deep or has too many parts.
+        InputError: the text is empty, not YAML, no mapping, too deep or has too many parts.
     """
     builder, last = Builder(source), Mark()
     try:
@@ -100,9 +100,10 @@ def parse(text: str, source: str) -> Document:
     # Malformed escapes and directives leave the parser as Python's own exceptions.
     except (YAMLError, ValueError, OverflowError, IndexError, TypeError, AttributeError) as error:
         add_syntax_fault(builder.faults, text, error, last)
-        builder.faults.raise_if_any()
-    if builder.roots in ([], [None]) and builder.faults.sound(()):
-        wanted = "a task file has at least the keys domain, tokens and goal"
-        builder.faults.add(Mark(), wanted, "an empty file")
-        builder.faults.raise_if_any()
-    return Document(builder.roots[0], builder.faults)
+        builder.faults.raise_all()
+    root = builder.roots[0] if builder.roots else None
+    if not isinstance(root, dict):
+        came = "an empty file" if root is None else shown(root)
+        builder.faults.at((), "a task file is a mapping with the keys domain, tokens and goal", came)
+        builder.faults.raise_all()
+    return Document(root, builder.faults)

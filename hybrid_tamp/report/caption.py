@@ -1,0 +1,121 @@
+"""The writing under a picture: the step, the time, and which tokens are in which blocks (paper, under Fig. 3)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, Step
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.task import Task
+
+Picture = NDArray[np.uint8]
+"""``(height, width, 3)``, red, green, blue."""
+
+_BACKGROUND = (255, 255, 255)
+_RULE = (205, 210, 216)
+_INK = (28, 33, 40)
+_PALE = (120, 128, 138)
+_GOOD, _BAD = (26, 127, 55), (190, 40, 35)
+_MARGIN = 14
+_HEADLINE = 18
+_BODY = 15
+_LINE = 22
+_VERDICT_TIME = 0.5
+
+
+def allocation(instance: BlockInstance) -> str:
+    """Say who is in which slot, e.g. ``ROLLING-1: hand=hand object=drum -> goal``."""
+    slots = " ".join(f"{slot}={token}" for slot, token in instance.slots.items())
+    targets = ", ".join(instance.targets.values())
+    return f"{instance.name}: {slots}" + (f" -> {targets}" if targets else "")
+
+
+@dataclass(frozen=True)
+class _Line:
+    text: str
+    colour: tuple[int, int, int]
+
+
+class Captions:
+    """Writes under the pictures of one recording; every picture gets the same height.
+
+    Args:
+        task: the task that was run.
+        recording: what happened.
+        width: of the pictures [pixels].
+    """
+
+    def __init__(self, task: Task, recording: Recording, width: int) -> None:
+        self._recording = recording
+        self._resting = task.domain.resting
+        # Both even, because the video's colours have half the resolution.
+        self._width = width + width % 2
+        self._headline = ImageFont.load_default(_HEADLINE)
+        self._body = ImageFont.load_default(_BODY)
+        self.steps = tuple(recording.plan.steps)
+        self._lines = [self._wrapped(step) for step in self.steps] or [[]]
+        self._height = 2 * _MARGIN + _LINE + _LINE * max(map(len, self._lines))
+
+    def under(self, picture: Picture, time: float) -> Picture:
+        """Return the picture ``(h, w, 3)`` with the caption of an instant [s] below it, ``(h + caption, w, 3)``."""
+        height = picture.shape[0] + self._height
+        canvas = Image.new("RGB", (self._width, height + height % 2), _BACKGROUND)
+        canvas.paste(Image.fromarray(picture), (0, 0))
+        draw = ImageDraw.Draw(canvas)
+        top = picture.shape[0]
+        draw.line([(0, top), (self._width, top)], fill=_RULE)
+        index = self.index_at(time)
+        top += _MARGIN
+        draw.text((_MARGIN, top), f"step {index + 1} of {len(self._lines)}", _INK, self._headline)
+        clock = f"t = {time:.2f} s"
+        draw.text((self._width - _MARGIN, top), clock, _INK, self._headline, anchor="ra")
+        verdict = self._verdict(time)
+        if verdict is not None:
+            draw.text((self._width / 2, top), verdict.text, verdict.colour, self._headline, anchor="ma")
+        for row, line in enumerate(self._lines[index], start=1):
+            draw.text((_MARGIN, top + row * _LINE + 4), line.text, line.colour, self._body)
+        return np.asarray(canvas)
+
+    def index_at(self, time: float) -> int:
+        """Return which step runs at an instant [s], from 0; at an instant of reassignment the later one."""
+        started = sum(step.start <= time + TIME_TOLERANCE for step in self.steps)
+        return max(0, started - 1)
+
+    def _verdict(self, time: float) -> _Line | None:
+        if time < self._recording.duration - _VERDICT_TIME:
+            return None
+        if self._recording.failure is not None:
+            return _Line("stopped", _BAD)
+        return _Line("goal reached", _GOOD) if self._recording.success else _Line("goal missed", _BAD)
+
+    def _wrapped(self, step: Step) -> list[_Line]:
+        """Return the step's lines, what rests last and pale."""
+        ordered = sorted(step.instances, key=lambda i: (i.block == self._resting, i.start, i.name))
+        return [
+            _Line(text, _PALE if instance.block == self._resting else _INK)
+            for instance in ordered
+            for text in self._fitted(allocation(instance))
+        ]
+
+    def _fitted(self, text: str) -> list[str]:
+        """Break a text into lines that fit, between words where that is possible."""
+        room = self._width - 2 * _MARGIN
+        lines = [""]
+        for word in text.split(" "):
+            longer = f"{lines[-1]} {word}" if lines[-1] else word
+            if self._body.getlength(longer) <= room:
+                lines[-1] = longer
+                continue
+            pieces = self._pieces(word, room)
+            lines = [*(lines if lines[-1] else lines[:-1]), *pieces]
+        return lines
+
+    def _pieces(self, word: str, room: float) -> list[str]:
+        pieces = [""]
+        for letter in word:
+            if self._body.getlength(pieces[-1] + letter) > room:
+                pieces.append("")
+            pieces[-1] += letter
+        return pieces

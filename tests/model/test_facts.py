@@ -1,0 +1,54 @@
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import rolling_task
+
+from hybrid_tamp.model.facts import facts, static_facts
+from hybrid_tamp.model.predicate import Atom
+
+
+def test_facts_are_read_off_the_numbers() -> None:
+    task = rolling_task()
+    assert facts(task) == {Atom("at_rest", ("drum 0",)), Atom("at_rest", ("hand 0",))}
+    there = task.state.replace({("drum 0", "position"): (0.69, 0.0, 0.1)})
+    assert Atom("inside", ("drum 0", "region 0")) in facts(task, there)
+    moving = task.state.replace({("drum 0", "velocity"): (0.1, 0.0, 0.0)})
+    assert Atom("at_rest", ("drum 0",)) not in facts(task, moving)
+
+
+def test_feasibility_is_known_before_any_search() -> None:
+    assert static_facts(rolling_task()) == {
+        Atom("lies_on_side", ("drum 0",)),
+        Atom("on_rolling_line", ("drum 0", "region 0")),
+        Atom("within_workspace", ("hand 0", "drum 0", "region 0")),
+    }
+    aside = static_facts(rolling_task(regions=[(0.7, 0.021)]))
+    assert Atom("on_rolling_line", ("drum 0", "region 0")) not in aside
+    too_far = static_facts(rolling_task(regions=[(4.0, 0.0)]))
+    assert Atom("within_workspace", ("hand 0", "drum 0", "region 0")) not in too_far
+
+
+def test_a_functional_predicate_has_one_value_the_goal_first() -> None:
+    regions = [(0.001, 0.0), (0.005, 0.0)]
+    nearest = facts(rolling_task(regions=regions, goal=[]))
+    assert {a for a in nearest if a.predicate == "inside"} == {Atom("inside", ("drum 0", "region 0"))}
+    wanted = facts(rolling_task(regions=regions, goal=[(0, 1)]))
+    assert {a for a in wanted if a.predicate == "inside"} == {Atom("inside", ("drum 0", "region 1"))}
+
+
+@given(st.floats(-1, 1), st.floats(-1, 1))
+def test_symbol_and_margin_agree(x: float, y: float) -> None:
+    task = rolling_task()
+    state = task.state.replace({("drum 0", "position"): (x, y, 0.1)})
+    atom = Atom("inside", ("drum 0", "region 0"))
+    assert (atom in facts(task, state)) == (task.margin(atom, state) >= 0)
+    assert np.isclose(task.margin(atom, state), 0.02 - np.hypot(x - 0.7, y))
+
+
+def test_margins_take_a_whole_population_at_once() -> None:
+    task = rolling_task()
+    many = task.state.repeated(5)
+    for predicate in task.domain.predicates:
+        values = [next(iter(task.values_of(parameter.sort))) for parameter in predicate.parameters]
+        assert predicate.evaluate(many, *values).shape == (5,)
+        assert np.allclose(predicate.evaluate(many, *values), predicate.evaluate(task.state, *values))

@@ -1,0 +1,62 @@
+import pytest
+from scenes import rolling_task
+
+from hybrid_tamp.model.plan import at
+from hybrid_tamp.symbolic.decoder import OrderedInstance, UndecodableError, decode
+from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+
+
+def reach_and_roll(hand: str, drum: str, region: str, source: str = "no-region-of-inside") -> list[tuple[str, ...]]:
+    return [
+        ("begin-reaching-from-resting", hand, drum, region, "none-reading", "n1"),
+        ("fill-rolling-hand-from-reaching", hand, drum, region, "n1", "none-reading"),
+        ("begin-rolling-from-resting", drum, region, source),
+        ("begin-resting-from-rolling", drum),
+        ("leave-rolling-hand-to-resting", hand, drum),
+    ]
+
+
+def test_independent_blocks_run_at_once() -> None:
+    task = rolling_task(hands=2, drums=[(0, 0), (0, 0.5)], regions=[(0.7, 0), (0.7, 0.5)], goal=[(0, 0), (1, 1)])
+    actions = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand-1", "drum-1", "region-1")
+    plan = schedule(task, decode(compile_task(task), actions))
+    rolls = [i for i in plan.instances if i.block == "ROLLING"]
+    assert rolls[0].overlaps(rolls[1])
+
+
+def test_one_hand_rolls_one_after_the_other() -> None:
+    task = rolling_task(drums=[(0, 0), (0, 0.5)], regions=[(0.7, 0), (0.7, 0.5)], goal=[(0, 0), (1, 1)])
+    actions = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand-0", "drum-1", "region-1")
+    plan = schedule(task, decode(compile_task(task), actions))
+    rolls = [i for i in plan.instances if i.block == "ROLLING"]
+    assert not rolls[0].overlaps(rolls[1])
+
+
+def test_blocks_abut_and_the_second_roll_starts_where_the_first_ended() -> None:
+    task = rolling_task(regions=[(0.7, 0), (-0.2, 0)], goal=[(0, 1)])
+    actions = reach_and_roll("hand-0", "drum-0", "region-0")
+    actions += reach_and_roll("hand-0", "drum-0", "region-1", "region-0")
+    plan = schedule(task, decode(compile_task(task), actions))
+    for token in ("hand 0", "drum 0"):
+        spans = [i for i, _ in plan.timeline(token)]
+        assert all(at(a.end, b.start) for a, b in zip(spans, spans[1:], strict=False))
+    second = [i for i in plan.instances if i.block == "ROLLING"][1]
+    assert second.hyperparameters["distance"] == pytest.approx(0.9)
+
+
+def test_an_infeasible_order_is_refused_with_its_cycle() -> None:
+    task = rolling_task()
+    targets = {"region": "region 0"}
+    slots = {"hand": "hand 0", "object": "drum 0"}
+    backwards = [OrderedInstance("ROLLING-1", "ROLLING", slots, targets, begin=2, end=1)]
+    with pytest.raises(InfeasibleScheduleError, match="ROLLING-1 lasts"):
+        schedule(task, [*backwards, OrderedInstance("RESTING-1", "RESTING", {"token": "hand 0"}, {}, 2, 3)])
+
+
+def test_what_is_no_plan_is_not_decoded() -> None:
+    compilation = compile_task(rolling_task())
+    with pytest.raises(UndecodableError, match="no action"):
+        decode(compilation, [("jump", "hand-0")])
+    with pytest.raises(UndecodableError, match="empty slot"):
+        decode(compilation, [("begin-rolling-from-resting", "drum-0", "region-0", "no-region-of-inside")])
