@@ -176,8 +176,25 @@ def replay(
     from hybrid_tamp import pipeline
 
     report = pipeline.replay(directory)
-    document = {"schema": "hybrid-tamp/replay/1", "directory": str(directory), **report.document()}
-    _say(document, as_json, report.sentence)
+    difference = report.first_difference
+    document = {
+        "schema": "hybrid-tamp/replay/1",
+        "directory": str(directory),
+        "identical": report.identical,
+        "steps": report.steps,
+        "first_difference": None if difference is None else dict(difference.__dict__),
+        "refusal": report.refusal,
+    }
+    if report.identical:
+        said = f"{directory}: {report.steps} steps run again, bit-identical"
+    elif difference is not None:
+        said = (
+            f"{directory}: not identical; first at {difference.time:.4f} s, {difference.property} of "
+            f"{difference.token} differs by {difference.size:.3g}"
+        )
+    else:
+        said = f"{directory}: not identical; {report.refusal}"
+    _say(document, as_json, lambda: said)
     if not report.identical:
         raise typer.Exit(40)
 

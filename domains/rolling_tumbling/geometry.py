@@ -10,6 +10,8 @@ from hybrid_tamp.motion.poses import rotate
 UP = np.array([0.0, 0.0, 1.0])
 STANDOFF = 0.03
 """Gap between hand and object where a hand stands by [m]."""
+FLOOR_CLEARANCE = 0.01
+"""Gap that a hand keeps to the floor [m]."""
 
 
 def dot(one: FloatArray, other: FloatArray) -> FloatArray:
@@ -51,8 +53,15 @@ def touching(state: State, hand: Token, thing: Token, direction: FloatArray) -> 
     return np.asarray(thing["radius_of_rotation"] + reach_of(hand, state, direction))
 
 
+def working_height(state: State, hand: Token, thing: Token) -> FloatArray:
+    """Return the height ``(...)`` [m] of a hand that pushes: that of the axis, but with the hand off the floor."""
+    half = reach_of(hand, state, np.broadcast_to(UP, state[hand, "position"].shape))
+    return np.maximum(state[thing, "position"][..., 2], half + FLOOR_CLEARANCE)
+
+
 def standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Return where a hand stands by ``(..., 3)`` [m] to push the thing to the region: behind it, at axis height."""
+    """Return where a hand stands by ``(..., 3)`` [m] to push the thing to the region: behind it, low."""
     direction, _ = way(state, thing, region)
     behind = touching(state, hand, thing, direction) + STANDOFF
-    return state[thing, "position"] - direction * behind[..., None]
+    place = state[thing, "position"] - direction * behind[..., None]
+    return np.concatenate([place[..., :2], working_height(state, hand, thing)[..., None]], axis=-1)

@@ -1,7 +1,8 @@
 """ROLLING (paper, D1): a hand pushes an object from behind so that it rolls to a region and stops there.
 
 The hand follows the speed ``v = min(speed, sqrt(2 deceleration e))`` of the remaining distance e, so that the object
-comes to rest at the distance; sideways and in height it stays with the object's centre.
+comes to rest at the distance, and adds the force that rolling resistance takes; sideways it stays with the object's
+centre.
 """
 
 from typing import cast
@@ -27,15 +28,16 @@ from hybrid_tamp.motion.poses import integrate
 from ..common.classes import Region, StaticEndEffector
 from ..common.predicates import AT_REST
 from ..common.reaching import ReachGoal
-from ..common.servos import damping, force_on, position_servo
+from ..common.servos import force_on, position_servo
 from .classes import Rollable
-from .geometry import UP, dot, standby, touching, way
+from .geometry import STANDOFF, UP, dot, standby, touching, way, working_height
 from .predicates import BEHIND, LIES_ON_SIDE, ON_ROLLING_LINE, INSIDE, WITHIN_WORKSPACE
 
 _GRAVITY = 9.81
 _APPROACH_GAIN = 4.0
 _APPROACH_SPEED = 0.15
-_SPEED_GAIN = 400.0
+_SPEED_RATE = 200.0
+"""How fast the hand takes on a wanted speed [1/s]."""
 _FEASIBLE = (LIES_ON_SIDE("object"), ON_ROLLING_LINE("object", "region"), WITHIN_WORKSPACE("hand", "object", "region"))
 
 
@@ -74,6 +76,8 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     origin = start[thing, "position"].copy()
     distance, speed, slowing = (np.asarray(hyperparameters[h]) for h in ("distance", "speed", "deceleration"))
 
+    resistance = _GRAVITY * thing["mass"] * thing["rolling_friction"] / thing["radius_of_rotation"]
+
     def policy(elapsed: FloatArray, state: State) -> Commands:
         centre = state[thing, "position"]
         remaining = distance - dot(centre - origin, direction)
@@ -81,9 +85,12 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
         gap = dot(centre - state[hand, "position"], direction) - touching(state, hand, thing, direction)
         closing = np.where(remaining > 0, np.clip(_APPROACH_GAIN * gap, 0.0, _APPROACH_SPEED), 0.0)
         velocity = dot(state[hand, "velocity"], direction)
-        push = (_SPEED_GAIN + damping(hand["mass"])) * (wanted + closing - velocity)
+        push = _SPEED_RATE * hand["mass"] * (wanted + closing - velocity)
+        push = push + np.where((remaining > 0) & (gap < STANDOFF / 2), resistance, 0.0)
         # Across the direction the hand keeps to the object's centre by position, along it by speed.
-        across = position_servo(hand, state, centre)
+        beside = centre.copy()
+        beside[..., 2] = working_height(state, hand, thing)
+        across = position_servo(hand, state, beside)
         across = across - dot(across, direction)[..., None] * direction
         return {(hand.name, "force"): across + push[..., None] * direction}
 

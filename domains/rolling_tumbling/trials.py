@@ -1,0 +1,62 @@
+"""Random tasks of the domain, for trials."""
+
+import numpy as np
+
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.shape import Cylinder
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import quaternion_from_rpy
+
+from ..common.classes import Region, StaticEndEffector
+from . import DOMAIN
+from .classes import Rollable
+
+
+def random_rolling(seed: int) -> Task:
+    """Return a task in which one hand rolls a random cylinder to a region.
+
+    Radius U(.06, .15) m, length U(.2, .4) m, mass U(2, 12) kg, friction U(.4, .9), distance U(.3, 1.0) m, any
+    heading; the hand starts anywhere around, 0.3 to 0.6 m from the cylinder's surface.
+    """
+    rng = np.random.default_rng(seed)
+    radius, length = rng.uniform(0.06, 0.15), rng.uniform(0.2, 0.4)
+    mass, friction, distance = rng.uniform(2.0, 12.0), rng.uniform(0.4, 0.9), rng.uniform(0.3, 1.0)
+    yaw, side, away = rng.uniform(-np.pi, np.pi), rng.uniform(-np.pi, np.pi), rng.uniform(0.3, 0.6)
+    hand = Token.make(
+        "hand",
+        [StaticEndEffector],
+        {
+            "radius": 0.035,
+            "length": 0.16,
+            "mass": 1.5,
+            "maximal_force": 300.0,
+            "workspace_lower": (-2.0, -2.0, 0.0),
+            "workspace_upper": (2.0, 2.0, 1.2),
+        },
+    )
+    cylinder = Token.make(
+        "cylinder",
+        [Rollable],
+        {
+            "axis_of_rotation": (0.0, 0.0, 1.0),
+            "radius_of_rotation": float(radius),
+            "mass": float(mass),
+            "friction": float(friction),
+        },
+        Cylinder(kind="cylinder", radius=float(radius), length=float(length)),
+    )
+    goal = Token.make("goal", [Region], {"radius": 0.02})
+    tokens = (hand, cylinder, goal)
+    start = (radius + length / 2 + away) * np.array([np.cos(side), np.sin(side), 0.0])
+    state = State.of(
+        tokens,
+        {
+            ("hand", "position"): start + [0.0, 0.0, rng.uniform(0.15, 0.5)],
+            ("cylinder", "position"): (0.0, 0.0, radius),
+            ("cylinder", "orientation"): quaternion_from_rpy(np.array([np.pi / 2, 0.0, yaw])),
+            ("goal", "position"): (distance * np.cos(yaw), distance * np.sin(yaw), 0.0),
+        },
+    )
+    return Task(f"roll_{seed}", DOMAIN, tokens, state, (Atom("inside", ("cylinder", "goal")),), seed=seed)

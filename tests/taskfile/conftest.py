@@ -1,0 +1,197 @@
+"""A toy domain with one of everything that a task file can name, and a file that is right."""
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.affordance import (
+    TOKEN,
+    AffordanceClass,
+    BasicAction,
+    CapabilityClass,
+    Direction,
+    Number,
+    PlaceClass,
+    VaryingProperty,
+    Vector3,
+    quantity,
+)
+from hybrid_tamp.model.block import Block, Duration, Slot, Target
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.network import ReassignmentNetwork
+from hybrid_tamp.model.predicate import Parameter, Predicate, SymbolSort
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.taskfile.loader import load_task_text
+
+
+class Hand(CapabilityClass):
+    """A hand that pushes."""
+
+    name: ClassVar[str] = "HAND"
+    basic_actions: ClassVar[tuple[BasicAction, ...]] = (BasicAction("force", 3, "N", "force"),)
+    force: Number = quantity("N", "largest force", gt=0)
+
+
+class Rollable(AffordanceClass):
+    """Can be rolled."""
+
+    name: ClassVar[str] = "ROLLABLE"
+    axis: Direction = quantity("1", "axis of rotation")
+    mass: Number = quantity("kg", "mass of the body", gt=0)
+    friction: Number = quantity("1", "friction coefficient", default=0.5, ge=0, le=5)
+
+    @staticmethod
+    def consistent(token: Token) -> str | None:
+        """Complain about a token without a shape."""
+        return "it rolls and has no shape" if token.shape is None else None
+
+
+class Heavy(AffordanceClass):
+    """Has a mass, like what rolls, and where it lies."""
+
+    name: ClassVar[str] = "HEAVY"
+    mass: Number = quantity("kg", "mass of the body", gt=0)
+    center: Vector3 = quantity("m", "centre of mass", default=(0.0, 0.0, 0.0))
+
+
+class Liquid(AffordanceClass):
+    """Flows, and therefore never rolls."""
+
+    name: ClassVar[str] = "LIQUID"
+
+
+class Region(PlaceClass):
+    """A disc."""
+
+    name: ClassVar[str] = "REGION"
+    radius: Number = quantity("m", "radius of the disc", gt=0)
+
+
+class Hole(PlaceClass):
+    """A hole, whose radius is in millimetres by mistake."""
+
+    name: ClassVar[str] = "HOLE"
+    radius: Number = quantity("mm", "radius of the hole", gt=0)
+
+
+class Idea(PlaceClass):
+    """A place that is nowhere."""
+
+    name: ClassVar[str] = "IDEA"
+    varying: ClassVar[tuple[VaryingProperty, ...]] = ()
+
+
+FACES = SymbolSort("face", ("front", "back"))
+_OBJECT, _REGION = Parameter("object", Rollable), Parameter("region", Region)
+
+
+def _zero(state: Any, *values: Any) -> Any:
+    return np.zeros(state.values.shape[:-1])
+
+
+def _no_time(binding: Any, state: Any, hyperparameters: Any) -> float:
+    return 1.0
+
+
+WITHIN = Predicate(
+    "within", (_OBJECT, _REGION), _zero, unit="m", functional="region", description="{object} is within {region}"
+)
+BESIDE = Predicate("beside", (Parameter("one", TOKEN), Parameter("other", TOKEN)), _zero)
+SHOWS = Predicate("shows", (_OBJECT, Parameter("face", FACES)), _zero, maintained=True)
+TOY = Domain(
+    name="toy",
+    classes=(Hand, Rollable, Heavy, Liquid, Region, Hole, Idea),
+    disjoint=((Rollable, Liquid),),
+    predicates=(WITHIN, BESIDE, SHOWS),
+    blocks=(
+        Block("RESTING", (Slot("token", TOKEN),), "token", Duration(0.1, 60, _no_time), hold=True),
+        Block("GUARDING", (Slot("hand", Hand),), "hand", Duration(0.1, 60, _no_time), hold=True),
+        Block(
+            "ROLLING",
+            (Slot("hand", Hand), Slot("object", Rollable)),
+            "object",
+            Duration(0.1, 60, _no_time),
+            targets=(Target("region", Region),),
+            exit=(~WITHIN("object", "*"), WITHIN("object", "region")),
+            description="the hand rolls the object",
+        ),
+    ),
+    network=ReassignmentNetwork(
+        [
+            ("RESTING.token", "GUARDING.hand"),
+            ("GUARDING.hand", "RESTING.token"),
+            ("RESTING.token", "ROLLING.hand"),
+            ("RESTING.token", "ROLLING.object"),
+            ("ROLLING.hand", "RESTING.token"),
+            ("ROLLING.object", "RESTING.token"),
+        ]
+    ),
+    description="rolling in small",
+)
+TEXT = """\
+# A hand rolls a drum.
+domain: toy
+agents:
+  robot: [hand]
+tokens:
+  hand:
+    classes: [HAND]
+    properties: {force: 300}
+    pose: {position: [0, 0, 0.3]}
+  drum:
+    classes: [ROLLABLE]
+    properties: {axis: [0, 0, 2], mass: 5}
+    shape: {kind: cylinder, radius: 0.1, length: 0.3}
+    pose: {position: [0, 0, 0.1], rpy: [1.5707963267948966, 0, 0]}
+  goal:
+    classes: [REGION]
+    properties: {radius: 0.02}
+    pose: {position: [0.8, 0, 0]}
+assignment: {hand: GUARDING}
+goal:
+  - within: [drum, goal]
+planner: fast-downward
+limits: {time: 30, memory: 1024, refinements: 2}
+seed: 7
+"""
+
+
+def find_toy(name: str) -> Domain:
+    """Return the toy domain for its name."""
+    if name != "toy":
+        raise InputError([Issue("", "unknown domain", repr(name), ("toy",))])
+    return TOY
+
+
+@pytest.fixture(scope="session")
+def toy() -> Domain:
+    return TOY
+
+
+@pytest.fixture(scope="session")
+def text() -> str:
+    return TEXT
+
+
+@pytest.fixture(scope="session")
+def load() -> Callable[[str], Task]:
+    """Load a text of the toy domain; messages call it ``t.yaml``."""
+    return lambda text: load_task_text(text, "t.yaml", find_toy, planners=("fast-downward", "symk"))
+
+
+@pytest.fixture(scope="session")
+def issues(load: Callable[[str], Task]) -> Callable[[str], tuple[Issue, ...]]:
+    """Return what is wrong with a text."""
+
+    def found(text: str) -> tuple[Issue, ...]:
+        try:
+            load(text)
+        except InputError as error:
+            return error.issues
+        return ()
+
+    return found
