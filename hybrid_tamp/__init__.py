@@ -38,7 +38,8 @@ if TYPE_CHECKING:
     from hybrid_tamp.model.state import State
     from hybrid_tamp.model.task import Task
     from hybrid_tamp.model.token import Token
-    from hybrid_tamp.pipeline import load_task, plan, replay, run
+    from hybrid_tamp.pipeline import plan, replay, run
+    from hybrid_tamp.taskfile.loader import load_task
     from hybrid_tamp.testing import check_domain
 
 _HOMES = {
@@ -72,7 +73,8 @@ _HOMES = {
     "model.state": ("State",),
     "model.task": ("Task",),
     "model.token": ("Token",),
-    "pipeline": ("load_task", "plan", "replay", "run"),
+    "pipeline": ("plan", "replay", "run"),
+    "taskfile.loader": ("load_task",),
     "testing": ("check_domain",),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}

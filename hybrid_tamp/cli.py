@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -249,8 +249,8 @@ def schema(
 
 
 def _load(text: str) -> "Task":
-    from hybrid_tamp.taskfile.loader import load_task
     from hybrid_tamp.taskfile.domains import find_task_file
+    from hybrid_tamp.taskfile.loader import load_task
 
     return load_task(find_task_file(text))
 
@@ -315,7 +315,8 @@ def _report(error: HybridTampError, as_json: bool) -> None:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status."""
     words = sys.argv[1:] if arguments is None else arguments
-    usage_error = typer.BadParameter.__mro__[1]  # UsageError of whichever click typer brings
+    # UsageError of whichever click typer brings.
+    usage_error = cast(type[Exception], typer.BadParameter.__mro__[1])
     try:
         status = app(args=words, prog_name="hybrid-tamp", standalone_mode=False)
     except HybridTampError as error:

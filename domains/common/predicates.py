@@ -12,7 +12,7 @@ REST_SPEED = 0.02
 
 
 def _slowness(state: State, token: Token) -> FloatArray:
-    return REST_SPEED - np.linalg.norm(state[token, "velocity"], axis=-1)
+    return np.asarray(REST_SPEED - np.linalg.norm(state[token, "velocity"], axis=-1))
 
 
 AT_REST = Predicate(

@@ -13,7 +13,7 @@ from ..common.reaching import reaching
 from ..common.resting import RESTING
 from .classes import Rollable
 from .metrics import metrics
-from .predicates import BEHIND, LIES_ON_SIDE, ON_ROLLING_LINE, INSIDE, WITHIN_WORKSPACE
+from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .rolling import REACH_BEHIND, ROLLING
 
 DOMAIN = Domain(

@@ -25,7 +25,7 @@ def _depth(state: State, thing: Token, region: Token) -> FloatArray:
 
 def _close_to_standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
     offset = state[hand, "position"] - standby(state, hand, thing, region)
-    return _STANDBY_TOLERANCE - np.linalg.norm(offset, axis=-1)
+    return np.asarray(_STANDBY_TOLERANCE - np.linalg.norm(offset, axis=-1))
 
 
 def _levelness(state: State, thing: Token) -> FloatArray:
@@ -47,7 +47,7 @@ def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
     end = start + direction * (distance + STANDOFF)[..., None]
     top = start + np.array([0.0, 0.0, LIFT])
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
-    return np.min([np.minimum(p - lower, upper - p).min(axis=-1) for p in (start, end, top)], axis=0)
+    return np.asarray(np.min([np.minimum(p - lower, upper - p).min(axis=-1) for p in (start, end, top)], axis=0))
 
 
 INSIDE = Predicate(

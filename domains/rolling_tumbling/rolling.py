@@ -31,7 +31,7 @@ from ..common.reaching import ReachGoal
 from ..common.servos import force_on, position_servo
 from .classes import Rollable
 from .geometry import STANDOFF, UP, dot, standby, touching, way, working_height
-from .predicates import BEHIND, LIES_ON_SIDE, ON_ROLLING_LINE, INSIDE, WITHIN_WORKSPACE
+from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 
 _GRAVITY = 9.81
 _APPROACH_GAIN = 4.0

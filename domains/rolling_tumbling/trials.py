@@ -49,11 +49,11 @@ def random_rolling(seed: int) -> Task:
     )
     goal = Token.make("goal", [Region], {"radius": 0.02})
     tokens = (hand, cylinder, goal)
-    start = (radius + length / 2 + away) * np.array([np.cos(side), np.sin(side), 0.0])
+    start = (radius + length / 2 + away) * np.array([np.cos(side), np.sin(side)])
     state = State.of(
         tokens,
         {
-            ("hand", "position"): start + [0.0, 0.0, rng.uniform(0.15, 0.5)],
+            ("hand", "position"): (start[0], start[1], rng.uniform(0.15, 0.5)),
             ("cylinder", "position"): (0.0, 0.0, radius),
             ("cylinder", "orientation"): quaternion_from_rpy(np.array([np.pi / 2, 0.0, yaw])),
             ("goal", "position"): (distance * np.cos(yaw), distance * np.sin(yaw), 0.0),

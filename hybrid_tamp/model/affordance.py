@@ -4,7 +4,7 @@ A class is a pydantic model of *fixed* properties. *Varying* state lives in arra
 only names which varying properties its members have.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
@@ -93,7 +93,6 @@ class ObjectClass(BaseModel):
         name: the class's own name, as task files write it, e.g. ``"STATIC END-EFFECTOR"``.
         varying: the varying properties that every member has.
         basic_actions: what the robot commands directly; empty unless a capability class.
-        consistent: optional check over a token's properties and shape; returns a complaint or None.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -101,11 +100,15 @@ class ObjectClass(BaseModel):
     name: ClassVar[str]
     varying: ClassVar[tuple[VaryingProperty, ...]] = BODY_STATE
     basic_actions: ClassVar[tuple[BasicAction, ...]] = ()
-    consistent: ClassVar[Callable[[Any], str | None] | None] = None
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
         """Return the shape that the properties imply for a token without one of its own, or None."""
+        return None
+
+    @staticmethod
+    def consistent(token: Any) -> str | None:
+        """Return a complaint about a token whose properties or shape contradict each other, or None."""
         return None
 
     @classmethod

@@ -10,9 +10,6 @@ from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.task import Task
 
-PLAN_SCHEMA = "hybrid-tamp/plan/1"
-RESULT_SCHEMA = "hybrid-tamp/result/1"
-
 
 class _Document(BaseModel):
     model_config = ConfigDict(extra="forbid", populate_by_name=True)
@@ -81,7 +78,7 @@ class ExplanationEntry(_Document):
 class PlanDocument(_Document):
     """What `plan --json` prints and `plan.json` holds."""
 
-    schema_: Literal["hybrid-tamp/plan/1"] = Field(PLAN_SCHEMA, alias="schema")
+    schema_: Literal["hybrid-tamp/plan/1"] = Field("hybrid-tamp/plan/1", alias="schema")
     task: str
     domain: str
     status: Literal["solved", "unsolvable", "unknown", "limit"]
@@ -133,7 +130,7 @@ class FailureEntry(_Document):
 class ResultDocument(_Document):
     """What `run --json` prints and `result.json` holds."""
 
-    schema_: Literal["hybrid-tamp/result/1"] = Field(RESULT_SCHEMA, alias="schema")
+    schema_: Literal["hybrid-tamp/result/1"] = Field("hybrid-tamp/result/1", alias="schema")
     task: str
     success: bool
     goal: list[AtomEntry]

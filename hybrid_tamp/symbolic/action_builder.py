@@ -7,7 +7,6 @@ from hybrid_tamp.symbolic.naming import legal
 from hybrid_tamp.symbolic.operators import Fact, Operator, Typed
 from hybrid_tamp.symbolic.vocabulary import COUNT, Vocabulary, no_value, opposite
 
-
 Same = dict[str, type[ObjectClass] | SymbolSort]
 
 

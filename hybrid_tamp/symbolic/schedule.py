@@ -6,13 +6,14 @@ what the other changes keep the order that the plan gives them. The earliest tim
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import networkx as nx
 import numpy as np
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.predicate import Atom, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decoder import OrderedInstance
@@ -84,15 +85,20 @@ def _state_before(task: Task, instances: Sequence[OrderedInstance], instance: Or
         block = task.domain.block_by_name[earlier.block]
         roles = {**earlier.slots, **earlier.targets}
         for literal in block.exit:
-            index = literal.predicate.functional_index
-            if literal.positive and index is not None and len(literal.arguments) == 2:
-                thing, place = roles.get(literal.arguments[1 - index]), roles.get(literal.arguments[index])
-                if thing in task.token_by_name and place in task.token_by_name and task.token_by_name[place].place:
-                    height = state[thing, "position"][..., 2]
-                    position = state[place, "position"].copy()
-                    position[..., 2] = height
-                    state = state.replace({(thing, "position"): position})
+            state = _placed(task, state, literal, roles)
     return state
+
+
+def _placed(task: Task, state: State, literal: Literal, roles: dict[str, str]) -> State:
+    """Put a token at the middle of the place that an exit condition says it has come to."""
+    index = literal.predicate.functional_index
+    if not literal.positive or index is None or len(literal.arguments) != 2:
+        return state
+    thing, place = (roles.get(literal.arguments[i], "") for i in (1 - index, index))
+    if thing not in task.token_by_name or place not in task.token_by_name or not task.token_by_name[place].place:
+        return state
+    position = np.concatenate([state[place, "position"][..., :2], state[thing, "position"][..., 2:]], axis=-1)
+    return state.replace({(thing, "position"): position})
 
 
 def _conflicts(task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int]) -> Iterator[Constraint]:
@@ -153,6 +159,6 @@ def _earliest(constraints: Sequence[Constraint]) -> list[float]:
         lengths = nx.single_source_bellman_ford_path_length(graph, 0)
     except nx.NetworkXUnbounded as error:
         cycle = nx.find_negative_cycle(graph, 0)
-        reasons = [graph[i][j]["reason"] for i, j in zip(cycle, cycle[1:], strict=False)]
+        reasons = [graph[i][j]["reason"] for i, j in pairwise(cycle)]
         raise InfeasibleScheduleError("these cannot all be so: " + "; ".join(dict.fromkeys(reasons))) from error
     return [round(-lengths[event] * _TICK, 6) for event in sorted(lengths)]

@@ -136,7 +136,7 @@ def test_disjoint_classes_share_no_token() -> None:
 
 def test_slot_names_are_parsed() -> None:
     assert parse_slot("A.B.c") == ("A.B", "c")
-    with pytest.raises(ValueError, match="BLOCK.slot"):
+    with pytest.raises(ValueError, match=r"BLOCK\.slot"):
         parse_slot("nothing")
 
 

@@ -65,7 +65,7 @@ def test_rolling_friction_stops_a_drum_after_the_distance_it_implies(toys: Any) 
         backend.reset(task, task.state)
         end = settle(backend, 4.0)[-1]
     slowing = 2 / 3 * GRAVITY * 0.005 / 0.1
-    # Old contact points push a little: by 2 % of what a friction of .5 % of the radius takes away.
+    # Contact points that are one substep old push forward a little; rolling friction itself is weak.
     assert end["drum", "position"][0] == pytest.approx(0.4**2 / (2 * slowing), rel=0.06)
     assert np.linalg.norm(end["drum", "velocity"]) < 1e-4
 
@@ -81,7 +81,7 @@ def pushed(toys: Any, force: float, friction: float, half_width: float) -> State
         return settle(backend, 1.0, {("pusher", "force"): np.array([force, 0.0, 0.0])})[-1]
 
 
-@pytest.mark.parametrize(("share", "tips"), [(0.98, False), (1.02, True)])
+@pytest.mark.parametrize(("share", "tips"), [(0.99, False), (1.01, True)])
 def test_box_tips_at_half_its_weight_times_width_over_height(toys: Any, share: float, tips: bool) -> None:
     tipping = 8.0 * GRAVITY * 0.15 / 0.5
     end = pushed(toys, share * tipping, friction=2.0, half_width=0.15)
@@ -89,10 +89,10 @@ def test_box_tips_at_half_its_weight_times_width_over_height(toys: Any, share: f
     assert tilted == tips
 
 
-@pytest.mark.parametrize(("share", "slips"), [(0.98, False), (1.02, True)])
+@pytest.mark.parametrize(("share", "slips"), [(0.99, False), (1.01, True)])
 def test_box_slips_at_friction_times_weight(toys: Any, share: float, slips: bool) -> None:
     end = pushed(toys, share * 0.2 * 8.0 * GRAVITY, friction=0.2, half_width=0.4)
-    assert (end["box", "position"][0] > 0.02) == slips
+    assert (end["box", "position"][0] > 0.005) == slips
 
 
 def test_floor_carries_the_weight(toys: Any) -> None:

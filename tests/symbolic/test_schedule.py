@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import pytest
 from scenes import rolling_task
 
@@ -40,7 +42,7 @@ def test_blocks_abut_and_the_second_roll_starts_where_the_first_ended() -> None:
     plan = schedule(task, decode(compile_task(task), actions))
     for token in ("hand 0", "drum 0"):
         spans = [i for i, _ in plan.timeline(token)]
-        assert all(at(a.end, b.start) for a, b in zip(spans, spans[1:], strict=False))
+        assert all(at(a.end, b.start) for a, b in pairwise(spans))
     second = [i for i in plan.instances if i.block == "ROLLING"][1]
     assert second.hyperparameters["distance"] == pytest.approx(0.9)
 

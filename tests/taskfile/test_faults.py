@@ -171,7 +171,7 @@ def test_a_fault_is_named_with_its_place(issues: Issues, text: str, fault: Fault
 
 # Edits that, by their nature, are more than one fault.
 _SEVERAL = {"no tokens", "unknown key of a pose", "two tokens of one name", "unknown domain"}
-_SEVERAL |= {"unknown key of a token", "goal that names a token twice"}
+_SEVERAL |= {"unknown key of a token", "key that is no text", "goal that names a token twice"}
 
 
 @pytest.mark.parametrize("fault", FAULTS)

@@ -1,0 +1,45 @@
+"""Generated files are what the code generates; `scripts/regenerate` is the only thing that writes them."""
+
+import importlib.machinery
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def script(name: str) -> ModuleType:
+    loader = importlib.machinery.SourceFileLoader(name, str(ROOT / "scripts" / name))
+    spec = importlib.util.spec_from_loader(name, loader)
+    assert spec is not None
+    module = importlib.util.module_from_spec(spec)
+    loader.exec_module(module)
+    return module
+
+
+GENERATED: dict[Path, str] = script("regenerate").generated()
+
+
+@pytest.mark.parametrize("path", GENERATED, ids=lambda path: str(path.relative_to(ROOT)))
+def test_generated_file_is_up_to_date(path: Path) -> None:
+    assert path.read_text(encoding="utf-8") == GENERATED[path], "run scripts/regenerate and read the difference"
+
+
+def test_every_problem_has_a_golden_pair() -> None:
+    stems = {path.stem for path in (ROOT / "problems").glob("*.yaml")}
+    assert {path.name for path in (ROOT / "tests" / "golden").iterdir() if path.is_dir()} - {"__pycache__"} == stems
+
+
+def test_the_domain_file_does_not_depend_on_the_tokens() -> None:
+    from scenes import rolling_task
+
+    from hybrid_tamp.symbolic.pddl import domain_text
+    from hybrid_tamp.symbolic.problem import compile_task
+
+    one = domain_text(compile_task(rolling_task()).problem.domain)
+    many = domain_text(
+        compile_task(rolling_task(hands=5, drums=[(0, 0), (0, 1)], regions=[(1, 0), (1, 1)])).problem.domain
+    )
+    assert one == many
