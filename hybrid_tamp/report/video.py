@@ -122,6 +122,8 @@ def _renamed(path: Path) -> Iterator[Path]:
     """
     temporary = path.with_name(f".{os.getpid()}.part.{path.name}")
     try:
+        # Whether the file can be written is seen here, before anything is drawn or an encoder started.
+        temporary.touch()
         yield temporary
         temporary.replace(path)
     except OSError as error:

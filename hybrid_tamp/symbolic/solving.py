@@ -12,19 +12,28 @@ The reply is a dictionary for JSON. Its ``status`` is one of
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from types import ModuleType
 from typing import Any
 
+from hybrid_tamp.symbolic.clashes import SeparatedClashes
 from hybrid_tamp.symbolic.engines import ENGINES, Engine
 from hybrid_tamp.symbolic.operators import PlanningProblem
-from hybrid_tamp.symbolic.unified import original_plan, simplify_for, unify
+from hybrid_tamp.symbolic.unified import unify
 
 Reply = dict[str, Any]
 
 _LOG_LINES = 15  # How much of an engine's log goes into a message.
+
+# Compilation of unified_planning to the features of a problem that it removes, in the order of use.
+_REMOVERS = {
+    "QUANTIFIERS_REMOVING": ("EXISTENTIAL_CONDITIONS", "UNIVERSAL_CONDITIONS", "FORALL_EFFECTS"),
+    "CONDITIONAL_EFFECTS_REMOVING": ("CONDITIONAL_EFFECTS",),
+    "DISJUNCTIVE_CONDITIONS_REMOVING": ("DISJUNCTIVE_CONDITIONS",),
+    "NEGATIVE_CONDITIONS_REMOVING": ("NEGATIVE_CONDITIONS",),
+}
 
 
 class Solver:
@@ -51,7 +60,8 @@ class Solver:
             self._load(name)
         except LookupError as error:
             return {"status": "unknown", "message": str(error), "available": self._available()}
-        problem = unify(source)
+        separated = None if _entry(name).adds_win else SeparatedClashes(source)
+        problem = unify(separated.problem if separated else source)
         with self._factory.OneshotPlanner(name=name) as planner:
             given, compiled = simplify_for(planner, problem.problem)
             missing = sorted(given.kind.features - planner.supported_kind().features)
@@ -61,6 +71,8 @@ class Solver:
         if result.plan is None:
             return _without_plan(name, result)
         actions = problem.planned(original_plan(result.plan, compiled))
+        if separated:
+            actions = tuple(map(separated.original, actions))
         # Engines change the problem that they are given: its explicit initial values.
         fault = unify(source).fault(actions)
         return {"status": "refused" if fault else "solved", "actions": actions, "message": fault}
@@ -90,6 +102,11 @@ class Solver:
         return list(dict.fromkeys([*ENGINES, *loaded]))
 
 
+def _entry(name: str) -> Engine:
+    """Return what is known of an engine; of others the usual is assumed."""
+    return ENGINES.get(name, Engine(""))
+
+
 def _without_plan(name: str, result: Any) -> Reply:
     """Return the reply to a result that has no plan."""
     status = result.status.name
@@ -101,9 +118,43 @@ def _without_plan(name: str, result: Any) -> Reply:
         return {"status": "limit", "limit": "memory", "message": end}
     if not status.startswith("UNSOLVABLE"):
         return {"status": "crashed", "message": "\n".join([end, *log.splitlines()[-_LOG_LINES:]])}
-    if ENGINES.get(name, Engine("")).proves(status, log):
+    if _entry(name).proves(status, log):
         return {"status": "unsolvable"}
     return {"status": "not_found", "message": end}
+
+
+def simplify_for(engine: Any, problem: Any) -> tuple[Any, list[Any]]:
+    """Compile away, with unified_planning's compilers, what an engine does not take.
+
+    Args:
+        engine: an engine of unified_planning, or its class.
+        problem: a problem of unified_planning.
+
+    Returns:
+        The problem to give to the engine and the compilers' results, first to last. What no compiler
+        removes is still in the problem: ask ``engine.supports(problem.kind)``.
+    """
+    from unified_planning.engines import CompilationKind
+
+    results: list[Any] = []
+    for name, removed in _REMOVERS.items():
+        unwanted = problem.kind.features - engine.supported_kind().features
+        if not engine.supports(problem.kind) and unwanted.intersection(removed):
+            kind = CompilationKind[name]
+            compiler = problem.environment.factory.Compiler(problem_kind=problem.kind, compilation_kind=kind)
+            results.append(compiler.compile(problem, kind))
+            problem = results[-1].problem
+    return problem, results
+
+
+def original_plan(plan: Any, results: Sequence[Any]) -> Any:
+    """Return the plan of the problem that `simplify_for` was given from the plan of its compiled problem."""
+    for result in reversed(results):
+        if result.plan_back_conversion is not None:
+            plan = result.plan_back_conversion(plan)
+        else:
+            plan = plan.replace_action_instances(result.map_back_action_instance)
+    return plan
 
 
 class _ConfigurationSpace:

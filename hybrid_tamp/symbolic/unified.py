@@ -12,14 +12,6 @@ from typing import Any
 
 from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, PlanningProblem, Typed
 
-# Compilation of unified_planning to the features of a problem that it removes, in the order of use.
-_REMOVERS = {
-    "QUANTIFIERS_REMOVING": ("EXISTENTIAL_CONDITIONS", "UNIVERSAL_CONDITIONS", "FORALL_EFFECTS"),
-    "CONDITIONAL_EFFECTS_REMOVING": ("CONDITIONAL_EFFECTS",),
-    "DISJUNCTIVE_CONDITIONS_REMOVING": ("DISJUNCTIVE_CONDITIONS",),
-    "NEGATIVE_CONDITIONS_REMOVING": ("NEGATIVE_CONDITIONS",),
-}
-
 
 @dataclass(frozen=True)
 class UnifiedProblem:
@@ -110,40 +102,6 @@ def unify(source: PlanningProblem) -> UnifiedProblem:
     environment.error_used_name = False
     environment.credits_stream = None
     return _Builder(source, environment).build()
-
-
-def simplify_for(engine: Any, problem: Any) -> tuple[Any, list[Any]]:
-    """Compile away, with unified_planning's compilers, what an engine does not take.
-
-    Args:
-        engine: an engine of unified_planning, or its class.
-        problem: a problem of unified_planning.
-
-    Returns:
-        The problem to give to the engine and the compilers' results, first to last. What no compiler
-        removes is still in the problem: ask ``engine.supports(problem.kind)``.
-    """
-    from unified_planning.engines import CompilationKind
-
-    results: list[Any] = []
-    for name, removed in _REMOVERS.items():
-        unwanted = problem.kind.features - engine.supported_kind().features
-        if not engine.supports(problem.kind) and unwanted.intersection(removed):
-            kind = CompilationKind[name]
-            compiler = problem.environment.factory.Compiler(problem_kind=problem.kind, compilation_kind=kind)
-            results.append(compiler.compile(problem, kind))
-            problem = results[-1].problem
-    return problem, results
-
-
-def original_plan(plan: Any, results: Sequence[Any]) -> Any:
-    """Return the plan of the problem that `simplify_for` was given from the plan of its compiled problem."""
-    for result in reversed(results):
-        if result.plan_back_conversion is not None:
-            plan = result.plan_back_conversion(plan)
-        else:
-            plan = plan.replace_action_instances(result.map_back_action_instance)
-    return plan
 
 
 class _Names:

@@ -1,6 +1,7 @@
 """Finding what is named: domains by name, module or path, and task files by path or bundled name."""
 
 import hashlib
+import os
 import sys
 from collections.abc import Callable
 from importlib import import_module
@@ -55,9 +56,10 @@ def find_domain(name_or_path: str) -> Domain:
     if _entry(name_or_path) is not None:
         return installed_domain(name_or_path)
     if name_or_path.endswith(".py"):
-        path = Path(name_or_path).resolve()
-        if not path.is_file():
+        # os.path, because impossible names are simply not there for it.
+        if not os.path.isfile(name_or_path):
             raise InputError([Issue("", "the path of a domain's file", f"{name_or_path!r}, which is not there")])
+        path = Path(name_or_path).resolve()
         return _domain(_loaded(lambda: _import_file(path), str(path)), str(path), "DOMAIN")
     module, colon, attribute = name_or_path.partition(":")
     if colon and attribute.isidentifier() and all(part.isidentifier() for part in module.split(".")):
@@ -159,17 +161,13 @@ def find_task_file(text: str) -> Path:
     Raises:
         InputError: there is neither, with the bundled names.
     """
-    path = Path(text)
-    try:
-        if path.is_file():
-            return path
-        name, folder, there = path.name.removesuffix(".yaml"), str(path.parent), path.exists()
-    except ValueError as error:
-        raise InputError([Issue("", "the path of a task file", f"{text!r}: {error}")]) from error
-    if folder in (".", "problems") and name in bundled_tasks():
+    if os.path.isfile(text):
+        return Path(text)
+    name, bundled = Path(text).name.removesuffix(".yaml"), bundled_tasks()
+    if str(Path(text).parent) in (".", "problems") and name in bundled:
         return Path(str(files(PROBLEMS).joinpath(f"{name}.yaml")))
-    if there:
-        return path
-    raise InputError(
-        [Issue("", "no task file of this path, and no bundled task of this name", repr(text), bundled_tasks())]
-    )
+    if os.path.exists(text):
+        # A folder, say: reading it tells what it is.
+        return Path(text)
+    wanted = "no task file of this path, and no bundled task of this name"
+    raise InputError([Issue("", wanted, repr(text), bundled)])

@@ -103,7 +103,10 @@ def parse(text: str, source: str) -> Document:
         builder.faults.raise_all()
     root = builder.roots[0] if builder.roots else None
     if not isinstance(root, dict):
-        came = "an empty file" if root is None else shown(root)
-        builder.faults.at((), "a task file is a mapping with the keys domain, tokens and goal", came)
+        wanted = "a task file is a mapping with the keys domain, tokens and goal"
+        if root is None and builder.faults.sound(()):
+            builder.faults.add(Mark(), wanted, "an empty file")
+        else:
+            builder.faults.at((), wanted, shown(root))
         builder.faults.raise_all()
     return Document(root, builder.faults)

@@ -1,0 +1,127 @@
+"""Actions that delete and add one fact: PDDL lets the add win, and some engines do not.
+
+An operator that deletes ``(inside ?thing ?old)`` and adds ``(inside ?thing ?new)`` does both to one fact where
+the two regions are the same. For engines that delete it then, or refuse the action, each such case gets an
+operator of its own, in which the two are one parameter and nothing is deleted. The first operator stays. What
+such an engine makes of its cases is at worst a state in which less holds, and as all conditions and goals
+are positive, a plan that leads on from less leads on from more.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, PlanningProblem
+
+Substitution = Mapping[str, str]
+"""Variables to the variables or constants in their place."""
+
+
+@dataclass(frozen=True)
+class _Case:
+    """A case of an operator.
+
+    Attributes:
+        operator: the operator of this case alone.
+        origin: name of the operator of which it is a case.
+        arguments: what that operator's parameters are in this case: parameters of `operator` or constants.
+    """
+
+    operator: Operator
+    origin: str
+    arguments: tuple[str, ...]
+
+
+class SeparatedClashes:
+    """A planning problem with an operator of its own for each case in which an add undoes a delete.
+
+    Attributes:
+        problem: the problem with all operators.
+    """
+
+    def __init__(self, source: PlanningProblem) -> None:
+        domain = source.domain
+        self._parents = dict(domain.types)
+        self._constants = dict(domain.constants)
+        self._cases = {operator.name: _whole(operator) for operator in domain.operators}
+        for operator in domain.operators:
+            self._separate(self._cases[operator.name])
+        operators = tuple(case.operator for case in self._cases.values())
+        self.problem = replace(source, domain=replace(domain, operators=operators))
+
+    def original(self, action: PlannedAction) -> PlannedAction:
+        """Return the action of the first problem that an action of this problem is."""
+        name, *objects = action
+        case = self._cases[name]
+        values = dict(zip((parameter for parameter, _ in case.operator.parameters), objects, strict=True))
+        return (case.origin, *(values.get(argument, argument) for argument in case.arguments))
+
+    def _separate(self, whole: _Case) -> None:
+        """Take in the cases of a case, and the cases of those."""
+        found = {whole.arguments}
+        unexplored = [whole]
+        while unexplored:
+            case = unexplored.pop()
+            for substitution in self._clashes(case.operator):
+                narrower = self._narrowed(case, substitution)
+                if narrower.arguments not in found:
+                    found.add(narrower.arguments)
+                    unexplored.append(narrower)
+                    self._cases[narrower.operator.name] = narrower
+
+    def _clashes(self, operator: Operator) -> Iterator[Substitution]:
+        """Yield the substitutions that make a deleted and an added fact of an operator one."""
+        types = {**self._constants, **dict(operator.parameters)}
+        for deleted in dict.fromkeys(operator.delete):
+            for added in dict.fromkeys(operator.add):
+                if deleted not in operator.add and added[0] == deleted[0]:
+                    substitution = self._unified(deleted, added, types)
+                    if substitution is not None:
+                        yield substitution
+
+    def _unified(self, one: Fact, other: Fact, types: Mapping[str, str]) -> Substitution | None:
+        """Return the substitution that makes two facts of one predicate equal, if there is one."""
+        substitution: dict[str, str] = {}
+        for pair in zip(one[1:], other[1:], strict=True):
+            first, second = (_value(argument, substitution) for argument in pair)
+            if first == second:
+                continue
+            # The narrower of the two takes the place of the wider; a constant is narrower than any variable.
+            if first in self._constants or self._is_within(types[first], types[second]):
+                first, second = second, first
+            if first in self._constants or not self._is_within(types[second], types[first]):
+                return None
+            substitution[first] = second
+        return {variable: _value(variable, substitution) for variable in substitution}
+
+    def _is_within(self, narrow: str, wide: str) -> bool:
+        """Whether a type is another or one of its descendants."""
+        while narrow != wide and narrow in self._parents:
+            narrow = self._parents[narrow]
+        return narrow == wide
+
+    def _narrowed(self, case: _Case, substitution: Substitution) -> _Case:
+        """Return the case in which a substitution holds, too."""
+        operator = case.operator
+        parts = (operator.precondition, operator.add, operator.delete)
+        facts = [tuple(dict.fromkeys(_put(fact, substitution) for fact in part)) for part in parts]
+        parameters = tuple(parameter for parameter in operator.parameters if parameter[0] not in substitution)
+        number = sum(other.origin == case.origin for other in self._cases.values())
+        name = f"{case.origin}-case-{number}"
+        while name in self._cases:
+            name += "x"
+        return _Case(Operator(name, parameters, *facts), case.origin, _put(case.arguments, substitution))
+
+
+def _whole(operator: Operator) -> _Case:
+    return _Case(operator, operator.name, tuple(name for name, _ in operator.parameters))
+
+
+def _put(arguments: tuple[str, ...], substitution: Substitution) -> tuple[str, ...]:
+    return tuple(substitution.get(argument, argument) for argument in arguments)
+
+
+def _value(argument: str, substitution: Substitution) -> str:
+    """Return what an argument is in the end."""
+    while argument in substitution:
+        argument = substitution[argument]
+    return argument

@@ -1,0 +1,32 @@
+"""What all tests share."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+# The machine may be busy: a slow example is no failure. The same examples every time.
+settings.register_profile("project", deadline=None, derandomize=True)
+settings.load_profile("project")
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def command() -> Callable[..., "subprocess.CompletedProcess[str]"]:
+    """Run the command line as a process of its own, from the repository's root unless told otherwise."""
+
+    def run(*words: str | Path, cwd: Path = ROOT) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(
+            [sys.executable, "-m", "hybrid_tamp.cli", *map(str, words)],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=cwd,
+            timeout=300,
+        )
+
+    return run
