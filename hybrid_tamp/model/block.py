@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import Literal, Predicate, SymbolSort, Value
 from hybrid_tamp.model.state import FloatArray, State
 
@@ -113,10 +114,13 @@ def _rest(binding: Binding, state: State, commands: Commands, dt: float) -> Stat
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """One type of action.
+    """One type of action, or one mode of it.
+
+    Modes are outcomes of one action with conditions, targets and hyperparameters of their own; each is a block named
+    ``"ACTION:mode"``, and edges of the network that name the action alone hold for all of them.
 
     Attributes:
-        name: e.g. ``"ROLLING"``.
+        name: e.g. ``"ROLLING"`` or ``"REACHING:behind"``.
         slots: one or more, each for exactly one token.
         anchor: name of the slot whose token names a running instance.
         targets: what it reads but does not hold.
@@ -151,6 +155,11 @@ class Block:
 
     def __repr__(self) -> str:
         return f"Block({self.name!r})"
+
+    @property
+    def action(self) -> str:
+        """The name without the mode."""
+        return split_mode(self.name)[0]
 
     @property
     def roles(self) -> Mapping[str, type[ObjectClass] | SymbolSort]:

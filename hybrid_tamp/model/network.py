@@ -1,8 +1,11 @@
 """The reassignment network: which slot a token may go to next (paper, Sec. II-C)."""
 
 from collections.abc import Iterable
+from itertools import product
 
 import networkx as nx
+
+from hybrid_tamp.model.plan import split_mode
 
 SlotName = tuple[str, str]
 """(block, slot)."""
@@ -11,10 +14,20 @@ SlotName = tuple[str, str]
 class ReassignmentNetwork:
     """Directed graph whose nodes are the slots of blocks and whose edges are allowed reassignments."""
 
-    def __init__(self, edges: Iterable[tuple[str, str]]) -> None:
-        """Make the network from pairs of ``"BLOCK.slot"`` names, source first."""
+    def __init__(self, edges: Iterable[tuple[str, str]], blocks: Iterable[str] = ()) -> None:
+        """Make the network from pairs of ``"BLOCK.slot"`` names, source first.
+
+        Args:
+            edges: pairs of slots.
+            blocks: names of blocks with modes, ``"ACTION:mode"``; an edge that names the action alone holds for each.
+        """
+        modes: dict[str, list[str]] = {}
+        for block in blocks:
+            modes.setdefault(split_mode(block)[0], []).append(block)
         self.graph: nx.DiGraph[SlotName] = nx.DiGraph()
-        self.graph.add_edges_from((parse_slot(source), parse_slot(target)) for source, target in edges)
+        for source, target in (map(parse_slot, edge) for edge in edges):
+            for old, new in product(modes.get(source[0], [source[0]]), modes.get(target[0], [target[0]])):
+                self.graph.add_edge((old, source[1]), (new, target[1]))
 
     @property
     def edges(self) -> tuple[tuple[SlotName, SlotName], ...]:

@@ -20,7 +20,6 @@ class BlockInstance:
         end: when they leave, or the plan's makespan [s].
         targets: target to the name of the token or symbol.
         hyperparameters: hyperparameter to value.
-        mode: outcome of the block, where it has several.
     """
 
     name: str
@@ -30,7 +29,16 @@ class BlockInstance:
     end: float
     targets: Mapping[str, str] = field(default_factory=dict)
     hyperparameters: Mapping[str, float] = field(default_factory=dict)
-    mode: str | None = None
+
+    @property
+    def action(self) -> str:
+        """The block's name without its mode."""
+        return split_mode(self.block)[0]
+
+    @property
+    def mode(self) -> str | None:
+        """The block's mode, where it has several."""
+        return split_mode(self.block)[1]
 
     @property
     def roles(self) -> dict[str, str]:
@@ -86,6 +94,12 @@ class TaskPlan:
         """Return the (instance, slot) pairs that the token is in, by start."""
         found = [(i, slot) for i in self.instances for slot, name in i.slots.items() if name == token]
         return tuple(sorted(found, key=lambda pair: (pair[0].start, pair[0].end, pair[0].name)))
+
+
+def split_mode(block: str) -> tuple[str, str | None]:
+    """Split a block's name into action and mode, None where it has but one."""
+    action, colon, mode = block.partition(":")
+    return (action, mode) if colon else (block, None)
 
 
 def merge_instants(times: Iterable[float]) -> tuple[float, ...]:

@@ -8,7 +8,6 @@ that starts a millimetre too low; no damping, so that only the modelled friction
 
 import ctypes
 import os
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from types import TracebackType
@@ -34,9 +33,8 @@ def _silence() -> Iterator[None]:
     build; standard output belongs to ``--json``. What C still buffers must go to nowhere as well, hence the flush.
     """
     saved = {}
-    for descriptor, stream in ((1, sys.stdout), (2, sys.stderr)):
+    for descriptor in (1, 2):
         with suppress(OSError):  # a process may run without a standard stream; there is nothing to silence then
-            stream.flush()
             saved[descriptor] = os.dup(descriptor)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:

@@ -1,8 +1,8 @@
 """The plan as an order of events: its instants are estimates, only their order counts.
 
-Two events of a plan are in order if they share a token, a place or a symbol's holder, that is: if an instance of the
-one and an instance of the other have a token in common in any role. Conditions speak of an instance's own roles only,
-so events without a common token can happen in either order, and each as soon as it can.
+Two events of a plan keep their order if an instance of the one and an instance of the other have a token in common,
+places included, in any role. Conditions speak of an instance's own roles only, so events without a common token can
+happen in either order, and each as soon as it can.
 """
 
 from collections.abc import Iterable

@@ -21,9 +21,10 @@ Picture = NDArray[np.uint8]
 
 _TILE = 0.25
 _TILES_ACROSS = 40
-_BORDER = 0.5
+_BORDER = 0.4
 _FLOOR: tuple[Colour, Colour] = ((0.97, 0.97, 0.97), (0.915, 0.92, 0.925))
 _LIGHT = (-0.35, -0.6, 1.0)
+_LIGHT_DISTANCE = 2.0
 _AMBIENT, _DIFFUSE, _SPECULAR = 0.6, 0.45, 0.05
 
 
@@ -61,7 +62,7 @@ class TinyRenderer:
             lightDirection=_LIGHT,
             lightColor=(1.0, 1.0, 1.0),
             # The shadow map is seen from the light with the camera's angle of view: from further away it holds more.
-            lightDistance=1.5 * self._camera.distance,
+            lightDistance=_LIGHT_DISTANCE * self._camera.distance,
             lightAmbientCoeff=_AMBIENT,
             lightDiffuseCoeff=_DIFFUSE,
             lightSpecularCoeff=_SPECULAR,

@@ -91,13 +91,14 @@ class Captions:
         return _Line("goal reached", _GOOD) if self._recording.success else _Line("goal missed", _BAD)
 
     def _wrapped(self, step: Step) -> list[_Line]:
-        """Return the step's lines, what rests last and pale."""
-        ordered = sorted(step.instances, key=lambda i: (i.block == self._resting, i.start, i.name))
-        return [
-            _Line(text, _PALE if instance.block == self._resting else _INK)
-            for instance in ordered
-            for text in self._fitted(allocation(instance))
-        ]
+        """Return the step's lines: a paragraph for each busy instance, and a pale one for all that rests."""
+        busy = sorted((i for i in step.instances if i.block != self._resting), key=lambda i: (i.start, i.name))
+        lines = [_Line(text, _INK) for instance in busy for text in self._fitted(allocation(instance))]
+        resting = sorted(t for i in step.instances if i.block == self._resting for t in i.slots.values())
+        if resting:
+            said = f"{self._resting}: {', '.join(resting)}"
+            lines += [_Line(text, _PALE) for text in self._fitted(said)]
+        return lines
 
     def _fitted(self, text: str) -> list[str]:
         """Break a text into lines that fit, between words where that is possible."""

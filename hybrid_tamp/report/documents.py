@@ -185,7 +185,7 @@ def _steps(plan: TaskPlan) -> Iterable[StepEntry]:
 
 def _instance(instance: BlockInstance) -> InstanceEntry:
     return InstanceEntry(
-        block=instance.block,
+        block=instance.action,
         mode=instance.mode,
         instance=instance.name,
         slots=dict(instance.slots),

@@ -1,14 +1,15 @@
-"""Actions that delete and add one fact: PDDL lets the add win, and some engines do not.
+"""Actions two of whose effects are on one fact: PDDL lets an add win over a delete, and some engines do not.
 
 An operator that deletes ``(inside ?thing ?old)`` and adds ``(inside ?thing ?new)`` does both to one fact where
-the two regions are the same. For engines that delete it then, or refuse the action, each such case gets an
-operator of its own, in which the two are one parameter and nothing is deleted. The first operator stays. What
-such an engine makes of its cases is at worst a state in which less holds, and as all conditions and goals
-are positive, a plan that leads on from less leads on from more.
+the two regions are the same. For engines that delete it then, or refuse the action (some do so even for two
+adds), each such case gets an operator of its own, in which the two are one parameter and one effect is left.
+The first operator stays. What such an engine makes of its cases is at worst a state in which less holds, and
+as all conditions and goals are positive, a plan that leads on from less leads on from more.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, PlanningProblem
 
@@ -32,7 +33,7 @@ class _Case:
 
 
 class SeparatedClashes:
-    """A planning problem with an operator of its own for each case in which an add undoes a delete.
+    """A planning problem with an operator of its own for each case in which two effects are on one fact.
 
     Attributes:
         problem: the problem with all operators.
@@ -42,6 +43,10 @@ class SeparatedClashes:
         domain = source.domain
         self._parents = dict(domain.types)
         self._constants = dict(domain.constants)
+        changing = {fact[0] for operator in domain.operators for fact in (*operator.add, *operator.delete)}
+        self._static = {name: [row for row in source.init if row[0] == name] for name, _ in domain.predicates}
+        for name in changing:
+            del self._static[name]
         self._cases = {operator.name: _whole(operator) for operator in domain.operators}
         for operator in domain.operators:
             self._separate(self._cases[operator.name])
@@ -63,20 +68,28 @@ class SeparatedClashes:
             case = unexplored.pop()
             for substitution in self._clashes(case.operator):
                 narrower = self._narrowed(case, substitution)
-                if narrower.arguments not in found:
+                if narrower.arguments not in found and self._is_possible(narrower.operator):
                     found.add(narrower.arguments)
                     unexplored.append(narrower)
                     self._cases[narrower.operator.name] = narrower
 
     def _clashes(self, operator: Operator) -> Iterator[Substitution]:
-        """Yield the substitutions that make a deleted and an added fact of an operator one."""
+        """Yield the substitutions that make two effects of an operator effects on one fact."""
         types = {**self._constants, **dict(operator.parameters)}
-        for deleted in dict.fromkeys(operator.delete):
-            for added in dict.fromkeys(operator.add):
-                if deleted not in operator.add and added[0] == deleted[0]:
-                    substitution = self._unified(deleted, added, types)
-                    if substitution is not None:
-                        yield substitution
+        for one, other in combinations(dict.fromkeys((*operator.add, *operator.delete)), 2):
+            substitution = self._unified(one, other, types) if one[0] == other[0] else None
+            if substitution is not None:
+                yield substitution
+
+    def _is_possible(self, operator: Operator) -> bool:
+        """Whether facts that never change do not rule the operator out, each taken by itself."""
+        conditions = [fact for fact in operator.precondition if fact[0] in self._static]
+        return all(any(self._fits(fact, row) for row in self._static[fact[0]]) for fact in conditions)
+
+    def _fits(self, fact: Fact, row: Fact) -> bool:
+        """Whether a ground fact is an instance of a fact."""
+        values = {constant: constant for constant in self._constants}
+        return all(values.setdefault(argument, value) == value for argument, value in zip(fact, row, strict=True))
 
     def _unified(self, one: Fact, other: Fact, types: Mapping[str, str]) -> Substitution | None:
         """Return the substitution that makes two facts of one predicate equal, if there is one."""

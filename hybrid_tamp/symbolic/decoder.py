@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.plan import BlockInstance, split_mode
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.operators import PlannedAction
 from hybrid_tamp.symbolic.problem import Compilation
@@ -55,8 +55,9 @@ class _Decoding:
 
     def start(self, block: str, slots: dict[str, str], targets: dict[str, str]) -> None:
         """Begin an instance at the current reassignment; its tokens leave where they were."""
-        self.numbers[block] += 1
-        instance = OrderedInstance(f"{block}-{self.numbers[block]}", block, slots, targets, self.reassignment)
+        action = split_mode(block)[0]
+        self.numbers[action] += 1
+        instance = OrderedInstance(f"{action}-{self.numbers[action]}", block, slots, targets, self.reassignment)
         for token in slots.values():
             before = self.where.get(token)
             if before is not None and before.end is None:

@@ -14,6 +14,7 @@ from typing import Any
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.taskfile.places import shown
 
 GROUP = "hybrid_tamp.domains"
 """Entry point group by which installed packages offer their domains."""
@@ -41,7 +42,7 @@ def installed_domain(name: str) -> Domain:
             f"a task file cannot start code: install the domain under the entry point group {GROUP}, "
             "or pass find_domain to load_task"
         )
-    raise InputError([Issue("", "unknown domain", repr(name), available_domains(), remedy)])
+    raise InputError([Issue("", "unknown domain", shown(name), available_domains(), remedy)])
 
 
 def find_domain(name_or_path: str) -> Domain:
@@ -58,14 +59,14 @@ def find_domain(name_or_path: str) -> Domain:
     if name_or_path.endswith(".py"):
         # os.path, because impossible names are simply not there for it.
         if not os.path.isfile(name_or_path):
-            raise InputError([Issue("", "the path of a domain's file", f"{name_or_path!r}, which is not there")])
+            raise InputError([Issue("", "the path of a domain's file", f"{shown(name_or_path)}, which is not there")])
         path = Path(name_or_path).resolve()
         return _domain(_loaded(lambda: _import_file(path), str(path)), str(path), "DOMAIN")
     module, colon, attribute = name_or_path.partition(":")
     if colon and attribute.isidentifier() and all(part.isidentifier() for part in module.split(".")):
         return _domain(_loaded(lambda: import_module(module), module), name_or_path, attribute)
     remedy = "or name a module as package.module:ATTRIBUTE, or a file by its path that ends in .py"
-    raise InputError([Issue("", "unknown domain", repr(name_or_path), available_domains(), remedy)])
+    raise InputError([Issue("", "unknown domain", shown(name_or_path), available_domains(), remedy)])
 
 
 def _entry(name: str) -> EntryPoint | None:
@@ -170,4 +171,4 @@ def find_task_file(text: str) -> Path:
         # A folder, say: reading it tells what it is.
         return Path(text)
     wanted = "no task file of this path, and no bundled task of this name"
-    raise InputError([Issue("", wanted, repr(text), bundled)])
+    raise InputError([Issue("", wanted, shown(text), bundled)])

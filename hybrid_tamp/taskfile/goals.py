@@ -4,7 +4,7 @@ from typing import Any
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort
-from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+from hybrid_tamp.taskfile.places import Faults, KeyPath, plain, shown
 from hybrid_tamp.taskfile.tokens import Scene
 
 _FORM = "an atom of the goal is 'predicate: [tokens]' or 'not: {predicate: [tokens]}'"
@@ -95,7 +95,7 @@ def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) ->
     """Refuse a token that is two arguments at once: facts are over different tokens."""
     for index, argument in enumerate(atom.arguments):
         if argument in (scene.names or ()) and argument in atom.arguments[:index]:
-            wanted = f"the arguments of {atom.predicate} are different tokens"
+            wanted = f"the arguments of {plain(atom.predicate)} are different tokens"
             faults.at((*path, index), wanted, f"{shown(argument)} twice", remedy="name another token")
 
 
@@ -121,7 +121,7 @@ def _check_company(
     """Refuse an atom that cannot hold together with an earlier one."""
     opposite = Atom(atom.predicate, atom.arguments, not atom.positive)
     if opposite in atoms:
-        wanted = f"a goal cannot ask for both {opposite} and {atom}"
+        wanted = f"a goal cannot ask for both {plain(str(opposite))} and {plain(str(atom))}"
         faults.at(path, wanted, _first(atoms[opposite], faults), remedy="remove one")
     if predicate.functional_index is None or not atom.positive:
         return
@@ -129,7 +129,12 @@ def _check_company(
     other = values.setdefault((atom.predicate, atom.arguments[:index], atom.arguments[index + 1 :]), atom)
     if other != atom:
         wanted = f"{predicate.name} gives {_owners(predicate)} one {predicate.functional}"
-        faults.at(path, wanted, f"{other} and {atom}, {_first(atoms[other], faults)}", remedy="remove one")
+        faults.at(
+            path,
+            wanted,
+            f"{plain(str(other))} and {plain(str(atom))}, {_first(atoms[other], faults)}",
+            remedy="remove one",
+        )
 
 
 def _owners(predicate: Predicate) -> str:

@@ -101,7 +101,7 @@ class Faults:
 
     def shown(self, path: KeyPath, value: Any) -> str:
         """Return a value as messages show it: as the file writes it, shortened."""
-        return _cut(self.written[path]) if path in self.written else shown(value)
+        return cut(self.written[path]) if path in self.written else shown(value)
 
     @property
     def issues(self) -> tuple[Issue, ...]:
@@ -142,7 +142,7 @@ def _prefixes(path: KeyPath) -> list[KeyPath]:
 def shown(value: Any) -> str:
     """Return a value as messages show it, e.g. ``'drum'`` or ``[0, 0, 0]``."""
     if isinstance(value, str):
-        return repr(_cut(value))
+        return repr(cut(value))
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -152,8 +152,14 @@ def shown(value: Any) -> str:
     if isinstance(value, list):
         plain = len(value) <= 6 and not any(isinstance(item, dict | list) for item in value)
         return f"[{', '.join(map(shown, value))}]" if plain else f"a list of {len(value)}"
-    return _cut(str(value))
+    return cut(str(value))
 
 
-def _cut(text: str) -> str:
+def plain(text: str) -> str:
+    """Return a name without quotes, unless it holds what would disturb a terminal."""
+    return cut(text) if text.isprintable() else shown(text)
+
+
+def cut(text: str) -> str:
+    """Return a text, shortened if it is long."""
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

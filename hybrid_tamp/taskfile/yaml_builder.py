@@ -14,7 +14,7 @@ from ruamel.yaml.events import (
     ScalarEvent,
 )
 
-from hybrid_tamp.taskfile.places import Faults, KeyPath, Mark
+from hybrid_tamp.taskfile.places import Faults, KeyPath, Mark, cut, shown
 from hybrid_tamp.taskfile.yaml_scalars import Unresolvable, check_tag, resolve
 
 MAX_DEPTH = 50
@@ -97,7 +97,7 @@ class Builder:
         path = (*frame.path, frame.key)
         if frame.key in container:
             kind = "a second token of the name" if frame.path == ("tokens",) else "a second key"
-            came = f"{kind} {frame.key!r}, first on line {self.faults.keys[path].line}"
+            came = f"{kind} {shown(frame.key)}, first on line {self.faults.keys[path].line}"
             self.faults.add(mark, "a key may stand only once", came, remedy="rename or remove one")
         self.faults.keys.setdefault(path, mark)
         if isinstance(event, CollectionStartEvent):
@@ -112,11 +112,11 @@ class Builder:
             else:
                 if isinstance(value, str):
                     return value
-                remedy = f'write "{event.value}" in quotes' if event.value else "write a key before the ':'"
-                self.faults.add(mark, "a key must be text", event.value or "nothing", remedy=remedy)
+                remedy = f'write "{cut(event.value)}" in quotes' if event.value else "write a key before the ':'"
+                self.faults.add(mark, "a key must be text", cut(event.value) or "nothing", remedy=remedy)
                 return str(event.value)
         else:
-            came = f"*{event.anchor}" if isinstance(event, AliasEvent) else "a list or mapping"
+            came = cut(f"*{event.anchor}") if isinstance(event, AliasEvent) else "a list or mapping"
             self.faults.add(mark, "a key must be text", came, remedy="write the key out")
         # No text of a file can be equal to it: the place makes it unique.
         stand_in = f"? {mark.line}:{mark.column}"
@@ -156,7 +156,7 @@ class Builder:
             if isinstance(event, CollectionStartEvent):
                 check_tag(event)
             else:
-                raise Unresolvable("a task file has no aliases", f"*{event.anchor}", "write the value out")
+                raise Unresolvable("a task file has no aliases", cut(f"*{event.anchor}"), "write the value out")
         except Unresolvable as error:
             self.faults.add(mark, error.wanted, error.came, remedy=error.remedy)
             self.faults.unreadable(path)

@@ -1,6 +1,7 @@
 """A file to plain data and the place of every part: YAML 1.2, core schema, bounded, nothing ever constructed."""
 
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,9 @@ from hybrid_tamp.taskfile.yaml_syntax import add_syntax_fault
 
 MAX_BYTES = 1024 * 1024
 """Largest task file that is read [bytes]."""
+MAX_RUN = 10_000
+"""Longest run without blanks and quotes [characters]: on some, the parser's time grows with the square of it."""
+_ENDLESS = re.compile(rf"[^\s\"']{{{MAX_RUN + 1}}}")
 
 
 @dataclass(frozen=True)
@@ -92,6 +96,10 @@ def parse(text: str, source: str) -> Document:
         InputError: the text is empty, not YAML, no mapping, too deep or has too many parts.
     """
     builder, last = Builder(source), Mark()
+    if run := _ENDLESS.search(text):
+        wanted = f"words have at most {MAX_RUN} characters"
+        builder.faults.add(mark_of(text, run.start()), wanted, "a longer one", remedy="put blanks in between")
+        builder.faults.raise_all()
     try:
         for event in YAML(typ="safe", pure=True).parse(text):
             last = mark_of_event(event)

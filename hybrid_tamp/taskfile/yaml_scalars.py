@@ -9,6 +9,8 @@ from typing import Any
 
 from ruamel.yaml.events import CollectionStartEvent, MappingStartEvent, ScalarEvent
 
+from hybrid_tamp.taskfile.places import cut, shown
+
 _CORE = "tag:yaml.org,2002:"
 _NULL = re.compile("|~|null|Null|NULL")
 _BOOLEAN = re.compile("true|True|TRUE|false|False|FALSE")
@@ -26,7 +28,7 @@ _TYPES: dict[str, type | tuple[type, ...]] = {
 }
 
 
-@dataclass
+@dataclass(eq=False)
 class Unresolvable(Exception):
     """A scalar or tag that has no value here, as the three parts of a message."""
 
@@ -54,7 +56,7 @@ def resolve(event: ScalarEvent) -> Any:
     if wanted is float and type(value) is int:
         return float(value)
     if type(value) is not wanted:
-        raise Unresolvable(f"a value must fit its tag {_written(tag)}", repr(text), "remove the tag")
+        raise Unresolvable(f"a value must fit its tag {_written(tag)}", shown(text), "remove the tag")
     return value
 
 
@@ -80,7 +82,7 @@ def _refused(tag: str) -> Unresolvable:
 
 
 def _written(tag: str) -> str:
-    return "!!" + tag.removeprefix(_CORE) if tag.startswith(_CORE) else tag
+    return cut("!!" + tag.removeprefix(_CORE) if tag.startswith(_CORE) else tag)
 
 
 def _whole_characters(text: str) -> str:

@@ -5,7 +5,7 @@ import re
 from ruamel.yaml.error import MarkedYAMLError
 from ruamel.yaml.reader import ReaderError
 
-from hybrid_tamp.taskfile.places import Faults, Mark, mark_of, shown
+from hybrid_tamp.taskfile.places import Faults, Mark, cut, mark_of, shown
 
 _LINE_END = re.compile("\r\n|\r|\n")
 _TAB_IN_INDENTATION = re.compile(r" *\t")
@@ -47,7 +47,7 @@ def add_syntax_fault(faults: Faults, text: str, error: Exception, last: Mark) ->
     if line[mark.column - 1 : mark.column] == "\t" or _TAB_IN_INDENTATION.match(line):
         _add_tabs(faults, lines, mark)
         return
-    wanted = next((wanted for part, wanted in _WANTED if part in problem), f"not valid YAML 1.2: {problem}")
+    wanted = next((wanted for part, wanted in _WANTED if part in problem), f"not valid YAML 1.2: {cut(problem)}")
     faults.add(mark, wanted, shown(line.strip()))
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hybrid_tamp.model.plan import TaskPlan
@@ -22,6 +22,7 @@ coordinate = st.floats(-3, 3)
 sphere = st.tuples(coordinate, coordinate, coordinate, st.floats(0.01, 0.5))
 
 
+@settings(deadline=None)
 @given(spheres=st.lists(sphere, min_size=1, max_size=6), aspect=st.floats(0.5, 3))
 def test_every_sphere_is_inside_the_frustum_and_one_touches_nearly(spheres: Any, aspect: float) -> None:
     array = np.array(spheres)

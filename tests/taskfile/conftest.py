@@ -26,6 +26,7 @@ from hybrid_tamp.model.predicate import Parameter, Predicate, SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.taskfile.loader import load_task_text
+from hybrid_tamp.taskfile.places import shown
 
 
 class Hand(CapabilityClass):
@@ -163,7 +164,7 @@ seed: 7
 def find_toy(name: str) -> Domain:
     """Return the toy domain for its name."""
     if name != "toy":
-        raise InputError([Issue("", "unknown domain", repr(name), ("toy",))])
+        raise InputError([Issue("", "unknown domain", shown(name), ("toy",))])
     return TOY
 
 

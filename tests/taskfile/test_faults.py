@@ -218,6 +218,13 @@ def test_a_generator_that_is_broken_gets_the_first_faults_and_the_number(issues:
     assert "900 more faults" in str(found[-1])
 
 
+def test_no_message_disturbs_a_terminal(issues: Issues, text: str) -> None:
+    escape = r'"\e[31m"'
+    for old in ("hand", "drum", "within", "robot", "toy", "ROLLABLE", "cylinder", "mass", "seed", "GUARDING"):
+        for new in (text.replace(old, escape), text.replace(old, escape, 1)):
+            assert all(str(issue).isprintable() for issue in issues(new))
+
+
 def test_the_planner_is_left_to_others_where_none_are_named(text: str, toy: Domain) -> None:
     assert load_task_text(text.replace("fast-downward", "nobody"), "t", lambda name: toy).planner == "nobody"
 

@@ -127,13 +127,34 @@ def test_a_text_is_refused_by_size_too() -> None:
 
 
 @pytest.mark.parametrize(
-    "piece", ["[", "{a: ", "- ", "? ", "a: [{", "&a [", "!!seq [", "{? ["], ids=lambda piece: repr(piece)
+    "piece", ["[", "[ ", "{a: ", "- ", "? ", "a: [{", "&a [", "!!seq [", "{? ["], ids=lambda piece: repr(piece)
 )
 def test_deep_nesting_is_refused_before_it_hurts(piece: str) -> None:
-    *others, message = refused(piece * ((MAX_BYTES - 1) // len(piece)))
-    # '&a &a' is no YAML in the first place; lists as keys are refused one by one before.
+    *others, message = refused(piece * (9_999 // len(piece)))
+    # Lists as keys are refused one by one before.
     assert f"nest at most {MAX_DEPTH} deep" in message
     assert all("a key must be text" in other for other in others)
+
+
+@pytest.mark.parametrize("piece", ["!", "&", "!a", "x"])
+def test_endless_words_are_refused_at_once(piece: str) -> None:
+    start = time.perf_counter()
+    (message,) = refused("a:\n  b: " + piece * 500_000)
+    assert message == "f:2:6: words have at most 10000 characters; got a longer one; put blanks in between"
+    assert time.perf_counter() - start < 1.0
+
+
+def test_messages_stay_short(issues: Issues, text: str) -> None:
+    long = "x" * 9000
+    for old, new in (
+        ("[drum, goal]", f"[{long}, goal]"),
+        ("seed", long),
+        ("toy", long),
+        ("7", f"!{long} 7"),
+        ("7", f"*{long}"),
+    ):
+        for issue in issues(text.replace(old, new, 1)):
+            assert len(str(issue)) < 400
 
 
 def test_nesting_by_indentation_is_refused_too() -> None:
