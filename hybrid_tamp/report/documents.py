@@ -1,5 +1,6 @@
 """The JSON documents that programs read, as pydantic models; their JSON Schemas are published in `schemas/`."""
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
@@ -209,13 +210,13 @@ def result_document(
     return ResultDocument(
         task=task.name,
         success=recording.success,
-        goal=[AtomEntry(atom=a.atom, margin=a.measured, holds=a.holds) for a in recording.goal],
+        goal=[AtomEntry(atom=a.atom, margin=_finite(a.measured), holds=a.holds) for a in recording.goal],
         blocks=[
             RunEntry(instance=i.name, start=i.start, end=i.end, exit=_exits(recording.exits.get(i.name, ())))
             for i in recording.instances
         ],
         replans=replans,
-        metrics=dict(metrics),
+        metrics={name: value for name, value in metrics.items() if math.isfinite(value)},
         sim_seconds=recording.duration,
         wall_seconds=wall_seconds,
         seed=task.seed,
@@ -231,7 +232,15 @@ def result_document(
 
 
 def _exits(margins: Iterable[AtomMargin]) -> list[ExitEntry]:
-    return [ExitEntry(atom=m.atom, predicted=m.predicted, measured=m.measured, holds=m.holds) for m in margins]
+    return [
+        ExitEntry(atom=m.atom, predicted=_finite(m.predicted), measured=_finite(m.measured), holds=m.holds)
+        for m in margins
+    ]
+
+
+def _finite(value: float | None) -> float | None:
+    """JSON has neither infinity nor NaN."""
+    return value if value is not None and math.isfinite(value) else None
 
 
 def json_schemas() -> dict[str, dict[str, Any]]:

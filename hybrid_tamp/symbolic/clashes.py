@@ -98,13 +98,17 @@ class SeparatedClashes:
             first, second = (_value(argument, substitution) for argument in pair)
             if first == second:
                 continue
-            # The narrower of the two takes the place of the wider; a constant is narrower than any variable.
-            if first in self._constants or self._is_within(types[first], types[second]):
-                first, second = second, first
-            if first in self._constants or not self._is_within(types[second], types[first]):
+            narrow, wide = (second, first) if self._is_narrower(second, first, types) else (first, second)
+            if wide in self._constants or not self._is_within(types[narrow], types[wide]):
                 return None
-            substitution[first] = second
+            substitution[wide] = narrow
         return {variable: _value(variable, substitution) for variable in substitution}
+
+    def _is_narrower(self, one: str, other: str, types: Mapping[str, str]) -> bool:
+        """Whether one argument can take another's place, if either can; a constant has no other's place."""
+        if one in self._constants or other in self._constants:
+            return one in self._constants
+        return self._is_within(types[one], types[other])
 
     def _is_within(self, narrow: str, wide: str) -> bool:
         """Whether a type is another or one of its descendants."""
