@@ -4,6 +4,7 @@ A class is a pydantic model of *fixed* properties. *Varying* state lives in arra
 only names which varying properties its members have.
 """
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
@@ -17,7 +18,7 @@ Vector3 = tuple[Number, Number, Number]
 
 
 def _has_length(vector: Vector3) -> Vector3:
-    length = sum(component**2 for component in vector) ** 0.5
+    length = math.hypot(*vector)
     if length < 1e-9:
         raise ValueError("a direction must not have length zero")
     x, y, z = (component / length for component in vector)

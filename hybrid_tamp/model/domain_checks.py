@@ -49,7 +49,8 @@ def _classes(domain: "Domain") -> Iterator[Issue]:
     things = [object_class for object_class in domain.classes if not is_place(object_class)]
     for index, one in enumerate(things):
         for other in things[index + 1 :]:
-            yield from conflicts((one, other))
+            if domain.relations.can_share_token(one, other):
+                yield from conflicts((one, other))
 
 
 def _blocks(domain: "Domain") -> Iterator[Issue]:

@@ -136,15 +136,23 @@ def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
 
 
 def _targets(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Law 5, last part: nothing changes what a running instance reads of its targets."""
+    """Law 5, last part: nothing changes what a running instance reads of its targets.
+
+    A block that holds changes something until its exit conditions hold; from then on others may read it.
+    """
     for reader in plan.instances:
         for target in task.domain.block_by_name[reader.block].targets:
             name = reader.targets.get(target.name)
             for writer, slot in plan.timeline(name) if name is not None else ():
                 written = task.domain.block_by_name[writer.block].writes.get(slot, ())
-                if set(written) & set(target.reads) and writer.name != reader.name and writer.overlaps(reader):
+                if set(written) & set(target.reads) and writer.name != reader.name and _meet(writer, reader):
                     said = f"its target {name} is changed by {writer.name}"
                     yield Violation(5, max(reader.start, writer.start), reader.name, said)
+
+
+def _meet(writer: BlockInstance, reader: BlockInstance) -> bool:
+    begins_within = reader.start + TIME_TOLERANCE < writer.start < reader.end - TIME_TOLERANCE
+    return begins_within or writer.active.overlaps(reader)
 
 
 def _ends(task: Task, plan: TaskPlan) -> Iterator[Violation]:
@@ -168,6 +176,7 @@ class _Judge:
     def violations(self) -> Iterator[Violation]:
         for time in self.plan.instants:
             final = at(time, self.plan.makespan)
+            self.reach(time)
             ending = [i for i in self.plan.instances if at(i.end, time)]
             for instance in ending:
                 yield from self.leave(time, instance, final and self.block(instance).hold)
@@ -194,6 +203,9 @@ class _Judge:
     def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
         raise NotImplementedError
 
+    def reach(self, time: float) -> None:
+        """Take note of what blocks that hold have brought about by now."""
+
     def forget(self, ended: list[BlockInstance]) -> None:
         """Void what the ended instances maintained."""
 
@@ -211,8 +223,22 @@ class _Symbols(_Judge):
         super().__init__(task, plan)
         self.facts = set(facts(task))
         self.owned: dict[str, set[Atom]] = {}
+        self.applied: set[str] = set()
+
+    def reach(self, time: float) -> None:
+        holding = [i for i in self.plan.instances if i.reached is not None and i.reached <= time + TIME_TOLERANCE]
+        for instance in sorted(holding, key=lambda i: (i.reached, i.name)):
+            self.apply(instance)
 
     def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
+        self.apply(instance)
+        return iter(())
+
+    def apply(self, instance: BlockInstance) -> None:
+        """Apply the effects of an instance, once: deletes before adds."""
+        if instance.name in self.applied:
+            return
+        self.applied.add(instance.name)
         block = self.block(instance)
         roles = self.task.bind(instance.roles)
         for literal in sorted(block.exit, key=lambda literal: literal.positive):
@@ -225,7 +251,6 @@ class _Symbols(_Judge):
                 self.facts.add(atom)
                 if literal.predicate.maintained:
                     self.owned.setdefault(instance.name, set()).add(atom)
-        return iter(())
 
     def forget(self, ended: list[BlockInstance]) -> None:
         for instance in ended:

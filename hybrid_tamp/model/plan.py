@@ -20,6 +20,7 @@ class BlockInstance:
         end: when they leave, or the plan's makespan [s].
         targets: target to the name of the token or symbol.
         hyperparameters: hyperparameter to value.
+        reached: for a block that holds, when its exit conditions first held [s]; from then on it changes nothing.
     """
 
     name: str
@@ -29,6 +30,7 @@ class BlockInstance:
     end: float
     targets: Mapping[str, str] = field(default_factory=dict)
     hyperparameters: Mapping[str, float] = field(default_factory=dict)
+    reached: float | None = None
 
     @property
     def action(self) -> str:
@@ -48,6 +50,11 @@ class BlockInstance:
     def during(self, start: float, end: float) -> "BlockInstance":
         """Return the instance at other times."""
         return replace(self, start=start, end=end)
+
+    @property
+    def active(self) -> "BlockInstance":
+        """The instance until its exit conditions held, or all of it where that is not known."""
+        return self if self.reached is None else self.during(self.start, min(self.reached, self.end))
 
     def overlaps(self, other: "BlockInstance") -> bool:
         """Say whether the two run at once for longer than an instant."""

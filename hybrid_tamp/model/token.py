@@ -138,7 +138,7 @@ class Token:
 
     def is_member(self, object_class: type[ObjectClass]) -> bool:
         """Say whether the token is a member of the class."""
-        return object_class in self.classes
+        return any(issubclass(member, object_class) for member in self.classes)
 
     @property
     def place(self) -> bool:

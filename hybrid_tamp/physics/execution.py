@@ -137,7 +137,7 @@ class _Run:
         Raises:
             RunError: the reassignment is overdue.
         """
-        due = max(self._enabled_at[index], *(self._running[name].latest for name in event.ending)) + PATIENCE
+        due = max(self._enabled_at[index], *(self._running[name].latest for name in self._awaited(event))) + PATIENCE
         if self._time <= due:
             return
         missing = [(name, m) for name in event.ending for m in self._running[name].exits(self._state)]
@@ -147,6 +147,16 @@ class _Run:
         first = missing[0][0] if missing else event.ending[0]
         reason = f"a reassignment was due at {due - PATIENCE:.3f} s and cannot happen: {said}"
         raise RunError(first, reason, (margin for _, margin in missing))
+
+    def _awaited(self, event: Reassignment) -> list[str]:
+        """Return the instances that it ends, and those that still change what its starting instances read."""
+        tokens = {name for instance in event.starting for name in instance.roles.values()}
+        changing = [
+            name
+            for name, running in self._running.items()
+            if running.reached is None and tokens & set(running.instance.slots.values())
+        ]
+        return [*event.ending, *changing]
 
     def _begin(self, instances: tuple[BlockInstance, ...]) -> None:
         for instance in instances:

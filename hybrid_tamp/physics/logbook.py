@@ -70,7 +70,13 @@ class Logbook:
 
     def ended(self, running: Running, time: float, exits: tuple[AtomMargin, ...]) -> None:
         """Write down the end of an instance, with the times and hyperparameters that were real."""
-        done = replace(running.instance, start=running.begin, end=time, hyperparameters=dict(running.hyperparameters))
+        done = replace(
+            running.instance,
+            start=running.begin,
+            end=time,
+            hyperparameters=dict(running.hyperparameters),
+            reached=running.reached if running.block.hold else None,
+        )
         self._instances.append(done)
         self._exits[done.name] = exits
 

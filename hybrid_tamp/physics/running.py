@@ -60,7 +60,7 @@ class Running:
         self.instance = instance
         self.block: Block = task.domain.block_by_name[instance.block]
         self.begin = time
-        self.reached = False
+        self.reached: float | None = None
         self._task = task
         self._binding = task.bind(instance.roles)
         self._exits = measurable(self.block.exit)
@@ -88,7 +88,7 @@ class Running:
             return False
         if not all(float(literal.margin(state, self._binding)) >= 0 for literal in self._exits):
             return False
-        self.reached = True
+        self.reached = time if self.reached is None else self.reached
         return True
 
     def check_overdue(self, time: float, state: State) -> None:
@@ -98,7 +98,7 @@ class Running:
             RunError: it has no hold and should have ended, or its exit conditions have not held yet.
         """
         maximum = self.block.duration.maximum
-        if time - self.begin <= maximum + TIME_TOLERANCE or (self.block.hold and self.reached):
+        if time - self.begin <= maximum + TIME_TOLERANCE or (self.block.hold and self.reached is not None):
             return
         missing = [margin for margin in self.exits(state) if not margin.holds]
         said = "; ".join(map(shortfall, missing)) or "its exit conditions hold, but its tokens cannot leave it"

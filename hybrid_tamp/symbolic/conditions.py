@@ -108,10 +108,14 @@ class Conditions:
         """Say whether some block may read the token in this slot as a locked target."""
         return any(True for _ in self._reads(block, slot))
 
-    def disturbs(self, block: Block, slot: str) -> bool:
+    def changes(self, block: Block, slot: str) -> bool:
         """Say whether the block changes something that a reader of the slot's token reads."""
         written = set(block.writes.get(slot, ()))
         return any(written & read for read in self._reads(block, slot))
+
+    def disturbs(self, block: Block, slot: str) -> bool:
+        """Say whether it does so as long as it runs: one that holds lets others read once its exit holds."""
+        return not block.hold and self.changes(block, slot)
 
     def to_keep_apart(self, block: Block, bound: set[str]) -> list[tuple[str, str]]:
         """Return pairs of a slot and a target that one token could fill both, were it not forbidden.

@@ -38,11 +38,12 @@ class OrderedInstance:
     begin: int
     end: int | None = None
 
-    def timed(self, start: float, end: float, hyperparameters: Mapping[str, float]) -> BlockInstance:
+    def timed(
+        self, start: float, end: float, hyperparameters: Mapping[str, float], reached: float | None
+    ) -> BlockInstance:
         """Return the instance with times [s] and hyperparameters."""
-        return BlockInstance(
-            self.name, self.block, dict(self.slots), start, end, dict(self.targets), dict(hyperparameters)
-        )
+        slots, targets = dict(self.slots), dict(self.targets)
+        return BlockInstance(self.name, self.block, slots, start, end, targets, dict(hyperparameters), reached)
 
 
 @dataclass

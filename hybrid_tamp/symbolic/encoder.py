@@ -219,12 +219,13 @@ class _Encoder:
             action.add(("completed", anchor))
 
     def _start_writing(self, action: ActionBuilder, old: Block, slot_before: str, new: Block, slot: str) -> None:
-        """A block that changes a token needs it unread, and unsettles it; one that does not settles it again."""
+        """A block that changes a token needs it unread, and unsettles it until it is held or left alone again."""
         if not self.conditions.readable(new, slot):
             return
         token = action.variable(slot)
-        if self.conditions.disturbs(new, slot):
+        if self.conditions.changes(new, slot):
             action.require(("readers", token, self.conditions.none))
+        if self.conditions.disturbs(new, slot):
             action.delete(("settled", token))
         elif self.conditions.disturbs(old, slot_before):
             action.add(("settled", token))

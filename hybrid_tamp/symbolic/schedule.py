@@ -47,10 +47,22 @@ def schedule(task: Task, instances: Sequence[OrderedInstance], actions: tuple[st
     constraints += [(event, final, 0.0, "the plan ends") for event in range(final)]
     times = _earliest(constraints)
     timed = [
-        instance.timed(times[instance.begin], times[end], _guesses(task, instances, instance))
+        instance.timed(
+            times[instance.begin],
+            times[end],
+            _guesses(task, instances, instance),
+            _reached(task, instances, instance, times),
+        )
         for instance, end in zip(instances, ends, strict=True)
     ]
     return TaskPlan(tuple(sorted(timed, key=lambda i: (i.start, i.end, i.name))), times[final], actions)
+
+
+def _reached(
+    task: Task, instances: Sequence[OrderedInstance], instance: OrderedInstance, times: Sequence[float]
+) -> float | None:
+    block = task.domain.block_by_name[instance.block]
+    return times[instance.begin] + _expected(task, block, instance, instances) if block.hold else None
 
 
 def _guesses(task: Task, instances: Sequence[OrderedInstance], instance: OrderedInstance) -> dict[str, float]:
@@ -104,7 +116,12 @@ def _placed(task: Task, state: State, literal: Literal, roles: dict[str, str]) -
 def _conflicts(task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int]) -> Iterator[Constraint]:
     """Keep the plan's order where one instance reads or needs what another changes."""
     for one, (first, first_end) in enumerate(zip(instances, ends, strict=True)):
+        block = task.domain.block_by_name[first.block]
         for second in instances[one + 1 :]:
+            if first.begin < second.begin < first_end and block.hold and _touch(task, first, second):
+                # It is read while it holds: not before it has come to its exit.
+                expected = _expected(task, block, first, instances)
+                yield (first.begin, second.begin, expected, f"{second.name} reads what {first.name} holds")
             if second.begin < first_end:
                 continue
             if _touch(task, first, second) or _touch(task, second, first):
@@ -127,14 +144,30 @@ def _needs(task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int]
     effects = [_atoms(task, i, "exit") for i in instances]
     for index, instance in enumerate(instances):
         for atom in _atoms(task, instance, "entry"):
-            makers = [j for j in range(index) if ends[j] <= instance.begin and _changes(effects[j], atom)]
+            makers = [j for j in range(index) if instances[j].begin < instance.begin and _changes(effects[j], atom)]
             if makers:
-                maker = makers[-1]
-                yield (ends[maker], instance.begin, 0.0, f"{instance.name} needs {atom} of {instances[maker].name}")
+                yield _after(task, instances, ends, makers[-1], instance, atom)
             for later in range(index + 1, len(instances)):
                 if instances[later].begin > instance.begin and _changes(effects[later], atom):
                     reason = f"{instances[later].name} may change {atom}"
                     yield (instance.begin, instances[later].begin, 0.0, reason)
+
+
+def _after(
+    task: Task,
+    instances: Sequence[OrderedInstance],
+    ends: Sequence[int],
+    maker: int,
+    instance: OrderedInstance,
+    atom: Atom,
+) -> Constraint:
+    """An instance begins after the end of what made its condition true, or while that holds it."""
+    made = instances[maker]
+    reason = f"{instance.name} needs {atom} of {made.name}"
+    if ends[maker] <= instance.begin:
+        return (ends[maker], instance.begin, 0.0, reason)
+    expected = _expected(task, task.domain.block_by_name[made.block], made, instances)
+    return (made.begin, instance.begin, expected, reason)
 
 
 def _atoms(task: Task, instance: OrderedInstance, side: str) -> list[Atom]:

@@ -49,7 +49,7 @@ def recordings(draw: Any) -> Recording:
             (rows - 1) * TIMESTEP,
             draw(st.dictionaries(names, names, max_size=2)),
             draw(st.dictionaries(names, numbers, max_size=2)),
-            draw(st.none() | names),
+            draw(st.none() | numbers),
         )
         for name in draw(st.lists(names, unique=True, max_size=3))
     )

@@ -48,12 +48,11 @@ def test_blocks_abut_and_the_second_roll_starts_where_the_first_ended() -> None:
 
 
 def test_an_infeasible_order_is_refused_with_its_cycle() -> None:
-    task = rolling_task()
-    targets = {"region": "region 0"}
-    slots = {"hand": "hand 0", "object": "drum 0"}
-    backwards = [OrderedInstance("ROLLING-1", "ROLLING", slots, targets, begin=2, end=1)]
-    with pytest.raises(InfeasibleScheduleError, match="ROLLING-1 lasts"):
-        schedule(task, [*backwards, OrderedInstance("RESTING-1", "RESTING", {"token": "hand 0"}, {}, 2, 3)])
+    task = rolling_task(hands=2, drums=[(0, 0), (0, 0.5)], regions=[(0.7, 0), (0.9, 0.5)])
+    near = OrderedInstance("ROLLING-1", "ROLLING", {"hand": "hand 0", "object": "drum 0"}, {"region": "region 0"}, 1, 2)
+    far = OrderedInstance("ROLLING-2", "ROLLING", {"hand": "hand 1", "object": "drum 1"}, {"region": "region 1"}, 1, 2)
+    with pytest.raises(InfeasibleScheduleError, match=r"ROLLING-2 lasts .* ROLLING-1 lasts|ROLLING-1 lasts .*"):
+        schedule(task, [near, far])
 
 
 def test_what_is_no_plan_is_not_decoded() -> None:
