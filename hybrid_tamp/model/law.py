@@ -131,6 +131,9 @@ def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
         cut = block.hold and at(instance.end, plan.makespan) and not block.exit
         if length < block.duration.minimum - TIME_TOLERANCE and not cut:
             yield Violation(6, instance.start, instance.name, f"lasts {length:.3f} s < {block.duration.minimum} s")
+        if instance.reached is not None and instance.reached > instance.end + TIME_TOLERANCE:
+            late = instance.reached - instance.end
+            yield Violation(6, instance.end, instance.name, f"ends {late:.3f} s before its exit conditions hold")
         if not block.hold and length > block.duration.maximum + TIME_TOLERANCE:
             yield Violation(6, instance.end, instance.name, f"lasts {length:.3f} s > {block.duration.maximum} s")
 

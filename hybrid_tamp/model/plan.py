@@ -48,13 +48,14 @@ class BlockInstance:
         return {**self.slots, **self.targets}
 
     def during(self, start: float, end: float) -> "BlockInstance":
-        """Return the instance at other times."""
-        return replace(self, start=start, end=end)
+        """Return the instance at other times; it comes to its exit as long after its start as before."""
+        reached = None if self.reached is None else self.reached + start - self.start
+        return replace(self, start=start, end=end, reached=reached)
 
     @property
     def active(self) -> "BlockInstance":
         """The instance until its exit conditions held, or all of it where that is not known."""
-        return self if self.reached is None else self.during(self.start, min(self.reached, self.end))
+        return self if self.reached is None else replace(self, end=min(self.reached, self.end))
 
     def overlaps(self, other: "BlockInstance") -> bool:
         """Say whether the two run at once for longer than an instant."""
