@@ -15,6 +15,7 @@ from hybrid_tamp.errors import HybridTampError, InputError, Issue
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from hybrid_tamp.model.domain import Domain
     from hybrid_tamp.model.task import Task
 
 app = typer.Typer(
@@ -32,6 +33,10 @@ PlannerOption = Annotated[str | None, typer.Option("--planner", metavar="NAME", 
 SeedOption = Annotated[int | None, typer.Option("--seed", min=0, help="seed of everything random")]
 TimeOption = Annotated[float | None, typer.Option("--time-limit", min=0.001, help="of the planner [s]")]
 MemoryOption = Annotated[float | None, typer.Option("--memory-limit", min=1, help="of the planner [MiB]")]
+DomainOption = Annotated[
+    str | None,
+    typer.Option("--domain", metavar="NAME", help="use this domain: a name, package.module:ATTRIBUTE, or a .py file"),
+]
 ForceOption = Annotated[bool, typer.Option("--force", help="replace another run in the output folder")]
 
 
@@ -52,9 +57,9 @@ def _options(
 
 
 @app.command()
-def check(task: TaskArgument, as_json: JsonOption = False) -> None:
+def check(task: TaskArgument, as_json: JsonOption = False, domain: DomainOption = None) -> None:
     """Check a task file: every fault at once, each with its place and what would be right."""
-    loaded = _load(task)
+    loaded = _load(task, domain)
     summary = {
         "schema": "hybrid-tamp/check/1",
         "task": loaded.name,
@@ -70,6 +75,7 @@ def check(task: TaskArgument, as_json: JsonOption = False) -> None:
 def plan(
     task: TaskArgument,
     as_json: JsonOption = False,
+    domain: DomainOption = None,
     planner: PlannerOption = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for plan.json and PDDL")] = None,
     force: ForceOption = False,
@@ -82,7 +88,7 @@ def plan(
 
     # The planner's process warms up while the task file is read.
     with PlannerProcess() as process:
-        loaded = _adjusted(_load(task), planner, seed, time_limit, memory_limit)
+        loaded = _adjusted(_load(task, domain), planner, seed, time_limit, memory_limit)
         from hybrid_tamp import pipeline
         from hybrid_tamp.report.folder import RunFolder
 
@@ -108,10 +114,11 @@ def pddl(
     task: TaskArgument,
     output: Annotated[Path, typer.Option("-o", "--output", help="folder for domain.pddl and problem.pddl")],
     as_json: JsonOption = False,
+    domain: DomainOption = None,
     force: ForceOption = False,
 ) -> None:
     """Write the task as PDDL that any planner reads."""
-    loaded = _load(task)
+    loaded = _load(task, domain)
     from hybrid_tamp import pipeline
     from hybrid_tamp.report.folder import RunFolder
 
@@ -125,6 +132,7 @@ def run(
     task: TaskArgument,
     output: Annotated[Path, typer.Option("-o", "--output", help="folder for the files of the run")],
     as_json: JsonOption = False,
+    domain: DomainOption = None,
     planner: PlannerOption = None,
     backend: Annotated[str, typer.Option("--backend", metavar="NAME", help="physics backend")] = "pybullet",
     video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="draw a video")] = None,
@@ -137,7 +145,7 @@ def run(
     from hybrid_tamp.symbolic.planner import PlannerProcess
 
     with PlannerProcess() as process:
-        loaded = _adjusted(_load(task), planner, seed, time_limit, memory_limit)
+        loaded = _adjusted(_load(task, domain), planner, seed, time_limit, memory_limit)
         from hybrid_tamp import pipeline
         from hybrid_tamp.report.folder import RunFolder
         from hybrid_tamp.report.progress import progress_bar
@@ -171,11 +179,12 @@ def run(
 def replay(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="the folder that a run left")],
     as_json: JsonOption = False,
+    domain: DomainOption = None,
 ) -> None:
     """Run the recorded commands again and say whether the same happened, bit for bit."""
     from hybrid_tamp import pipeline
 
-    report = pipeline.replay(directory)
+    report = pipeline.replay(directory, _finder(domain))
     difference = report.first_difference
     document = {
         "schema": "hybrid-tamp/replay/1",
@@ -248,11 +257,22 @@ def schema(
         _print_json(json_schema(found))
 
 
-def _load(text: str) -> "Task":
+def _load(text: str, domain: str | None) -> "Task":
+    """Load a task; code is imported only where the command line, not the file, names it."""
     from hybrid_tamp.taskfile.domains import find_task_file
     from hybrid_tamp.taskfile.loader import load_task
 
-    return load_task(find_task_file(text))
+    return load_task(find_task_file(text), _finder(domain))
+
+
+def _finder(name: str | None) -> "Callable[[str], Domain]":
+    """Return how a task file's domain is found: as the command line says, else among the installed ones."""
+    from hybrid_tamp.taskfile.domains import find_domain, installed_domain
+
+    if name is None:
+        return installed_domain
+    chosen = find_domain(name)
+    return lambda _: chosen
 
 
 def _adjusted(

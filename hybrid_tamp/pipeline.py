@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 from hybrid_tamp.affordances.explanation import explain
 from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
+from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.recording import Recording
@@ -30,6 +31,7 @@ from hybrid_tamp.symbolic.pddl import domain_text, problem_text
 from hybrid_tamp.symbolic.planner import PlannerProcess
 from hybrid_tamp.symbolic.problem import compile_task
 from hybrid_tamp.symbolic.stage import Planned, Planner, plan_task
+from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import load_task
 
 if TYPE_CHECKING:
@@ -202,11 +204,12 @@ def draw(task: Task, recording: Recording, folder: RunFolder, video: Path | None
             write_video(video, task, recording, renderer.picture, lambda done, of: tell(done / of, "drawing"))
 
 
-def replay(directory: Path) -> "ReplayReport":
+def replay(directory: Path, find_domain: Callable[[str], Domain] = installed_domain) -> "ReplayReport":
     """Run the commands of a recording again and compare, bit for bit.
 
     Args:
         directory: the folder that a run left.
+        find_domain: how the domain is found that the task file names.
 
     Raises:
         InputError: the folder holds no run, or a broken one; the message says what is wrong with it.
@@ -216,6 +219,6 @@ def replay(directory: Path) -> "ReplayReport":
     from hybrid_tamp.physics.storage import load
 
     recording = load(directory / "recording.npz")
-    task = load_task(directory / "task.yaml")
+    task = load_task(directory / "task.yaml", find_domain)
     with open_backend(recording.backend) as physics:
         return run_again(task, recording, physics)

@@ -43,7 +43,7 @@ class Engine:
         module: the module whose presence shows that the engine is installed.
         install: what to install to get it, as pip takes it.
         java: whether it needs Java.
-        adds_win: whether an action that deletes and adds one fact always leaves it true, as PDDL wants it.
+        faithful: whether it follows PDDL where `symbolic.plain` has found that not all engines do.
         proofs: sentences of its log, each of which proves that there is no plan; the empty sentence, if
             its returning without a plan is proof enough; None, if its UNSOLVABLE_PROVEN is to be believed.
     """
@@ -51,7 +51,7 @@ class Engine:
     module: str
     install: str = "'hybrid-tamp[planners]'"
     java: bool = False
-    adds_win: bool = True
+    faithful: bool = True
     proofs: tuple[str, ...] | None = None
 
     def proves(self, status: str, log: str) -> bool:
@@ -75,7 +75,7 @@ _FAST_DOWNWARD = Engine(
 )
 # The lower and the upper bound on the cost of a plan, after no plan was found, both infinite.
 _SYMK = Engine("up_symk", proofs=("BOUND: 2147483647 < 2147483647 [0/",))
-_ENHSP = Engine("up_enhsp", java=True, adds_win=False, proofs=("Problem unsolvable", "Unsolvable Problem"))
+_ENHSP = Engine("up_enhsp", java=True, faithful=False, proofs=("Problem unsolvable", "Unsolvable Problem"))
 _PYPERPLAN = Engine("up_pyperplan", proofs=("",))
 
 ENGINES: Mapping[str, Engine] = MappingProxyType(
@@ -88,7 +88,7 @@ ENGINES: Mapping[str, Engine] = MappingProxyType(
         "enhsp-opt": _ENHSP,
         "pyperplan": _PYPERPLAN,
         "pyperplan-opt": _PYPERPLAN,
-        "aries": Engine("up_aries", adds_win=False),
+        "aries": Engine("up_aries", faithful=False),
         "lpg": Engine("up_lpg", install="up-lpg"),
         "tamer": Engine("up_tamer", install="up-tamer"),
     }

@@ -18,9 +18,9 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
-from hybrid_tamp.symbolic.clashes import SeparatedClashes
 from hybrid_tamp.symbolic.engines import ENGINES, Engine
 from hybrid_tamp.symbolic.operators import PlanningProblem
+from hybrid_tamp.symbolic.plain import PlainProblem
 from hybrid_tamp.symbolic.unified import unify
 
 Reply = dict[str, Any]
@@ -60,8 +60,8 @@ class Solver:
             self._load(name)
         except LookupError as error:
             return {"status": "unknown", "message": str(error), "available": self._available()}
-        separated = None if _entry(name).adds_win else SeparatedClashes(source)
-        problem = unify(separated.problem if separated else source)
+        plain = None if _entry(name).faithful else PlainProblem(source)
+        problem = unify(plain.problem if plain else source)
         with self._factory.OneshotPlanner(name=name) as planner:
             given, compiled = simplify_for(planner, problem.problem)
             missing = sorted(given.kind.features - planner.supported_kind().features)
@@ -71,8 +71,8 @@ class Solver:
         if result.plan is None:
             return _without_plan(name, result)
         actions = problem.planned(original_plan(result.plan, compiled))
-        if separated:
-            actions = tuple(map(separated.original, actions))
+        if plain:
+            actions = tuple(map(plain.original, actions))
         # Engines change the problem that they are given: its explicit initial values.
         fault = unify(source).fault(actions)
         return {"status": "refused" if fault else "solved", "actions": actions, "message": fault}

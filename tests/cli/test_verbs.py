@@ -246,3 +246,20 @@ def test_names_that_hurt_pddl_come_back_as_written(command: Command, tmp_path: P
 
 TWIN = "    properties: {radius: 0.1}\n    pose: {position: [0, 0.7, 0]}\n"
 TWIN_CLASS = "    classes: [REGION]\n" + TWIN
+
+
+def test_a_domain_of_ones_own_is_named_on_the_command_line_only(command: Command, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.py"
+    mine.write_text(
+        "from dataclasses import replace\n"
+        "from hybrid_tamp_domains.rolling_tumbling import DOMAIN as BASE\n"
+        "DOMAIN = replace(BASE, name='mine')\n"
+    )
+    task = tmp_path / "task.yaml"
+    task.write_text(ROLL.read_text().replace("domain: rolling_tumbling", f"domain: {mine}"))
+    refused = command("plan", task)
+    assert refused.returncode == 30
+    assert "cannot start code" in refused.stderr
+    done = command("plan", task, "--domain", mine, "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["domain"] == "mine"

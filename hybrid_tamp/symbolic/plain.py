@@ -1,10 +1,15 @@
-"""Actions two of whose effects are on one fact: PDDL lets an add win over a delete, and some engines do not.
+"""A planning problem put so plainly that engines that do not follow PDDL to the letter get it right, too.
+
+Two things are taken in more than one way.
 
 An operator that deletes ``(inside ?thing ?old)`` and adds ``(inside ?thing ?new)`` does both to one fact where
-the two regions are the same. For engines that delete it then, or refuse the action (some do so even for two
-adds), each such case gets an operator of its own, in which the two are one parameter and one effect is left.
-The first operator stays. What such an engine makes of its cases is at worst a state in which less holds, and
-as all conditions and goals are positive, a plan that leads on from less leads on from more.
+the two regions are the same. PDDL lets the add win; some engines delete the fact, or refuse the action, even for
+two adds. So each such case gets an operator of its own, in which the two are one parameter and one effect is
+left. The first operator stays: what such an engine makes of its cases is at worst a state in which less
+holds, and as all conditions and goals are positive, a plan that leads on from less leads on from more.
+
+A condition on constants alone that nothing changes is taken for false by some. So it is left out where it is
+true, and its operator is where it is false.
 """
 
 from collections.abc import Iterator, Mapping
@@ -32,11 +37,11 @@ class _Case:
     arguments: tuple[str, ...]
 
 
-class SeparatedClashes:
-    """A planning problem with an operator of its own for each case in which two effects are on one fact.
+class PlainProblem:
+    """A planning problem put plainly.
 
     Attributes:
-        problem: the problem with all operators.
+        problem: the problem with plain operators.
     """
 
     def __init__(self, source: PlanningProblem) -> None:
@@ -44,12 +49,12 @@ class SeparatedClashes:
         self._parents = dict(domain.types)
         self._constants = dict(domain.constants)
         changing = {fact[0] for operator in domain.operators for fact in (*operator.add, *operator.delete)}
-        self._static = {name: [row for row in source.init if row[0] == name] for name, _ in domain.predicates}
-        for name in changing:
-            del self._static[name]
-        self._cases = {operator.name: _whole(operator) for operator in domain.operators}
-        for operator in domain.operators:
-            self._separate(self._cases[operator.name])
+        self._static: dict[str, list[Fact]] = {name: [] for name, _ in domain.predicates if name not in changing}
+        for fact in source.init:
+            self._static.get(fact[0], []).append(fact)
+        self._cases = {each.name: self._whole(each) for each in domain.operators if self._is_possible(each)}
+        for case in tuple(self._cases.values()):
+            self._separate(case)
         operators = tuple(case.operator for case in self._cases.values())
         self.problem = replace(source, domain=replace(domain, operators=operators))
 
@@ -60,26 +65,15 @@ class SeparatedClashes:
         values = dict(zip((parameter for parameter, _ in case.operator.parameters), objects, strict=True))
         return (case.origin, *(values.get(argument, argument) for argument in case.arguments))
 
-    def _separate(self, whole: _Case) -> None:
-        """Take in the cases of a case, and the cases of those."""
-        found = {whole.arguments}
-        unexplored = [whole]
-        while unexplored:
-            case = unexplored.pop()
-            for substitution in self._clashes(case.operator):
-                narrower = self._narrowed(case, substitution)
-                if narrower.arguments not in found and self._is_possible(narrower.operator):
-                    found.add(narrower.arguments)
-                    unexplored.append(narrower)
-                    self._cases[narrower.operator.name] = narrower
+    def _whole(self, operator: Operator) -> _Case:
+        """Return an operator as a case of itself, without the conditions that hold for ever."""
+        precondition = tuple(fact for fact in operator.precondition if not self._is_settled(fact))
+        arguments = tuple(name for name, _ in operator.parameters)
+        return _Case(replace(operator, precondition=precondition), operator.name, arguments)
 
-    def _clashes(self, operator: Operator) -> Iterator[Substitution]:
-        """Yield the substitutions that make two effects of an operator effects on one fact."""
-        types = {**self._constants, **dict(operator.parameters)}
-        for one, other in combinations(dict.fromkeys((*operator.add, *operator.delete)), 2):
-            substitution = self._unified(one, other, types) if one[0] == other[0] else None
-            if substitution is not None:
-                yield substitution
+    def _is_settled(self, fact: Fact) -> bool:
+        """Whether the initial state says once and for all if a fact holds."""
+        return fact[0] in self._static and all(argument in self._constants for argument in fact[1:])
 
     def _is_possible(self, operator: Operator) -> bool:
         """Whether facts that never change do not rule the operator out, each taken by itself."""
@@ -90,6 +84,27 @@ class SeparatedClashes:
         """Whether a ground fact is an instance of a fact."""
         values = {constant: constant for constant in self._constants}
         return all(values.setdefault(argument, value) == value for argument, value in zip(fact, row, strict=True))
+
+    def _separate(self, whole: _Case) -> None:
+        """Take in the cases of an operator in which effects meet, and the cases of those."""
+        found = {whole.arguments}
+        unexplored = [whole]
+        while unexplored:
+            case = unexplored.pop()
+            for substitution in self._meetings(case.operator):
+                narrower = self._narrowed(case, substitution)
+                if narrower.arguments not in found and self._is_possible(narrower.operator):
+                    found.add(narrower.arguments)
+                    unexplored.append(narrower)
+                    self._cases[narrower.operator.name] = narrower
+
+    def _meetings(self, operator: Operator) -> Iterator[Substitution]:
+        """Yield the substitutions that make two effects of an operator effects on one fact."""
+        types = {**self._constants, **dict(operator.parameters)}
+        for one, other in combinations(dict.fromkeys((*operator.add, *operator.delete)), 2):
+            substitution = self._unified(one, other, types) if one[0] == other[0] else None
+            if substitution is not None:
+                yield substitution
 
     def _unified(self, one: Fact, other: Fact, types: Mapping[str, str]) -> Substitution | None:
         """Return the substitution that makes two facts of one predicate equal, if there is one."""
@@ -105,7 +120,7 @@ class SeparatedClashes:
         return {variable: _value(variable, substitution) for variable in substitution}
 
     def _is_narrower(self, one: str, other: str, types: Mapping[str, str]) -> bool:
-        """Whether one argument can take another's place, if either can; a constant has no other's place."""
+        """Whether one argument can take another's place, if either can; nothing takes a constant's."""
         if one in self._constants or other in self._constants:
             return one in self._constants
         return self._is_within(types[one], types[other])
@@ -126,11 +141,8 @@ class SeparatedClashes:
         name = f"{case.origin}-case-{number}"
         while name in self._cases:
             name += "x"
-        return _Case(Operator(name, parameters, *facts), case.origin, _put(case.arguments, substitution))
-
-
-def _whole(operator: Operator) -> _Case:
-    return _Case(operator, operator.name, tuple(name for name, _ in operator.parameters))
+        narrowed = Operator(name, parameters, *facts)
+        return _Case(narrowed, case.origin, _put(case.arguments, substitution))
 
 
 def _put(arguments: tuple[str, ...], substitution: Substitution) -> tuple[str, ...]:

@@ -1,0 +1,60 @@
+"""The commands in the README do what it says they do."""
+
+import re
+import shlex
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+LINES = [line for block in re.findall(r"```sh\n(.*?)```", README, re.DOTALL) for line in block.splitlines() if line]
+VERBS = [line for line in LINES if line.startswith("hybrid-tamp ")]
+
+
+def exits(line: str) -> int:
+    """Return the exit status that the line's comment announces."""
+    found = re.search(r"# exits (\d+)", line)
+    return int(found.group(1)) if found else 0
+
+
+def test_the_readme_has_its_two_commands() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    assert LINES[:2] == ["make run", "make test"]
+    assert "hybrid-tamp run problems/roll_cylinder.yaml -o out --video out/video.mp4" in makefile
+    assert "scripts/check" in makefile
+    assert "scripts/test" in makefile
+
+
+def test_the_gate_is_the_readmes_own_test_command() -> None:
+    assert "make test" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("readme")
+
+
+# In the README's order: `replay` needs what `run` left.
+def test_every_command_of_the_readme_works(
+    command: Callable[..., "subprocess.CompletedProcess[str]"], folder: Path
+) -> None:
+    assert len(VERBS) >= 8
+    for line in VERBS:
+        done = command(*shlex.split(line, comments=True)[1:], cwd=folder)
+        assert done.returncode == exits(line), (line, done.stderr)
+    assert (folder / "out" / "video.mp4").stat().st_size > 10_000
+
+
+def test_the_python_example_works(folder: Path) -> None:
+    (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    scope: dict[str, object] = {}
+    exec(compile(example.replace("problems/", f"{ROOT}/problems/"), "README", "exec"), scope)
+    assert len(list(scope["outcome"].required().steps)) == 4  # type: ignore[attr-defined]
+
+
+def test_every_file_that_the_readme_links_to_is_there() -> None:
+    for target in re.findall(r"\]\(([^)#]+)\)", README):
+        assert target.startswith("http") or (ROOT / target).exists(), target
