@@ -1,9 +1,12 @@
-"""What rolls."""
+"""What rolls and what tumbles."""
 
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
 
-from hybrid_tamp.model.affordance import AffordanceClass, Direction, quantity
-from hybrid_tamp.model.shape import Box, Cylinder
+from pydantic import AfterValidator
+
+from hybrid_tamp.model.affordance import AffordanceClass, Direction, Vector3, quantity
+from hybrid_tamp.model.shape import Box, Cylinder, Shape
 from hybrid_tamp.model.token import Token
 
 
@@ -34,4 +37,38 @@ class Rollable(AffordanceClass):
             return f"radius_of_rotation is {radius} m, but the radius of its shape is {token.shape.radius} m"
         if isinstance(token.shape, Box):
             return "a box does not roll: give it another shape, or do not make it a member of ROLLABLE"
+        return None
+
+
+def _all_positive(vector: Vector3) -> Vector3:
+    if min(vector) <= 0:
+        raise ValueError("all three must be greater than 0")
+    return vector
+
+
+class Tumblable(AffordanceClass):
+    """Can be tumbled from face to face by several hands (paper, Sec. III-A)."""
+
+    name: ClassVar[str] = "TUMBLABLE"
+
+    half_extents: Annotated[Vector3, AfterValidator(_all_positive)] = quantity(
+        "m", "half of the edge lengths along x, y, z"
+    )
+    # Declared exactly as in ROLLABLE, so that a token may be a member of both.
+    mass: float = quantity("kg", "mass", gt=0, strict=True, allow_inf_nan=False)
+    friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
+
+    @classmethod
+    def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
+        """Return the box of these half extents."""
+        return Box(kind="box", half_extents=properties["half_extents"])
+
+    @staticmethod
+    def consistent(token: Token) -> str | None:
+        """Complain about a shape that is not the box of the half extents."""
+        halves = token["half_extents"]
+        if not isinstance(token.shape, Box):
+            return "what tumbles is a box so far: remove the shape, or do not make it a member of TUMBLABLE"
+        if any(abs(one - other) > 0.01 * one for one, other in zip(halves, token.shape.half_extents, strict=True)):
+            return f"half_extents are {halves} m, but those of its shape are {token.shape.half_extents} m"
         return None

@@ -64,7 +64,8 @@ def result_table(document: ResultDocument) -> RenderableType:
     """Return what a run did: predicted against measured exit margins, the goal, the domain's measures."""
     table = Table(title=f"Run of {document.task} in {document.backend}", title_justify="left", header_style="bold")
     for heading in ("block", "from [s]", "to [s]", "exit condition", "predicted", "measured", ""):
-        table.add_column(heading, justify="right" if heading in ("from [s]", "to [s]") else "left")
+        # Folded, not cut: a condition without its last argument says nothing.
+        table.add_column(heading, justify="right" if heading in ("from [s]", "to [s]") else "left", overflow="fold")
     for run in document.blocks:
         for index, condition in enumerate(run.exit):
             first = (run.instance, f"{run.start:.2f}", f"{run.end:.2f}") if index == 0 else ("", "", "")

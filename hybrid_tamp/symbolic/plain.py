@@ -52,7 +52,8 @@ class PlainProblem:
         self._static: dict[str, list[Fact]] = {name: [] for name, _ in domain.predicates if name not in changing}
         for fact in source.init:
             self._static.get(fact[0], []).append(fact)
-        self._cases = {each.name: self._whole(each) for each in domain.operators if self._is_possible(each)}
+        possible = [self._shortened(operator) for operator in domain.operators if self._is_possible(operator)]
+        self._cases = {each.name: _Case(each, each.name, tuple(dict(each.parameters))) for each in possible}
         for case in tuple(self._cases.values()):
             self._separate(case)
         operators = tuple(case.operator for case in self._cases.values())
@@ -65,11 +66,9 @@ class PlainProblem:
         values = dict(zip((parameter for parameter, _ in case.operator.parameters), objects, strict=True))
         return (case.origin, *(values.get(argument, argument) for argument in case.arguments))
 
-    def _whole(self, operator: Operator) -> _Case:
-        """Return an operator as a case of itself, without the conditions that hold for ever."""
-        precondition = tuple(fact for fact in operator.precondition if not self._is_settled(fact))
-        arguments = tuple(name for name, _ in operator.parameters)
-        return _Case(replace(operator, precondition=precondition), operator.name, arguments)
+    def _shortened(self, operator: Operator) -> Operator:
+        """Return a possible operator without the conditions that hold for ever."""
+        return replace(operator, precondition=tuple(f for f in operator.precondition if not self._is_settled(f)))
 
     def _is_settled(self, fact: Fact) -> bool:
         """Whether the initial state says once and for all if a fact holds."""
@@ -96,7 +95,8 @@ class PlainProblem:
                 if narrower.arguments not in found and self._is_possible(narrower.operator):
                     found.add(narrower.arguments)
                     unexplored.append(narrower)
-                    self._cases[narrower.operator.name] = narrower
+                    shortened = self._shortened(narrower.operator)
+                    self._cases[shortened.name] = replace(narrower, operator=shortened)
 
     def _meetings(self, operator: Operator) -> Iterator[Substitution]:
         """Yield the substitutions that make two effects of an operator effects on one fact."""
@@ -141,8 +141,7 @@ class PlainProblem:
         name = f"{case.origin}-case-{number}"
         while name in self._cases:
             name += "x"
-        narrowed = Operator(name, parameters, *facts)
-        return _Case(narrowed, case.origin, _put(case.arguments, substitution))
+        return _Case(Operator(name, parameters, *facts), case.origin, _put(case.arguments, substitution))
 
 
 def _put(arguments: tuple[str, ...], substitution: Substitution) -> tuple[str, ...]:

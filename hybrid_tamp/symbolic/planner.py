@@ -24,7 +24,7 @@ from types import TracebackType
 from typing import IO, TYPE_CHECKING, Any, Literal
 
 from hybrid_tamp.errors import InputError, Issue, LimitReached
-from hybrid_tamp.symbolic.engines import check_engine, known_engines, unknown_engine
+from hybrid_tamp.symbolic.engines import check_engine, known_engines, unknown_engine, with_java
 from hybrid_tamp.symbolic.operators import PlannedAction, PlanningProblem
 from hybrid_tamp.symbolic.processes import MARK, ProcessTree
 from hybrid_tamp.symbolic.worker import REPLY
@@ -237,7 +237,7 @@ def _environment(mark: str, temporary: Path) -> dict[str, str]:
     """
     java = f"-Djava.io.tmpdir={temporary} -XX:-UsePerfData"
     return {
-        **os.environ,
+        **with_java(os.environ),
         **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary)),
         "JAVA_TOOL_OPTIONS": f"{os.environ.get('JAVA_TOOL_OPTIONS', '')} {java}".strip(),
         "PYTHONHASHSEED": "0",

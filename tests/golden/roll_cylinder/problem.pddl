@@ -1,10 +1,8 @@
-; Names here and in the task:
-;   goal-2 is 'goal'
 (define (problem roll_cylinder)
   (:domain rolling_tumbling)
   (:objects
     drum - rollable
-    goal-2 - region
+    goal - region
     hand - static-end-effector
     n1 - how-many
   )
@@ -19,20 +17,20 @@
     (inside drum no-region-of-inside)
     (lies_on_side drum)
     (next none-reading n1)
-    (on_rolling_line drum goal-2)
+    (on_rolling_line drum goal)
     (readers drum none-reading)
     (readers hand none-reading)
     (settled drum)
     (settled hand)
     (unclaimed drum)
     (unclaimed hand)
-    (within_workspace hand drum goal-2)
+    (within_workspace hand drum goal)
   )
   (:goal
     (and
       (completed drum)
       (idle)
-      (inside drum goal-2)
+      (inside drum goal)
       (unclaimed drum)
     )
   )

@@ -1,10 +1,8 @@
-; Names here and in the task:
-;   goal-2 is 'goal'
 (define (problem roll_cylinder_off_axis)
   (:domain rolling_tumbling)
   (:objects
     drum - rollable
-    goal-2 - region
+    goal - region
     hand - static-end-effector
     n1 - how-many
   )
@@ -25,13 +23,13 @@
     (settled hand)
     (unclaimed drum)
     (unclaimed hand)
-    (within_workspace hand drum goal-2)
+    (within_workspace hand drum goal)
   )
   (:goal
     (and
       (completed drum)
       (idle)
-      (inside drum goal-2)
+      (inside drum goal)
       (unclaimed drum)
     )
   )

@@ -1,0 +1,184 @@
+"""Curves of a hand round a box, in the plane across the hand's axis: polylines with rounded corners."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
+from hybrid_tamp.motion.poses import rotate
+
+from .faces import NORMALS, OPPOSITE
+from .tumbling_geometry import (
+    STANDBY_GAP,
+    above_floor,
+    half_extent,
+    hand_axis,
+    in_body,
+    place_at,
+    sides_across,
+)
+
+_ROOM = 0.055
+"""Room [m] between the box and the surface of a hand that passes: another hand may hold the box meanwhile."""
+_ROUNDING = 0.05
+_SAMPLES = 8
+_BLOCKED = 100.0
+_AWAY = 5.5
+"""How far beyond the box's longest reach a hand goes away, in its own radii: another hand may stand between."""
+_LONGEST = 7
+_LEVEL = np.array([1.0, 1.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A curve that is run through from rest to rest.
+
+    Attributes:
+        points: densely sampled points ``(..., p, 3)`` [m].
+        arcs: arc length up to each point ``(..., p)`` [m].
+    """
+
+    points: FloatArray
+    arcs: FloatArray
+
+    @property
+    def length(self) -> FloatArray:
+        """Arc length ``(...)`` [m]."""
+        return np.asarray(self.arcs[..., -1])
+
+    def at(self, elapsed: FloatArray, duration: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return position [m] and velocity [m/s], each ``(..., 3)``, with a minimum-jerk profile over the arc."""
+        phase = np.asarray(elapsed / duration)
+        travelled = minimum_jerk(phase) * self.length
+        index = np.clip(np.sum(self.arcs <= travelled[..., None], axis=-1), 1, self.arcs.shape[-1] - 1)
+        low, high = self._point(index - 1), self._point(index)
+        start = np.take_along_axis(self.arcs, (index - 1)[..., None], axis=-1)[..., 0]
+        along = high - low
+        span = np.linalg.norm(along, axis=-1)
+        direction = along / np.maximum(span, 1e-12)[..., None]
+        speed = minimum_jerk_rate(phase) * self.length / duration
+        return low + direction * (travelled - start)[..., None], direction * speed[..., None]
+
+    def _point(self, index: FloatArray) -> FloatArray:
+        return np.asarray(np.take_along_axis(self.points, index[..., None, None].astype(np.intp), axis=-2)[..., 0, :])
+
+
+def curve_to_face(start: State, hand: Token, thing: Token, face: str) -> Curve:
+    """Return the curve from where the hand is to its place at a face."""
+    return _each(start, lambda state: _to_face(state, hand, thing, face))
+
+
+def curve_away(start: State, hand: Token, thing: Token) -> Curve:
+    """Return the curve that takes a hand off the face where it is and aside, beyond where the box may come down."""
+    return _each(start, lambda state: _away(state, hand, thing))
+
+
+def _each(start: State, make: Callable[[State], list[FloatArray]]) -> Curve:
+    """Make the corner points of every state of a batch and round them."""
+    rows = start.values.reshape(-1, start.values.shape[-1])
+    polylines = [_padded(make(State(start.layout, row))) for row in rows]
+    points = _rounded(np.array(polylines))
+    steps = np.linalg.norm(np.diff(points, axis=-2), axis=-1)
+    arcs = np.concatenate([np.zeros((len(rows), 1)), np.cumsum(steps, axis=-1)], axis=-1)
+    batch = start.values.shape[:-1]
+    return Curve(points.reshape(*batch, -1, 3), arcs.reshape(*batch, -1))
+
+
+def _padded(corners: list[FloatArray]) -> FloatArray:
+    """Repeat the goal, so that every polyline has as many corners as the longest."""
+    return np.array(corners + [corners[-1]] * (_LONGEST - len(corners)))
+
+
+def _rounded(corners: FloatArray) -> FloatArray:
+    """Replace each inner corner of polylines ``(n, c, 3)`` by a short parabola; return ``(n, p, 3)``."""
+    pieces = [corners[:, :1]]
+    part = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    for index in range(1, corners.shape[1] - 1):
+        corner = corners[:, index : index + 1]
+        into = _shortened(corners[:, index - 1 : index] - corner)
+        out = _shortened(corners[:, index + 1 : index + 2] - corner)
+        pieces.append(corner + into * (1.0 - part) ** 2 + out * part**2)
+    return np.concatenate([*pieces, corners[:, -1:]], axis=1)
+
+
+def _shortened(leg: FloatArray) -> FloatArray:
+    """Return the part of a leg that the rounding of a corner may take: at most half of it."""
+    length = np.linalg.norm(leg, axis=-1, keepdims=True)
+    return leg * np.minimum(0.5, _ROUNDING / np.maximum(length, 1e-9))
+
+
+def _around(state: State, hand: Token, thing: Token) -> tuple[str, str, str, str]:
+    """Return the faces across the hand's axis in their order around the box."""
+    one, _, other, _ = sides_across(state, hand, thing)
+    return one, other, OPPOSITE[one], OPPOSITE[other]
+
+
+def _face_beside(state: State, hand: Token, thing: Token) -> tuple[str, float]:
+    """Return the face in front of which the hand is, and the distance [m] of its centre from that face."""
+    offset = in_body(state, thing, state[hand, "position"] - state[thing, "position"])
+    distances = {face: float(NORMALS[face] @ offset) - half_extent(thing, face) for face in _around(state, hand, thing)}
+    face = max(distances, key=lambda name: distances[name])
+    return face, distances[face]
+
+
+def _off_face(state: State, hand: Token, thing: Token) -> tuple[str, FloatArray]:
+    """Return the face in front of which the hand is, and where it is once it has let go of that face."""
+    face, distance = _face_beside(state, hand, thing)
+    outward = rotate(state[thing, "orientation"], NORMALS[face])
+    return face, state[hand, "position"] + outward * max(0.0, hand["radius"] + _ROOM - distance)
+
+
+def _to_face(state: State, hand: Token, thing: Token, face: str) -> list[FloatArray]:
+    place = place_at(state, hand, thing, face)
+    outward = rotate(state[thing, "orientation"], NORMALS[face])
+    before = place + outward * (_ROOM - STANDBY_GAP)
+    origin, free = _off_face(state, hand, thing)
+    faces = _around(state, hand, thing)
+    routes = [_corners(state, hand, thing, faces, origin, face, step) for step in (1, -1)]
+    whole = [[state[hand, "position"], free, *corners, before, place] for corners in routes]
+    best = min(whole, key=lambda route: _cost(hand, route))
+    return [route_point if index == 0 else above_floor(hand, route_point) for index, route_point in enumerate(best)]
+
+
+def _corners(
+    state: State, hand: Token, thing: Token, faces: tuple[str, ...], origin: str, goal: str, step: int
+) -> list[FloatArray]:
+    """Return the corners that a hand passes from one face to another, one way round the box."""
+    here, found = faces.index(origin), []
+    while faces[here] != goal:
+        after = (here + step) % len(faces)
+        away = sum(
+            (NORMALS[faces[i]] * (half_extent(thing, faces[i]) + hand["radius"] + _ROOM) for i in (here, after)),
+            start=np.zeros(3),
+        )
+        # The hand keeps its place along its own axis; only the plane across it counts.
+        axis = in_body(state, thing, hand_axis(state, hand))
+        offset = in_body(state, thing, place_at(state, hand, thing, goal) - state[thing, "position"])
+        away = away + axis * (offset @ axis)
+        found.append(state[thing, "position"] + rotate(state[thing, "orientation"], away))
+        here = after
+    return found
+
+
+def _cost(hand: Token, route: list[FloatArray]) -> float:
+    """Return a route's length [m], and more where it leads through the floor."""
+    length = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(route))
+    sunk = sum(float(np.linalg.norm(above_floor(hand, point) - point)) for point in route[2:-2])
+    return length + _BLOCKED * (sunk > 0)
+
+
+def _away(state: State, hand: Token, thing: Token) -> list[FloatArray]:
+    face, free = _off_face(state, hand, thing)
+    outward = rotate(state[thing, "orientation"], NORMALS[face]) * _LEVEL
+    if np.linalg.norm(outward) < 0.2:  # above the box: to the side where the hand is
+        outward = (state[hand, "position"] - state[thing, "position"]) * _LEVEL
+        outward = outward - hand_axis(state, hand) * (outward @ hand_axis(state, hand))
+    outward = outward / max(float(np.linalg.norm(outward)), 1e-9)
+    halves = [half_extent(thing, side) for side in _around(state, hand, thing)]
+    have = float((free - state[thing, "position"]) @ outward)
+    further = max(0.0, 2.0 * max(halves) + _AWAY * hand["radius"] - have)
+    return [state[hand, "position"], above_floor(hand, free), above_floor(hand, free + outward * further)]

@@ -1,0 +1,115 @@
+"""REACHING:beside and REACHING:away (paper, D5): a hand goes round a box to one of its faces, or away from it.
+
+The curve lies in the plane across the hand's axis and goes round the box as a whole, with room for a hand in between:
+straight off the face where the hand is, round the corners that keep off the floor, straight on to the face wanted.
+"""
+
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.block import (
+    Binding,
+    Block,
+    Commands,
+    Duration,
+    Hyperparameter,
+    Hyperparameters,
+    Policy,
+    Slot,
+    Target,
+)
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+
+from ..common.classes import StaticEndEffector
+from ..common.predicates import AT_REST
+from ..common.servos import force_on, free_motion, position_servo
+from .classes import Tumblable
+from .detours import Curve, curve_away, curve_to_face
+from .faces import FACE, POSTURES
+from .tumbling_predicates import (
+    ALIGNED,
+    AT_FACE,
+    EXPOSED,
+    LOW_ENOUGH,
+    POSTURE,
+    STRONG_ENOUGH,
+    WITHIN_REACH,
+)
+
+_SETTLING = 0.15
+_SHORTEST = 0.8
+_SPEED = Hyperparameter("speed", "m/s", 0.1, 0.8, lambda b, s: np.asarray(0.4), "mean speed along the curve")
+
+
+def _curve(binding: Binding, start: State) -> Curve:
+    hand, thing = cast(Token, binding["hand"]), cast(Token, binding["object"])
+    if "face" in binding:
+        return curve_to_face(start, hand, thing, cast(str, binding["face"]))
+    return curve_away(start, hand, thing)
+
+
+def _time(curve: Curve, hyperparameters: Hyperparameters) -> FloatArray:
+    return np.asarray(np.maximum(curve.length / hyperparameters["speed"], _SHORTEST))
+
+
+def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+    return float(_time(_curve(binding, state), hyperparameters)) + _SETTLING
+
+
+def _follow(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    hand = cast(Token, binding["hand"])
+    curve = _curve(binding, start)
+    duration = _time(curve, hyperparameters)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        position, velocity = curve.at(elapsed, duration)
+        return {(hand.name, "force"): position_servo(hand, state, position, velocity)}
+
+    return policy
+
+
+def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    hand = cast(Token, binding["hand"])
+    return free_motion(state, hand, force_on(hand, state, commands), dt)
+
+
+REACH_BESIDE = Block(
+    name="REACHING:beside",
+    slots=(Slot("hand", StaticEndEffector),),
+    anchor="hand",
+    targets=(Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
+    entry=(
+        EXPOSED("face", "posture"),
+        POSTURE("object", "posture"),
+        ALIGNED("hand", "object", "face"),
+        WITHIN_REACH("hand", "object"),
+        STRONG_ENOUGH("hand", "object"),
+        LOW_ENOUGH("hand", "object"),
+    ),
+    exit=(AT_FACE("hand", "object", "face"), AT_REST("hand")),
+    writes={"hand": ("position", "velocity")},
+    hyperparameters=(_SPEED,),
+    duration=Duration(0.3, 15.0, _expected),
+    hold=True,
+    policy=_follow,
+    system=_system,
+    description="the hand goes round the box to its place at a face and holds there",
+)
+REACH_AWAY = Block(
+    name="REACHING:away",
+    slots=(Slot("hand", StaticEndEffector),),
+    anchor="hand",
+    # It looks at the box only as it starts, so the box may move meanwhile.
+    targets=(Target("object", Tumblable, reads=()),),
+    entry=(WITHIN_REACH("hand", "object"),),
+    exit=(AT_REST("hand"),),
+    writes={"hand": ("position", "velocity")},
+    hyperparameters=(_SPEED,),
+    duration=Duration(_SHORTEST, 15.0, _expected),
+    hold=True,
+    policy=_follow,
+    system=_system,
+    description="the hand lets go of the box and leaves it room to come down",
+)

@@ -1,0 +1,123 @@
+"""TIPPING (paper, D2 and D4): two hands turn a box about one of its edges, in three modes.
+
+``opposite``: with hands on opposite sides the box is tipped from lying flat to leaning over the edge (D2).
+``lower``: with hands below and above it comes down on its next face (D2 again, with another outcome).
+``adjacent``: with hands on the two faces beside the edge it is tilted back until it leans the other way (D4).
+"""
+
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.block import Binding, Block, Duration, Hyperparameter, Hyperparameters, Slot, Target
+from hybrid_tamp.model.predicate import Predicate
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+
+from ..common.classes import StaticEndEffector
+from ..common.predicates import AT_REST
+from .classes import Tumblable
+from .faces import FACE, POSTURES
+from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .tumbling_geometry import nominal_tilt
+from .tumbling_predicates import (
+    ALIGNED,
+    AT_FACE,
+    LEANS,
+    LOW_ENOUGH,
+    LOWERS,
+    POSTURE,
+    SQUEEZE,
+    STRONG_ENOUGH,
+    TIPS,
+    WITHIN_REACH,
+)
+from .turning import CLOSING, Roles, make_turning, turning_system, turning_time
+
+_GRAVITY = 9.81
+_LEAN_SQUEEZE = 25.0
+_SETTLING = 0.25
+_BODY = ("position", "orientation", "velocity", "angular_velocity")
+KEPT = (ALIGNED, STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
+
+
+def _opposed(binding: Binding, state: State) -> FloatArray:
+    return np.asarray(SQUEEZE * _GRAVITY * cast(Token, binding["object"])["mass"])
+
+
+def _light(binding: Binding, state: State) -> FloatArray:
+    return np.asarray(_LEAN_SQUEEZE)
+
+
+def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+    """Closing, the planned turn between the two postures, settling; the pose at the beginning does not matter."""
+    roles = Roles.of(binding)
+    angle = roles.wanted - nominal_tilt(roles.thing, cast(str, binding["before"]), *roles.edge)
+    return float(CLOSING + turning_time(angle, float(hyperparameters["rate"])) + _SETTLING)
+
+
+def _tipping(mode: str, relation: Predicate, squeeze: Hyperparameter, description: str) -> Block:
+    return Block(
+        name=f"TIPPING:{mode}",
+        slots=(
+            Slot("first", StaticEndEffector),
+            Slot("second", StaticEndEffector),
+            Slot("object", Tumblable),
+        ),
+        anchor="object",
+        targets=(Target("near", FACE), Target("far", FACE), Target("before", POSTURES), Target("after", POSTURES)),
+        entry=(
+            relation("near", "far", "before", "after"),
+            POSTURE("object", "before"),
+            AT_FACE("first", "object", "near"),
+            AT_FACE("second", "object", "far"),
+            *(
+                feasible(hand, "object")
+                for hand in ("first", "second")
+                for feasible in (STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
+            ),
+        ),
+        exit=(
+            POSTURE("object", "after"),
+            AT_FACE("first", "object", "near"),
+            AT_FACE("second", "object", "far"),
+            AT_REST("object"),
+            AT_REST("first"),
+            AT_REST("second"),
+        ),
+        writes={"first": ("position", "velocity"), "second": ("position", "velocity"), "object": _BODY},
+        # A box turns about the axis of the hands only, and by little more than its own size: what was feasible stays
+        # so. Boxes do not roll, so nothing is said of where a roll would bring them.
+        keeps=KEPT,
+        hyperparameters=(
+            Hyperparameter("rate", "rad/s", 0.1, 1.0, lambda b, s: np.asarray(0.5), "mean rate of the turn"),
+            squeeze,
+        ),
+        duration=Duration(CLOSING, 20.0, _expected),
+        hold=True,
+        policy=make_turning,
+        system=turning_system,
+        description=description,
+    )
+
+
+TIPPING = (
+    _tipping(
+        "opposite",
+        TIPS,
+        Hyperparameter("squeeze", "N", 0.0, 500.0, _opposed, "force with which each hand squeezes the box"),
+        "two hands on opposite sides tip the box on its edge and hold it there",
+    ),
+    _tipping(
+        "lower",
+        LOWERS,
+        Hyperparameter("squeeze", "N", 0.0, 500.0, _opposed, "force with which each hand squeezes the box"),
+        "two hands below and above lower the box on its next face and hold it",
+    ),
+    _tipping(
+        "adjacent",
+        LEANS,
+        Hyperparameter("squeeze", "N", 0.0, 500.0, _light, "force with which each hand pushes on its face"),
+        "two hands beside the edge tilt the box back until it leans on the other hand",
+    ),
+)

@@ -1,0 +1,121 @@
+"""Where a tumbling box turns and where hands touch it: world frame unless a name says otherwise, batch first."""
+
+import numpy as np
+
+from hybrid_tamp.model.shape import Cylinder
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
+
+from .faces import NORMALS, faces_of
+from .geometry import FLOOR_CLEARANCE, dot
+
+GRIP = 0.72
+"""How far up its face a hand touches, as a share of the face's extent from the edge below.
+
+Measured: lower, the tipping force is too large; higher, the hands lift the pivot edge.
+"""
+STANDBY_GAP = 0.012
+"""Gap between hand and face where a hand stands by [m]."""
+PAST_BALANCE = np.radians(6.0)
+"""How far past the balance a tipped box leans [rad]: enough to stay there, little enough for one hand to hold."""
+HAND_AXIS = np.array([0.0, 0.0, 1.0])
+"""Axis of a hand in its own frame; its wrist is stiff, so it stays as it is in the world."""
+
+
+def half_extent(thing: Token, face: str) -> float:
+    """Return the distance of a face from the box's centre [m]."""
+    return float(np.abs(NORMALS[face]) @ np.asarray(thing["half_extents"]))
+
+
+def normal(state: State, thing: Token, face: str) -> FloatArray:
+    """Return a face's outward normal ``(..., 3)``."""
+    return rotate(state[thing, "orientation"], NORMALS[face])
+
+
+def balance(thing: Token, down: str, forward: str) -> float:
+    """Return the tilt [rad] from `down` towards `forward` at which the centre is above the edge."""
+    return float(np.arctan2(half_extent(thing, forward), half_extent(thing, down)))
+
+
+def tilt(state: State, thing: Token, down: str, forward: str) -> FloatArray:
+    """Return the angle ``(...)`` [rad] turned from lying on `down` towards lying on `forward`."""
+    return np.arctan2(-normal(state, thing, forward)[..., 2], -normal(state, thing, down)[..., 2])
+
+
+def nominal_tilt(thing: Token, posture: str, down: str, forward: str) -> float:
+    """Return the tilt [rad] from `down` towards `forward` of a posture about the edge between these faces."""
+    faces = faces_of(posture)
+    if len(faces) == 1:
+        return 0.0 if faces[0] == down else np.pi / 2
+    return balance(thing, down, forward) + (PAST_BALANCE if faces == (down, forward) else -PAST_BALANCE)
+
+
+def edge_point(thing: Token, down: str, forward: str) -> FloatArray:
+    """Return the middle of the edge between two faces in the body frame, ``(3,)`` [m]."""
+    return NORMALS[down] * half_extent(thing, down) + NORMALS[forward] * half_extent(thing, forward)
+
+
+def edge_position(state: State, thing: Token, down: str, forward: str) -> FloatArray:
+    """Return the middle of that edge ``(..., 3)`` [m]."""
+    return state[thing, "position"] + rotate(state[thing, "orientation"], edge_point(thing, down, forward))
+
+
+def edge_axis(state: State, thing: Token, down: str, forward: str) -> FloatArray:
+    """Return the axis ``(..., 3)`` about which the box turns forward over that edge."""
+    return rotate(state[thing, "orientation"], np.cross(NORMALS[forward], NORMALS[down]))
+
+
+def hand_axis(state: State, hand: Token) -> FloatArray:
+    """Return the axis of a cylindrical hand ``(..., 3)``."""
+    return rotate(state[hand, "orientation"], HAND_AXIS)
+
+
+def in_body(state: State, thing: Token, vectors: FloatArray) -> FloatArray:
+    """Return vectors in the box's frame ``(..., 3)``."""
+    return rotate(quaternion_conjugate(state[thing, "orientation"]), vectors)
+
+
+def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
+    """Return the normal ``(..., 3)``, in the body frame, of the lower neighbour of a face across the hand's axis.
+
+    It is the face from whose edge a hand on `face` measures its way up.
+    """
+    along = np.abs(in_body(state, thing, hand_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
+    across = np.eye(3)[np.argmin(along, axis=-1)]
+    height = dot(rotate(state[thing, "orientation"], across), np.array([0.0, 0.0, 1.0]))
+    return across * np.where(height > 0, -1.0, 1.0)[..., None]
+
+
+def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
+    """Return the point ``(..., 3)`` [m] of a face, in the body frame, that a hand touches in the current pose."""
+    halves = np.asarray(thing["half_extents"])
+    below = side_below(state, hand, thing, face)
+    return NORMALS[face] * halves + below * halves * (1.0 - 2.0 * GRIP)
+
+
+def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:
+    """Return where the centre of a hand is ``(..., 3)`` [m] when it stands at a face of a box."""
+    contact = contact_in_body(state, hand, thing, face) + NORMALS[face] * (hand["radius"] + gap)
+    return above_floor(hand, state[thing, "position"] + rotate(state[thing, "orientation"], contact))
+
+
+def above_floor(hand: Token, position: FloatArray) -> FloatArray:
+    """Lift positions ``(..., 3)`` [m] of a level hand so far that it keeps off the floor."""
+    assert isinstance(hand.shape, Cylinder), "a STATIC END-EFFECTOR is a cylinder"
+    lowest = np.array([-np.inf, -np.inf, hand.shape.radius + FLOOR_CLEARANCE])
+    return np.maximum(position, lowest)
+
+
+def lowest_point(state: State, thing: Token) -> FloatArray:
+    """Return the height ``(...)`` [m] of the box's lowest corner."""
+    halves = np.asarray(thing["half_extents"])
+    rows = [np.abs(rotate(state[thing, "orientation"], unit)[..., 2]) for unit in np.eye(3)]
+    return np.asarray(state[thing, "position"][..., 2] - np.stack(rows, axis=-1) @ halves)
+
+
+def sides_across(state: State, hand: Token, thing: Token) -> tuple[str, ...]:
+    """Return the four faces of a box (single state) that a hand can touch along its whole length."""
+    along = np.abs(in_body(state, thing, hand_axis(state, hand)))
+    own = int(np.argmax(along))
+    return tuple(face for face in NORMALS if not NORMALS[face][own])

@@ -1,0 +1,209 @@
+"""What the conditions of tumbling speak of."""
+
+from collections.abc import Callable, Set
+
+import numpy as np
+
+from hybrid_tamp.model.predicate import Parameter, Predicate
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+
+from ..common.classes import StaticEndEffector
+from .classes import Tumblable
+from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, NORMALS, POSTURES, TIPS_HOLD, faces_of
+from .geometry import dot
+from .tumbling_geometry import (
+    GRIP,
+    hand_axis,
+    in_body,
+    lowest_point,
+    nominal_tilt,
+    normal,
+    place_at,
+    sides_across,
+    tilt,
+)
+
+_GRAVITY = 9.81
+_HAND = Parameter("hand", StaticEndEffector)
+_OBJECT = Parameter("object", Tumblable)
+_FACE = Parameter("face", FACE)
+_POSTURE = Parameter("posture", POSTURES)
+_FLAT_TOLERANCE = np.radians(5.0)
+# Less than the angle past the balance, so that leaning one way and leaning the other never both hold.
+_TIPPED_TOLERANCE = np.radians(5.0)
+_TWIST_TOLERANCE = np.radians(5.0)
+_FLOOR_TOLERANCE = 0.015
+_FACE_TOLERANCE = 0.045
+_ALIGNMENT = np.sin(np.radians(6.0))
+SQUEEZE = 0.5
+"""Force with which two hands squeeze a box, as a share of its weight.
+
+More of it makes the hands carry the weight: then the pivot edge unloads and slides.
+"""
+SLENDERNESS = 1.6
+"""Largest ratio of a box's edges that the method has been shown to tumble."""
+
+
+def _standing(state: State, thing: Token, posture: str) -> FloatArray:
+    """Least of how well the orientation fits and, scaled to an angle, how close to the floor the box is."""
+    faces = faces_of(posture)
+    if len(faces) == 1:
+        fit = _FLAT_TOLERANCE - np.arccos(np.clip(-normal(state, thing, faces[0])[..., 2], -1.0, 1.0))
+    else:
+        angle = tilt(state, thing, *faces) - nominal_tilt(thing, posture, *faces)
+        # Both faces beside the edge must look down: their common axis is level.
+        level = np.cross(NORMALS[faces[0]], NORMALS[faces[1]])
+        heights = np.abs(_height(state, thing, level))
+        fit = np.minimum(_TIPPED_TOLERANCE - np.abs(angle), _TWIST_TOLERANCE - np.arcsin(np.clip(heights, 0.0, 1.0)))
+    contact = 1.0 - np.abs(lowest_point(state, thing)) / _FLOOR_TOLERANCE
+    return np.asarray(np.minimum(fit, _FLAT_TOLERANCE * contact))
+
+
+def _height(state: State, thing: Token, vector: FloatArray) -> FloatArray:
+    up = in_body(state, thing, np.array([0.0, 0.0, 1.0]))
+    return dot(up, vector)
+
+
+def _close_to_face(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
+    offset = state[hand, "position"] - place_at(state, hand, thing, face)
+    return np.asarray(_FACE_TOLERANCE - np.linalg.norm(offset, axis=-1))
+
+
+def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
+    """The hand's axis is level and lies in the face, up to a tolerance."""
+    along = hand_axis(state, hand)
+    return np.asarray(_ALIGNMENT - np.maximum(np.abs(dot(along, normal(state, thing, face))), np.abs(along[..., 2])))
+
+
+def _sections(state: State, hand: Token, thing: Token) -> tuple[float, float]:
+    """Return the edges [m] of the box across the hand's axis."""
+    across = {int(np.argmax(np.abs(NORMALS[face]))) for face in sides_across(state, hand, thing)}
+    one, other = (2.0 * thing["half_extents"][axis] for axis in sorted(across))
+    return one, other
+
+
+def strength_needed(state: State, hand: Token, thing: Token) -> float:
+    """Return the force [N] that each of two hands needs to tumble the box about the hand's axis.
+
+    A force at height h on a box of weight m g tips it over its edge w/2 away if h F = m g w/2 (moments about the
+    edge); it is largest where the box lies on its long side, h = GRIP times the short one. Two hands squeeze with
+    `SQUEEZE` m g and share that force as the difference of theirs.
+    """
+    short, long = sorted(_sections(state, hand, thing))
+    tipping = long / (2.0 * GRIP * short)
+    return float(thing["mass"] * _GRAVITY * (SQUEEZE + tipping / 2.0))
+
+
+def _strength(state: State, hand: Token, thing: Token) -> FloatArray:
+    return np.asarray(hand["maximal_force"] - strength_needed(state, hand, thing))
+
+
+def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
+    """Least distance inside the workspace of the hand's places beside the box, and above it when it stands tipped."""
+    lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
+    beside = [
+        place_at(state, hand, thing, face)
+        for face in sides_across(state, hand, thing)
+        if abs(float(normal(state, thing, face)[2])) < 0.5
+    ]
+    diagonal = float(np.hypot(*_sections(state, hand, thing)))
+    points = [*beside, *(np.array([*point[:2], diagonal + hand["radius"]]) for point in beside)]
+    return np.asarray(min((float(np.minimum(p - lower, upper - p).min()) for p in points), default=-1.0))
+
+
+def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
+    short, long = sorted(_sections(state, hand, thing))
+    return np.asarray(SLENDERNESS - long / short)
+
+
+def _relation(held: Set[tuple[str, ...]]) -> Callable[..., FloatArray]:
+    yes, no = np.asarray(0.0), np.asarray(-1.0)
+    return lambda state, *symbols: yes if symbols in held else no
+
+
+POSTURE = Predicate(
+    "posture",
+    (_OBJECT, _POSTURE),
+    _standing,
+    unit="rad",
+    scale=0.02,
+    reads={"object": ("position", "orientation")},
+    functional="posture",
+    description="{object} stands {posture}",
+)
+AT_FACE = Predicate(
+    "at_face",
+    (_HAND, _OBJECT, _FACE),
+    _close_to_face,
+    unit="m",
+    scale=0.01,
+    reads={"hand": ("position",), "object": ("position", "orientation")},
+    maintained=True,
+    description="{hand} stands at the {face} face of {object}",
+)
+ALIGNED = Predicate(
+    "aligned",
+    (_HAND, _OBJECT, _FACE),
+    _alignment,
+    unit="1",
+    scale=0.05,
+    reads={"hand": ("orientation",), "object": ("orientation",)},
+    static=True,
+    description="the axis of {hand}, whose wrist is stiff, is level and lies in the {face} face of {object}",
+)
+STRONG_ENOUGH = Predicate(
+    "strong_enough",
+    (_HAND, _OBJECT),
+    _strength,
+    unit="N",
+    scale=10.0,
+    reads={"object": ("orientation",)},
+    static=True,
+    description="{hand} is strong enough to bear its share of {object}",
+)
+WITHIN_REACH = Predicate(
+    "within_reach",
+    (_HAND, _OBJECT),
+    _reach,
+    unit="m",
+    scale=0.01,
+    reads={"object": ("position", "orientation")},
+    static=True,
+    description="{hand} reaches the places beside and above {object}",
+)
+LOW_ENOUGH = Predicate(
+    "low_enough",
+    (_HAND, _OBJECT),
+    _lowness,
+    unit="1",
+    scale=0.1,
+    reads={"object": ("orientation",)},
+    static=True,
+    description=f"{{object}} is at most {SLENDERNESS} times as high as its base where {{hand}} tumbles it",
+)
+
+
+def _symbols(name: str, held: Set[tuple[str, ...]], parameters: tuple[Parameter, ...], said: str) -> Predicate:
+    return Predicate(name, parameters, _relation(held), static=True, description=said)
+
+
+_FOUR = (Parameter("near", FACE), Parameter("far", FACE), Parameter("before", POSTURES), Parameter("after", POSTURES))
+TIPS = _symbols("tips", TIPS_HOLD, _FOUR, "hands at {near} and {far} tip a box from {before} to {after}")
+LOWERS = _symbols("lowers", LOWERS_HOLD, _FOUR, "hands at {near} and {far} lower a box from {before} to {after}")
+LEANS = _symbols("leans", LEANS_HOLD, _FOUR, "hands at {near} and {far} tilt a box from {before} back to {after}")
+HOLDS = _symbols("holds", HOLDS_HOLD, (_FACE, _POSTURE), "one hand at {face} holds a box that stands {posture}")
+EXPOSED = _symbols("exposed", EXPOSED_HOLD, (_FACE, _POSTURE), "a hand can stand at {face} of a box that is {posture}")
+TUMBLING_PREDICATES = (
+    POSTURE,
+    AT_FACE,
+    ALIGNED,
+    STRONG_ENOUGH,
+    WITHIN_REACH,
+    LOW_ENOUGH,
+    TIPS,
+    LOWERS,
+    LEANS,
+    HOLDS,
+    EXPOSED,
+)

@@ -1,0 +1,168 @@
+"""How two hands turn a box about an edge: the policy and the forward model that all modes of TIPPING share.
+
+Each hand follows the rigid motion of the planned tilt: its reference c is the point beside its face, turned about
+the edge by the tilt that a minimum-jerk profile asks for, and it pushes with F = K (c - x) + D (c' - v) - S n, n its
+face's outward normal and S the squeeze. Squeeze and contact are taken up in the first moment, before the box turns.
+"""
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.block import Binding, Commands, Hyperparameters, Policy
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
+from hybrid_tamp.motion.poses import integrate, quaternion_from_axis_angle, rotate
+
+from ..common.servos import STIFFNESS, damping, force_on
+from .faces import NORMALS, edge_between
+from .geometry import dot
+from .tumbling_geometry import edge_axis, edge_position, half_extent, in_body, nominal_tilt, normal, tilt
+
+CLOSING = 0.35
+"""How long the hands take to close on the box and to squeeze it [s]."""
+_GRAVITY = 9.81
+_TOUCH = 1e-4
+
+
+@dataclass(frozen=True)
+class Roles:
+    """What an instance of TIPPING is bound to.
+
+    Attributes:
+        hands: the hand at the near and the hand at the far face.
+        thing: the box.
+        faces: the faces of the hands, in their order.
+        edge: the faces beside the edge about which the box turns; the tilt counts from the first to the second.
+        after: the posture wanted.
+    """
+
+    hands: tuple[Token, Token]
+    thing: Token
+    faces: tuple[str, str]
+    edge: tuple[str, str]
+    after: str
+
+    @classmethod
+    def of(cls, binding: Binding) -> "Roles":
+        """Read the roles of a binding."""
+        return cls(
+            (cast(Token, binding["first"]), cast(Token, binding["second"])),
+            cast(Token, binding["object"]),
+            (cast(str, binding["near"]), cast(str, binding["far"])),
+            edge_between(cast(str, binding["before"]), cast(str, binding["after"])),
+            cast(str, binding["after"]),
+        )
+
+    @property
+    def wanted(self) -> float:
+        """The tilt of the posture wanted [rad]."""
+        return nominal_tilt(self.thing, self.after, *self.edge)
+
+
+def turning_time(angle: FloatArray | float, rate: FloatArray | float) -> FloatArray:
+    """Return how long a turn by an angle [rad] at a mean rate [rad/s] takes, ``(...)`` [s]."""
+    return np.asarray(np.maximum(np.abs(angle), 0.05) / rate)
+
+
+def make_turning(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    """Return the impedance policy of both hands."""
+    roles = Roles.of(binding)
+    thing = roles.thing
+    rate, squeeze = (np.asarray(hyperparameters[name]) for name in ("rate", "squeeze"))
+    pivot, axis = edge_position(start, thing, *roles.edge), edge_axis(start, thing, *roles.edge)
+    turn = roles.wanted - tilt(start, thing, *roles.edge)
+    duration = turning_time(turn, rate)
+    arms = [start[hand, "position"] - pivot for hand in roles.hands]
+    normals = [normal(start, thing, face) for face in roles.faces]
+    gaps = [_gap(start, hand, thing, face) for hand, face in zip(roles.hands, roles.faces, strict=True)]
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        closed = minimum_jerk(elapsed / CLOSING)
+        closing = minimum_jerk_rate(elapsed / CLOSING) / CLOSING
+        phase = (elapsed - CLOSING) / duration
+        turned = quaternion_from_axis_angle(axis, turn * minimum_jerk(phase))
+        spin = axis * (turn * minimum_jerk_rate(phase) / duration)[..., None]
+        commands: Commands = {}
+        for hand, arm, outward, gap in zip(roles.hands, arms, normals, gaps, strict=True):
+            face_normal = rotate(turned, outward)
+            lever = rotate(turned, arm - outward * (gap * closed)[..., None])
+            velocity = np.cross(spin, lever) - face_normal * (gap * closing)[..., None]
+            force = STIFFNESS * (pivot + lever - state[hand, "position"])
+            force = force + damping(hand["mass"]) * (velocity - state[hand, "velocity"])
+            commands[hand.name, "force"] = force - face_normal * (squeeze * closed)[..., None]
+        return commands
+
+    return policy
+
+
+def _gap(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
+    """Return the distance ``(...)`` [m] between a hand's surface and the plane of a face."""
+    offset = in_body(state, thing, state[hand, "position"] - state[thing, "position"])
+    return np.asarray(dot(offset, NORMALS[face]) - half_extent(thing, face) - hand["radius"])
+
+
+def turning_system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    """Rigid box on a fixed edge, with hands that stick to it once they touch; the floor stops it at both ends.
+
+    The moments of the hands' forces and of the weight about the edge turn box and hands as one body.
+    """
+    roles = Roles.of(binding)
+    thing = roles.thing
+    pivot, axis = edge_position(state, thing, *roles.edge), edge_axis(state, thing, *roles.edge)
+    changes: dict[tuple[str, str], FloatArray] = {}
+    arm = state[thing, "position"] - pivot
+    sides = [half_extent(thing, face) for face in roles.edge]
+    inertia = np.asarray(thing["mass"] * 4.0 / 3.0 * (sides[0] ** 2 + sides[1] ** 2))
+    moment = dot(np.cross(arm, np.array([0.0, 0.0, -_GRAVITY * thing["mass"]])), axis)
+    touching = np.asarray(True)
+    for hand, face in zip(roles.hands, roles.faces, strict=True):
+        lever = state[hand, "position"] - pivot
+        touching = touching & (_gap(state, hand, thing, face) <= _TOUCH)
+        inertia = inertia + hand["mass"] * dot(lever, lever)
+        moment = moment + dot(np.cross(lever, force_on(hand, state, commands)), axis)
+    speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
+    angle = tilt(state, thing, *roles.edge)
+    after = np.clip(angle + speed * dt, 0.0, np.pi / 2)
+    # Where the floor stops the box there is no speed left; the step itself ends on the floor exactly.
+    blocked = np.abs(after - angle - speed * dt) > 1e-12
+    spin = axis * ((after - angle) / dt)[..., None]
+    for hand, face in zip(roles.hands, roles.faces, strict=True):
+        changes |= _hand_after(state, hand, thing, face, pivot, spin, touching, commands, dt)
+    turned = quaternion_from_axis_angle(axis, after - angle)
+    still = np.where(blocked, 0.0, 1.0)[..., None]
+    changes[thing.name, "orientation"] = integrate(state[thing, "orientation"], spin, dt)
+    changes[thing.name, "position"] = pivot + rotate(turned, arm)
+    changes[thing.name, "angular_velocity"] = spin * still
+    changes[thing.name, "velocity"] = np.cross(spin, arm) * still
+    return state.replace(changes)
+
+
+def _hand_after(
+    state: State,
+    hand: Token,
+    thing: Token,
+    face: str,
+    pivot: FloatArray,
+    spin: FloatArray,
+    touching: FloatArray,
+    commands: Commands,
+    dt: float,
+) -> dict[tuple[str, str], FloatArray]:
+    """Move one hand: with the box where both touch it, else by its own force until it meets its face."""
+    velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
+    outward = normal(state, thing, face)
+    gap = np.maximum(_gap(state, hand, thing, face), 0.0)
+    inward = -dot(velocity, outward)
+    velocity = velocity + outward * np.maximum(inward - gap / dt, 0.0)[..., None]
+    lever = state[hand, "position"] - pivot
+    carried = rotate(quaternion_from_axis_angle(_unit(spin), np.linalg.norm(spin, axis=-1) * dt), lever)
+    velocity = np.where(touching[..., None], (carried - lever) / dt, velocity)
+    return {(hand.name, "velocity"): velocity, (hand.name, "position"): state[hand, "position"] + velocity * dt}
+
+
+def _unit(vector: FloatArray) -> FloatArray:
+    length = np.linalg.norm(vector, axis=-1, keepdims=True)
+    return np.where(length > 1e-12, vector / np.maximum(length, 1e-12), np.array([1.0, 0.0, 0.0]))
