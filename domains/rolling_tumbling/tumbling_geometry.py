@@ -17,7 +17,7 @@ Measured: lower, the tipping force is too large; higher, the hands lift the pivo
 """
 STANDBY_GAP = 0.012
 """Gap between hand and face where a hand stands by [m]."""
-PAST_BALANCE = np.radians(6.0)
+PAST_BALANCE = float(np.radians(6.0))
 """How far past the balance a tipped box leans [rad]: enough to stay there, little enough for one hand to hold."""
 HAND_AXIS = np.array([0.0, 0.0, 1.0])
 """Axis of a hand in its own frame; its wrist is stiff, so it stays as it is in the world."""
@@ -48,7 +48,8 @@ def nominal_tilt(thing: Token, posture: str, down: str, forward: str) -> float:
     faces = faces_of(posture)
     if len(faces) == 1:
         return 0.0 if faces[0] == down else np.pi / 2
-    return balance(thing, down, forward) + (PAST_BALANCE if faces == (down, forward) else -PAST_BALANCE)
+    beyond = PAST_BALANCE if faces == (down, forward) else -PAST_BALANCE
+    return float(balance(thing, down, forward) + beyond)
 
 
 def edge_point(thing: Token, down: str, forward: str) -> FloatArray:
@@ -84,14 +85,14 @@ def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray
     along = np.abs(in_body(state, thing, hand_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
     across = np.eye(3)[np.argmin(along, axis=-1)]
     height = dot(rotate(state[thing, "orientation"], across), np.array([0.0, 0.0, 1.0]))
-    return across * np.where(height > 0, -1.0, 1.0)[..., None]
+    return np.asarray(across * np.where(height > 0, -1.0, 1.0)[..., None])
 
 
 def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
     """Return the point ``(..., 3)`` [m] of a face, in the body frame, that a hand touches in the current pose."""
     halves = np.asarray(thing["half_extents"])
     below = side_below(state, hand, thing, face)
-    return NORMALS[face] * halves + below * halves * (1.0 - 2.0 * GRIP)
+    return np.asarray(NORMALS[face] * halves + below * halves * (1.0 - 2.0 * GRIP))
 
 
 def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:
@@ -104,7 +105,7 @@ def above_floor(hand: Token, position: FloatArray) -> FloatArray:
     """Lift positions ``(..., 3)`` [m] of a level hand so far that it keeps off the floor."""
     assert isinstance(hand.shape, Cylinder), "a STATIC END-EFFECTOR is a cylinder"
     lowest = np.array([-np.inf, -np.inf, hand.shape.radius + FLOOR_CLEARANCE])
-    return np.maximum(position, lowest)
+    return np.asarray(np.maximum(position, lowest))
 
 
 def lowest_point(state: State, thing: Token) -> FloatArray:

@@ -6,7 +6,7 @@ unified_planning is imported when a function is called, never with this module: 
 from collections import ChainMap, OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import chain, count
 from typing import Any
 
@@ -125,18 +125,33 @@ class _Names:
         return self._given[own, kind]
 
 
+@cache
+def _problem_class() -> Any:
+    """Return unified_planning's class of problems, of which only what holds initially is asked.
+
+    The values of all facts that there could be are thousands of times as many, and would be kept, too.
+    """
+    from unified_planning.model import Problem
+
+    class SparseProblem(Problem):  # type: ignore[misc]
+        @property
+        def initial_values(self) -> dict[Any, Any]:
+            return dict(self.explicit_initial_values)
+
+    return SparseProblem
+
+
 class _Builder:
     """Builds unified_planning's problem from ours."""
 
     def __init__(self, source: PlanningProblem, environment: Any) -> None:
         from unified_planning.io import pddl_writer
-        from unified_planning.model import Problem
 
         self._source = source
         self._environment = environment
         self._names = _Names({"object", "total-cost", *pddl_writer.PDDL3_KEYWORDS})
         self._parents = dict(source.domain.types)
-        self._problem = Problem(source.name, environment)
+        self._problem = _problem_class()(source.name, environment)
         self._objects: dict[str, Any] = {}
         self._actions: dict[str, Any] = {}
         self._fluents: dict[str, Any] = {}

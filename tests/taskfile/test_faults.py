@@ -52,7 +52,6 @@ FAULTS = [
     fault("very long integer", "mass: 5", "mass: «" + "9" * 6000, "must be a finite number", "got 9999"),
     fault("very long limit", "seed: 7", "seed: «" + "9" * 200, "seed must be at most 4294967295", "got 9999"),
     fault("axis of length zero", "[0, 0, 2]", "«[0, 0, 0]", "axis of token 'drum'", "length zero", "got [0, 0, 0]"),
-    fault("axis beyond all squares", "{axis: [0, 0, 2]", "«{axis: [0, 0, 1e200]", "physical size"),
     fault("axis of two", "[0, 0, 2]", "«[0, 2]", "axis of token 'drum' must be a list of 3", "got [0, 2]"),
     fault("axis of four", "[0, 0, 2]", "«[0, 0, 0, 2]", "axis of token 'drum' must be a list of 3"),
     fault("zero radius of a shape", "radius: 0.1", "radius: «0", "shape.radius of token 'drum'", "more than 0 [m]"),
