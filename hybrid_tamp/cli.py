@@ -99,9 +99,10 @@ def plan(
     if as_json:
         _print_json(outcome.document.dump())
     elif outcome.plan is not None:
-        from hybrid_tamp.report.tables import plan_table
+        from hybrid_tamp.report.tables import plan_table, timeline
 
         _show(plan_table(outcome.document))
+        _show(timeline(outcome.plan, [token.name for token in loaded.assigned]))
         seconds = outcome.document.planner.seconds
         typer.echo(f"{len(outcome.plan.actions)} actions, {outcome.plan.makespan:.2f} s, planned in {seconds:.2f} s")
     if outcome.error is not None:

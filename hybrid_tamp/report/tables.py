@@ -7,10 +7,11 @@ from rich.table import Table
 from rich.text import Text
 
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.report.documents import ExplanationEntry, InstanceEntry, PlanDocument, ResultDocument
 
-_BAR = 48
+_WIDTH = 60
+"""Characters of a timeline."""
 
 
 def plan_table(document: PlanDocument) -> RenderableType:
@@ -37,20 +38,26 @@ def allocation(entry: InstanceEntry) -> str:
 
 
 def timeline(plan: TaskPlan, tokens: Iterable[str]) -> RenderableType:
-    """Return one row a token with its blocks over time."""
+    """Return one row a token: its blocks over time, to scale; dots where it rests."""
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True)
     table.add_column(no_wrap=True)
     for token in tokens:
         row = Text()
         for instance, _ in plan.timeline(token):
-            width = round(instance.end / plan.makespan * _BAR) - round(instance.start / plan.makespan * _BAR)
-            label = "" if instance.block == "RESTING" else instance.name
-            style = "dim" if instance.block == "RESTING" else "reverse"
-            row.append(f"{label[:width]:{'.' if not label else ' '}^{width}}" if width else "", style=style)
-        table.add_row(token, row)
-    table.add_row("", Text(f"0{f'{plan.makespan:.1f} s':>{_BAR - 1}}", style="dim"))
+            begin, end = (round(time / plan.makespan * _WIDTH) for time in (instance.start, instance.end))
+            row.append(_bar(instance, end - begin))
+        table.add_row(Text(token), row)
+    end_mark = f"{plan.makespan:.1f} s"
+    table.add_row("", Text("0" + end_mark.rjust(_WIDTH - 1), style="dim"))
     return table
+
+
+def _bar(instance: BlockInstance, width: int) -> Text:
+    if instance.action == "RESTING" or width == 0:
+        return Text("." * width, style="dim")
+    label = instance.name if len(instance.name) <= width - 2 else ""
+    return Text(f"[{label:-^{width - 2}}]" if width > 1 else "|")
 
 
 def explanation_text(entry: ExplanationEntry) -> RenderableType:

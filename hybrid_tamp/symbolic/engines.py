@@ -1,6 +1,7 @@
 """The planning engines by name: what can be said of one without importing unified_planning.
 
-All of them take plain STRIPS with types as it is. What they answer where there is no plan was found out
+All of them take plain STRIPS with types as it is, some only if it is put plainly (`symbolic.plain`). What
+they answer where there is no plan was found out
 with tasks that are unsolvable by the translator's mutexes, by relaxed reachability, or only by an
 exhaustive search:
 
@@ -45,6 +46,7 @@ class Engine:
         install: what to install to get it, as pip takes it.
         java: whether it needs Java.
         faithful: whether it follows PDDL where `symbolic.plain` has found that not all engines do.
+        sparse: whether it takes it that what the initial state does not name is false.
         proofs: sentences of its log, each of which proves that there is no plan; the empty sentence, if
             its returning without a plan is proof enough; None, if its UNSOLVABLE_PROVEN is to be believed.
     """
@@ -53,6 +55,7 @@ class Engine:
     install: str = "'hybrid-tamp[planners]'"
     java: bool = False
     faithful: bool = True
+    sparse: bool = False
     proofs: tuple[str, ...] | None = None
 
     def proves(self, status: str, log: str) -> bool:
@@ -72,12 +75,13 @@ class Engine:
 _FAST_DOWNWARD = Engine(
     "up_fast_downward",
     install="up-fast-downward",
+    sparse=True,
     proofs=("Task is provably unsolvable.", "Completely explored state space -- no solution!"),
 )
 # The lower and the upper bound on the cost of a plan, after no plan was found, both infinite.
-_SYMK = Engine("up_symk", proofs=("BOUND: 2147483647 < 2147483647 [0/",))
-_ENHSP = Engine("up_enhsp", java=True, faithful=False, proofs=("Problem unsolvable", "Unsolvable Problem"))
-_PYPERPLAN = Engine("up_pyperplan", proofs=("",))
+_SYMK = Engine("up_symk", sparse=True, proofs=("BOUND: 2147483647 < 2147483647 [0/",))
+_ENHSP = Engine("up_enhsp", java=True, faithful=False, sparse=True, proofs=("Problem unsolvable", "Unsolvable Problem"))
+_PYPERPLAN = Engine("up_pyperplan", sparse=True, proofs=("",))
 
 ENGINES: Mapping[str, Engine] = MappingProxyType(
     {

@@ -60,8 +60,9 @@ class Solver:
             self._load(name)
         except LookupError as error:
             return {"status": "unknown", "message": str(error), "available": self._available()}
-        plain = None if _entry(name).faithful else PlainProblem(source)
-        problem = unify(plain.problem if plain else source)
+        entry = _entry(name)
+        plain = None if entry.faithful else PlainProblem(source)
+        problem = unify(plain.problem if plain else source, sparse=entry.sparse)
         with self._factory.OneshotPlanner(name=name) as planner:
             given, compiled = simplify_for(planner, problem.problem)
             missing = sorted(given.kind.features - planner.supported_kind().features)

@@ -91,17 +91,22 @@ class UnifiedProblem:
         return ActionInstance(self.actions[name], tuple(express(self.objects[each]) for each in arguments))
 
 
-def unify(source: PlanningProblem) -> UnifiedProblem:
+def unify(source: PlanningProblem, *, sparse: bool = False) -> UnifiedProblem:
     """Return a planning problem as unified_planning holds it, in its global environment.
 
     A private environment would break the optimal Fast Downward engine.
+
+    Args:
+        source: the problem.
+        sparse: let the problem name as its initial values only those that are true. The others are
+            thousands of times as many, and most engines leave them out after they have asked for them.
     """
     from unified_planning.environment import get_environment
 
     environment = get_environment()
     environment.error_used_name = False
     environment.credits_stream = None
-    return _Builder(source, environment).build()
+    return _Builder(source, environment, sparse).build()
 
 
 class _Names:
@@ -126,11 +131,8 @@ class _Names:
 
 
 @cache
-def _problem_class() -> Any:
-    """Return unified_planning's class of problems, of which only what holds initially is asked.
-
-    The values of all facts that there could be are thousands of times as many, and would be kept, too.
-    """
+def _sparse_class() -> Any:
+    """Return a class of problems of unified_planning whose initial values are those that are true."""
     from unified_planning.model import Problem
 
     class SparseProblem(Problem):  # type: ignore[misc]
@@ -144,14 +146,15 @@ def _problem_class() -> Any:
 class _Builder:
     """Builds unified_planning's problem from ours."""
 
-    def __init__(self, source: PlanningProblem, environment: Any) -> None:
+    def __init__(self, source: PlanningProblem, environment: Any, sparse: bool) -> None:
         from unified_planning.io import pddl_writer
+        from unified_planning.model import Problem
 
         self._source = source
         self._environment = environment
         self._names = _Names({"object", "total-cost", *pddl_writer.PDDL3_KEYWORDS})
         self._parents = dict(source.domain.types)
-        self._problem = _problem_class()(source.name, environment)
+        self._problem = (_sparse_class() if sparse else Problem)(source.name, environment)
         self._objects: dict[str, Any] = {}
         self._actions: dict[str, Any] = {}
         self._fluents: dict[str, Any] = {}
