@@ -27,6 +27,14 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+
+class Objective(str, Enum):
+    """What a plan should be short in."""
+
+    length = "length"
+    makespan = "makespan"
+
+
 TaskArgument = Annotated[str, typer.Argument(metavar="TASK", help="a YAML task file, or the name of a bundled one")]
 JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON document and nothing else")]
 PlannerOption = Annotated[str | None, typer.Option("--planner", metavar="NAME", help="planning engine")]
@@ -37,6 +45,7 @@ DomainOption = Annotated[
     str | None,
     typer.Option("--domain", metavar="NAME", help="use this domain: a name, package.module:ATTRIBUTE, or a .py file"),
 ]
+ObjectiveOption = Annotated[Objective | None, typer.Option("--objective", help="what a plan should be short in")]
 ForceOption = Annotated[bool, typer.Option("--force", help="replace another run in the output folder")]
 
 
@@ -77,6 +86,7 @@ def plan(
     as_json: JsonOption = False,
     domain: DomainOption = None,
     planner: PlannerOption = None,
+    objective: ObjectiveOption = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for plan.json and PDDL")] = None,
     force: ForceOption = False,
     seed: SeedOption = None,
@@ -88,7 +98,7 @@ def plan(
 
     # The planner's process warms up while the task file is read.
     with PlannerProcess() as process:
-        loaded = _adjusted(_load(task, domain), planner, seed, time_limit, memory_limit)
+        loaded = _adjusted(_load(task, domain), planner, objective, seed, time_limit, memory_limit)
         from hybrid_tamp import pipeline
         from hybrid_tamp.report.folder import RunFolder
 
@@ -135,6 +145,7 @@ def run(
     as_json: JsonOption = False,
     domain: DomainOption = None,
     planner: PlannerOption = None,
+    objective: ObjectiveOption = None,
     backend: Annotated[str, typer.Option("--backend", metavar="NAME", help="physics backend")] = "pybullet",
     video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="draw a video")] = None,
     force: ForceOption = False,
@@ -146,7 +157,7 @@ def run(
     from hybrid_tamp.symbolic.planner import PlannerProcess
 
     with PlannerProcess() as process:
-        loaded = _adjusted(_load(task, domain), planner, seed, time_limit, memory_limit)
+        loaded = _adjusted(_load(task, domain), planner, objective, seed, time_limit, memory_limit)
         from hybrid_tamp import pipeline
         from hybrid_tamp.report.folder import RunFolder
         from hybrid_tamp.report.progress import progress_bar
@@ -277,7 +288,12 @@ def _finder(name: str | None) -> "Callable[[str], Domain]":
 
 
 def _adjusted(
-    task: "Task", planner: str | None, seed: int | None, time_limit: float | None, memory_limit: float | None
+    task: "Task",
+    planner: str | None,
+    objective: Objective | None,
+    seed: int | None,
+    time_limit: float | None,
+    memory_limit: float | None,
 ) -> "Task":
     """Return the task with what the command line says in place of what the file says."""
     from dataclasses import replace
@@ -287,7 +303,12 @@ def _adjusted(
         time=task.limits.time if time_limit is None else time_limit,
         memory=task.limits.memory if memory_limit is None else memory_limit,
     )
-    return task.replaced(planner=planner or task.planner, seed=task.seed if seed is None else seed, limits=limits)
+    return task.replaced(
+        planner=planner or task.planner,
+        objective=task.objective if objective is None else objective.value,
+        seed=task.seed if seed is None else seed,
+        limits=limits,
+    )
 
 
 def _say(document: dict[str, Any], as_json: bool, sentence: Callable[[], str]) -> None:

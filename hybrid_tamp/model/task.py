@@ -46,6 +46,7 @@ class Task:
         planner: name of the planning engine.
         limits: bounds on the work.
         seed: seed of everything random.
+        objective: what a plan should be short in: ``length`` (actions) or ``makespan`` (time).
         source: the file that it came from, or None.
     """
 
@@ -59,6 +60,7 @@ class Task:
     planner: str = DEFAULT_PLANNER
     limits: Limits = Limits()
     seed: int = 0
+    objective: str = "length"
     source: Path | None = None
 
     @cached_property

@@ -3,6 +3,7 @@
 All names are PDDL names already (`symbolic.naming`); variables begin with a question mark.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 Fact = tuple[str, ...]
@@ -21,6 +22,16 @@ class Operator:
     precondition: tuple[Fact, ...]
     add: tuple[Fact, ...]
     delete: tuple[Fact, ...]
+
+    def effects(self, binding: Mapping[str, str], facts: set[Fact]) -> set[Fact]:
+        """Return the facts after the operator, whose parameters are bound, has been applied to them."""
+        kept = facts - {ground(fact, binding) for fact in self.delete}
+        return kept | {ground(fact, binding) for fact in self.add}
+
+
+def ground(fact: Fact, binding: Mapping[str, str]) -> Fact:
+    """Replace the variables of a fact that are bound."""
+    return (fact[0], *(binding.get(argument, argument) for argument in fact[1:]))
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.encoder import Meaning
-from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction
+from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, ground
 from hybrid_tamp.symbolic.problem import Compilation
 
 NO_ACTION = "no-such-reassignment"
@@ -31,8 +31,7 @@ def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
         if action[0] in operators:
             operator = operators[action[0]]
             binding = dict(zip((v for v, _ in operator.parameters), action[1:], strict=True))
-            facts -= {_ground(fact, binding) for fact in operator.delete}
-            facts |= {_ground(fact, binding) for fact in operator.add}
+            facts = operator.effects(binding, facts)
     return actions
 
 
@@ -162,21 +161,22 @@ def _known(compilation: Compilation, operator: Operator, meaning: Meaning, roles
 
 def _complete(operator: Operator, binding: dict[str, str], facts: set[Fact]) -> dict[str, str] | None:
     """Bind the remaining parameters so that every precondition is a fact; None if that cannot be."""
-    return _match(list(operator.precondition), binding, facts)
+    return matched(list(operator.precondition), binding, facts)
 
 
-def _match(conditions: list[Fact], binding: dict[str, str], facts: set[Fact]) -> dict[str, str] | None:
+def matched(conditions: list[Fact], binding: dict[str, str], facts: set[Fact]) -> dict[str, str] | None:
+    """Return the binding extended so that every condition is a fact, or None if there is no such binding."""
     if not conditions:
         return binding
     # Most constrained first: the condition with the fewest open variables.
     conditions = sorted(conditions, key=lambda c: sum(a.startswith("?") and a not in binding for a in c[1:]))
-    first, rest = _ground(conditions[0], binding), conditions[1:]
+    first, rest = ground(conditions[0], binding), conditions[1:]
     if not any(argument.startswith("?") for argument in first):
-        return _match(rest, binding, facts) if first in facts else None
+        return matched(rest, binding, facts) if first in facts else None
     for fact in sorted(facts):
         extended = _unify(first, fact, binding)
         if extended is not None:
-            found = _match(rest, extended, facts)
+            found = matched(rest, extended, facts)
             if found is not None:
                 return found
     return None
@@ -193,7 +193,3 @@ def _unify(pattern: Fact, fact: Fact, binding: dict[str, str]) -> dict[str, str]
         elif wanted != value:
             return None
     return extended
-
-
-def _ground(fact: Fact, binding: dict[str, str]) -> Fact:
-    return (fact[0], *(binding.get(argument, argument) for argument in fact[1:]))

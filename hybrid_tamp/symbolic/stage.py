@@ -8,11 +8,15 @@ from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.symbolic.decoder import UndecodableError, decode
+from hybrid_tamp.symbolic.makespan import shortened
 from hybrid_tamp.symbolic.operators import PlannedAction, PlanningProblem
 from hybrid_tamp.symbolic.pddl import action_line
 from hybrid_tamp.symbolic.planner import PlannerAnswer
 from hybrid_tamp.symbolic.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+
+SHORTENING = 20.0
+"""How long a shorter plan is looked for when the objective is the makespan [s]."""
 
 _LOG = logging.getLogger(__name__)
 
@@ -78,5 +82,7 @@ def _judged(compilation: Compilation, actions: tuple[PlannedAction, ...]) -> tup
         plan = schedule(compilation.task, instances, tuple(map(action_line, actions)))
     except (UndecodableError, InfeasibleScheduleError) as error:
         return None, str(error)
+    if compilation.task.objective == "makespan":
+        plan = shortened(compilation, plan, actions, SHORTENING)
     violations = check_law(compilation.task, plan)
     return (None, "; ".join(map(str, violations))) if violations else (plan, "")

@@ -4,7 +4,7 @@ Everything else that speaks of the form is made from these models: the checks, t
 """
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 
@@ -90,6 +90,9 @@ class TaskFile(_Entry):
     )
     planner: Annotated[Text, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\[\]-]*$")] = Field(
         default=DEFAULT_PLANNER, description="name of the planning engine"
+    )
+    objective: Literal["length", "makespan"] = Field(
+        default="length", description="what a plan should be short in: its actions, or its time"
     )
     limits: LimitsEntry = Field(default=LimitsEntry(), description="bounds on the work")
     seed: Whole = quantity("1", "seed of everything random", default=0, ge=0, le=2**32 - 1)

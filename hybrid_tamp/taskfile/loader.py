@@ -95,6 +95,7 @@ def _load(
         planner=file.planner,
         limits=Limits(**dict(file.limits)),
         seed=file.seed,
+        objective=file.objective,
         source=path,
     )
 

@@ -19,7 +19,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decoder import decode
 from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction
 from hybrid_tamp.symbolic.problem import Compilation, compile_task
-from hybrid_tamp.symbolic.reencode import _ground, _match, reencode
+from hybrid_tamp.symbolic.reencode import matched, reencode
 from hybrid_tamp.symbolic.schedule import schedule
 
 TASKS = {
@@ -44,8 +44,7 @@ def walk(compilation: Compilation, rng: random.Random, length: int) -> list[Plan
         if found is None:
             break
         operator, binding = found
-        facts -= {_ground(fact, binding) for fact in operator.delete}
-        facts |= {_ground(fact, binding) for fact in operator.add}
+        facts = operator.effects(binding, facts)
         actions.append((operator.name, *(binding[variable] for variable, _ in operator.parameters)))
         if wanted <= facts:
             best = list(actions)
@@ -61,7 +60,7 @@ def applicable(operator: Operator, facts: set[Fact], rng: random.Random) -> tupl
         for condition in conditions:
             if condition[0] == seed[0]:
                 start = dict(zip(condition[1:], seed[1:], strict=True))
-                binding = _match(conditions, start, facts)
+                binding = matched(conditions, start, facts)
                 if binding is not None:
                     return operator, binding
     return None

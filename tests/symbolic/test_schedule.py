@@ -1,22 +1,12 @@
 from itertools import pairwise
 
 import pytest
-from scenes import rolling_task
+from scenes import reach_and_roll, rolling_task
 
 from hybrid_tamp.model.plan import at
 from hybrid_tamp.symbolic.decoder import OrderedInstance, UndecodableError, decode
 from hybrid_tamp.symbolic.problem import compile_task
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
-
-
-def reach_and_roll(hand: str, drum: str, region: str, source: str = "no-region-of-inside") -> list[tuple[str, ...]]:
-    return [
-        ("begin-reaching-from-resting", hand, drum, region, "none-reading", "n1"),
-        ("fill-rolling-hand-from-reaching", hand, drum, region, "n1", "none-reading"),
-        ("begin-rolling-from-resting", drum, region, source),
-        ("begin-resting-from-rolling", drum),
-        ("leave-rolling-hand-to-resting", hand, drum),
-    ]
 
 
 def test_independent_blocks_run_at_once() -> None:

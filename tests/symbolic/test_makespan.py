@@ -1,0 +1,44 @@
+import pytest
+from scenes import reach_and_roll, rolling_task
+
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.symbolic.decoder import decode
+from hybrid_tamp.symbolic.makespan import applicable, interchangeable, shortened
+from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.schedule import schedule
+
+TASK = rolling_task(hands=2, drums=[(0, 0), (0, 0.5)], regions=[(0.7, 0), (0.7, 0.5)], goal=[(0, 0), (1, 1)])
+ONE_HAND = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand-0", "drum-1", "region-1")
+
+
+def test_a_second_hand_takes_over_and_both_drums_roll_at_once() -> None:
+    compilation = compile_task(TASK)
+    plan = schedule(TASK, decode(compilation, ONE_HAND))
+    shorter = shortened(compilation, plan, ONE_HAND, 5.0)
+    assert shorter.makespan < 0.6 * plan.makespan
+    assert check_law(TASK, shorter) == []
+    assert {i.slots["hand"] for i in shorter.instances if i.block == "ROLLING"} == {"hand 0", "hand 1"}
+
+
+def test_no_time_no_change() -> None:
+    compilation = compile_task(TASK)
+    plan = schedule(TASK, decode(compilation, ONE_HAND))
+    assert shortened(compilation, plan, ONE_HAND, 0.0) is plan
+
+
+def test_only_equal_tokens_that_no_goal_names_take_over() -> None:
+    assert interchangeable(TASK) == [["hand 0", "hand 1"]]
+    assert interchangeable(rolling_task(hands=1)) == []
+
+
+def test_a_hand_out_of_reach_takes_nothing_over() -> None:
+    compilation = compile_task(TASK)
+    tampered = [tuple("hand-9" if word == "hand-0" else word for word in action) for action in ONE_HAND]
+    assert applicable(compilation, ONE_HAND)
+    assert not applicable(compilation, tampered)
+    assert not applicable(compilation, ONE_HAND[:-1])
+
+
+@pytest.mark.parametrize("objective", ["length", "makespan"])
+def test_the_objective_is_the_tasks(objective: str) -> None:
+    assert TASK.replaced(objective=objective).objective == objective
