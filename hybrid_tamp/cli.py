@@ -1,20 +1,18 @@
 """The command line: arguments, printing, exit codes. Nothing heavy is imported before it is needed."""
 
-import json
 import logging
 import sys
 from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from hybrid_tamp.errors import HybridTampError, InputError, Issue
+from hybrid_tamp.console import explain, print_json, report_error, say, show
+from hybrid_tamp.errors import HybridTampError, InputError
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
     from hybrid_tamp.model.domain import Domain
     from hybrid_tamp.model.task import Task
 
@@ -77,7 +75,7 @@ def check(task: TaskArgument, as_json: JsonOption = False, domain: DomainOption 
         "goal": [str(atom) for atom in loaded.goal],
         "status": "ok",
     }
-    _say(summary, as_json, lambda: f"{loaded.source}: ok, {len(loaded.tokens)} tokens of {loaded.domain.name}")
+    say(summary, as_json, lambda: f"{loaded.source}: ok, {len(loaded.tokens)} tokens of {loaded.domain.name}")
 
 
 @app.command()
@@ -107,16 +105,16 @@ def plan(
     if folder:
         pipeline.save_plan(outcome, folder)
     if as_json:
-        _print_json(outcome.document.dump())
+        print_json(outcome.document.dump())
     elif outcome.plan is not None:
         from hybrid_tamp.report.tables import plan_table, timeline
 
-        _show(plan_table(outcome.document))
-        _show(timeline(outcome.plan, [token.name for token in loaded.assigned]))
+        show(plan_table(outcome.document))
+        show(timeline(outcome.plan, [token.name for token in loaded.assigned]))
         seconds = outcome.document.planner.seconds
         typer.echo(f"{len(outcome.plan.actions)} actions, {outcome.plan.makespan:.2f} s, planned in {seconds:.2f} s")
     if outcome.error is not None:
-        _explain(outcome.document.explanation, as_json)
+        explain(outcome.document.explanation, as_json)
         raise typer.Exit(outcome.error.exit_status)
 
 
@@ -135,7 +133,7 @@ def pddl(
 
     files = [str(path) for path in pipeline.export(loaded, RunFolder.create(output, force=force))]
     document = {"schema": "hybrid-tamp/pddl/1", "task": loaded.name, "files": files}
-    _say(document, as_json, lambda: "\n".join(files))
+    say(document, as_json, lambda: "\n".join(files))
 
 
 @app.command()
@@ -167,12 +165,12 @@ def run(
             outcome = pipeline.run(loaded, folder, planner=process, backend=backend, video=video, progress=progress)
     document = outcome.document
     if as_json:
-        _print_json(document.dump())
+        print_json(document.dump())
     else:
         from hybrid_tamp.report.tables import plan_table, result_table
 
-        _show(plan_table(outcome.plan.document))
-        _show(result_table(document))
+        show(plan_table(outcome.plan.document))
+        show(result_table(document))
         if video:
             typer.echo(f"video: {video}")
         typer.echo(f"files: {output}")
@@ -215,7 +213,7 @@ def replay(
         )
     else:
         said = f"{directory}: not identical; {report.refusal}"
-    _say(document, as_json, lambda: said)
+    say(document, as_json, lambda: said)
     if not report.identical:
         raise typer.Exit(40)
 
@@ -227,7 +225,7 @@ def domains(as_json: JsonOption = False) -> None:
 
     found = [find_domain(name) for name in available_domains()]
     if as_json:
-        _print_json(
+        print_json(
             {
                 "schema": "hybrid-tamp/domains/1",
                 "domains": [
@@ -245,7 +243,7 @@ def domains(as_json: JsonOption = False) -> None:
         return
     from hybrid_tamp.report.tables import domains_table
 
-    _show(domains_table(found))
+    show(domains_table(found))
 
 
 @app.command()
@@ -257,7 +255,7 @@ def schema(
     if document is not Document.task:
         from hybrid_tamp.report.documents import json_schemas
 
-        _print_json(json_schemas()[f"{document.value}-1"])
+        print_json(json_schemas()[f"{document.value}-1"])
         return
     from hybrid_tamp.taskfile.domains import available_domains, find_domain
     from hybrid_tamp.taskfile.schema import json_schema, reference_page
@@ -266,7 +264,7 @@ def schema(
     if reference:
         typer.echo(reference_page(found), nl=False)
     else:
-        _print_json(json_schema(found))
+        print_json(json_schema(found))
 
 
 def _load(text: str, domain: str | None) -> "Task":
@@ -311,49 +309,6 @@ def _adjusted(
     )
 
 
-def _say(document: dict[str, Any], as_json: bool, sentence: Callable[[], str]) -> None:
-    if as_json:
-        _print_json(document)
-    else:
-        typer.echo(sentence())
-
-
-def _print_json(document: dict[str, Any]) -> None:
-    typer.echo(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
-
-
-def _show(renderable: "RenderableType") -> None:
-    from rich.console import Console
-
-    Console(highlight=False, markup=False).print(renderable)
-
-
-def _explain(explanation: Any, as_json: bool) -> None:
-    if explanation is None or as_json:
-        return
-    from rich.console import Console
-
-    from hybrid_tamp.report.tables import explanation_text
-
-    Console(stderr=True, highlight=False, markup=False).print(explanation_text(explanation))
-
-
-def _report(error: HybridTampError, as_json: bool) -> None:
-    """Print an error: for people on standard error, for programs as one JSON document as well."""
-    typer.echo(str(error), err=True)
-    if as_json:
-        issues: tuple[Issue, ...] = error.issues if isinstance(error, InputError) else ()
-        _print_json(
-            {
-                "schema": "hybrid-tamp/error/1",
-                "error": type(error).__name__,
-                "status": error.exit_status,
-                "message": str(error),
-                "issues": [{**issue.__dict__, "message": str(issue)} for issue in issues],
-            }
-        )
-
-
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status."""
     words = sys.argv[1:] if arguments is None else arguments
@@ -362,7 +317,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         status = app(args=words, prog_name="hybrid-tamp", standalone_mode=False)
     except HybridTampError as error:
-        _report(error, "--json" in words)
+        report_error(error, "--json" in words)
         return error.exit_status
     except usage_error as error:
         message = error.format_message() if hasattr(error, "format_message") else str(error)

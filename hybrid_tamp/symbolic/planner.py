@@ -176,7 +176,7 @@ class _Worker:
         if code == 0 and path.exists():
             reply: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
             return reply
-        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+        how = f"signal {-code} ({signal.strsignal(-code)})" if code < 0 else f"exit code {code}"
         tail = (self._directory / _LOG_FILE).read_bytes()[-_LOG_TAIL:].decode(errors="replace").strip()
         return {"status": "crashed", "message": "\n".join(filter(None, [f"the planner ended with {how}", tail]))}
 

@@ -17,7 +17,7 @@ import threading
 import traceback
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, BinaryIO, NoReturn
 
 from hybrid_tamp.symbolic.operators import Operator, PlanningDomain, PlanningProblem
 from hybrid_tamp.symbolic.processes import adopt_orphans, kill_descendants
@@ -30,16 +30,16 @@ def main(directory: Path) -> NoReturn:
     """Answer one request and leave."""
     signal.signal(signal.SIGTERM, lambda number, frame: _leave(1))
     adopt_orphans()
+    parent = _take_input()
     code = 1
     try:
         solver = Solver()
-        line = sys.stdin.buffer.readline()
+        line = parent.readline()
         if not line:
             _abandon(directory)
-        threading.Thread(target=_watch_parent, args=(directory,), daemon=True).start()
+        threading.Thread(target=_watch, args=(parent, directory), daemon=True).start()
         request = json.loads(line)
-        # A Java engine would sooner take more memory than tidy up what it has.
-        os.environ["JAVA_TOOL_OPTIONS"] = f"{os.environ.get('JAVA_TOOL_OPTIONS', '')} -Xmx{request['memory']}m"
+        _bound_java(request["memory"])
         _write(directory / REPLY, solver.reply(decoded_problem(request["problem"]), request["engine"]))
         code = 0
     except Exception:  # noqa: BLE001 the outermost boundary: engines raise anything, and the log shows it
@@ -62,9 +62,23 @@ def _tuples(value: Any) -> Any:
     return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
-def _watch_parent(directory: Path) -> NoReturn:
+def _take_input() -> BinaryIO:
+    """Return the parent's end of standard input; engines, which inherit standard input, find it empty."""
+    parent = os.fdopen(os.dup(0), "rb")
+    with open(os.devnull, "rb") as nothing:
+        os.dup2(nothing.fileno(), 0)
+    return parent
+
+
+def _bound_java(memory: int) -> None:
+    """Keep Java's heap within most of a limit [MiB]: Java sooner takes more memory than tidies up."""
+    options = os.environ.get("JAVA_TOOL_OPTIONS", "")
+    os.environ["JAVA_TOOL_OPTIONS"] = f"{options} -Xmx{max(16, memory * 3 // 4)}m"
+
+
+def _watch(parent: BinaryIO, directory: Path) -> NoReturn:
     """Wait until the parent is gone, however it went."""
-    sys.stdin.buffer.read()
+    parent.read()
     _abandon(directory)
 
 
