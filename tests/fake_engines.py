@@ -22,6 +22,10 @@ class Fake(Engine, OneshotPlannerMixin):
 
     status = PlanGenerationResultStatus.UNSOLVABLE_INCOMPLETELY
 
+    def __init__(self):
+        Engine.__init__(self)
+        OneshotPlannerMixin.__init__(self)
+
     @property
     def name(self):
         return type(self).__name__

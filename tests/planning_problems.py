@@ -91,7 +91,12 @@ MEETING = PlanningProblem(
         "meeting",
         (("spot", "object"),),
         (("hub", "spot"),),
-        (("lit", (("?s", "spot"),)), ("seen", (("?s", "spot"),)), ("may", (("?s", "spot"),)), ("on", (("?s", "spot"),))),
+        (
+            ("lit", (("?s", "spot"),)),
+            ("seen", (("?s", "spot"),)),
+            ("may", (("?s", "spot"),)),
+            ("on", (("?s", "spot"),)),
+        ),
         (
             Operator("light", (("?s", "spot"),), (("may", "?s"),), (("lit", "?s"),), ()),
             Operator(
@@ -172,7 +177,9 @@ def random_problem(seed: int) -> PlanningProblem:
 def _random_operators(rng: random.Random, domain: PlanningDomain, name: str) -> Iterator[Operator]:
     """Yield one random operator, or none if there are no facts to change."""
     # Parameters that have the names of objects and constants, too.
-    parameters = tuple((variable, rng.choice(["t0", "t1", "t2"])) for variable in ("?a", "?k0", "?z")[: rng.randint(0, 3)])
+    parameters = tuple(
+        (variable, rng.choice(["t0", "t1", "t2"])) for variable in ("?a", "?k0", "?z")[: rng.randint(0, 3)]
+    )
     facts = list(_facts(domain, domain.constants + parameters))
     changing = [fact for fact in facts if fact[0] != "q0"]
     if changing:

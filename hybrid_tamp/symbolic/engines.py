@@ -158,6 +158,6 @@ def _may_exist(name: str) -> bool:
 def _module_exists(module: str) -> bool:
     try:
         return find_spec(module) is not None
-    except (ModuleNotFoundError, ValueError):
-        # A missing parent package, or a name such as '' or 'a..b'.
+    except (ImportError, ValueError):
+        # A parent package is missing, or the name is none, such as '' or '..'.
         return False

@@ -89,8 +89,8 @@ class Solver:
                 self._factory.add_engine(name, *self._installable[name])
         elif ":" in name:
             module, _, member = name.partition(":")
-            if not hasattr(import_module(module), member):
-                raise LookupError(f"there is no {member} in {module}")
+            if not hasattr(getattr(import_module(module), member, None), "is_oneshot_planner"):
+                raise LookupError(f"there is no engine {member} in {module}")
             self._factory.add_engine(name, module, member)
         if name not in self._factory.engines or not self._finds_plans(name):
             raise LookupError(f"{name} is no planner that unified_planning knows")

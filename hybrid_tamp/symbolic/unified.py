@@ -152,7 +152,8 @@ class _Builder:
 
         self._source = source
         self._environment = environment
-        self._names = _Names({"object", "total-cost", *pddl_writer.PDDL3_KEYWORDS})
+        keywords = pddl_writer.PDDL3_KEYWORDS | pddl_writer.PDDL_PLUS_KEYWORDS
+        self._names = _Names({"object", "total-cost", *keywords})
         self._parents = dict(source.domain.types)
         self._problem = (_sparse_class() if sparse else Problem)(source.name, environment)
         self._objects: dict[str, Any] = {}
