@@ -5,6 +5,7 @@ long; blocks that must wait for a bounded one hold, bounded ones shift right. In
 what the other changes keep the order that the plan gives them. The earliest times are the longest paths.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
@@ -62,7 +63,7 @@ def _reached(
     task: Task, instances: Sequence[OrderedInstance], instance: OrderedInstance, times: Sequence[float]
 ) -> float | None:
     block = task.domain.block_by_name[instance.block]
-    return times[instance.begin] + _expected(task, block, instance, instances) if block.hold else None
+    return round(times[instance.begin] + _expected(task, block, instance, instances), 6) if block.hold else None
 
 
 def _guesses(task: Task, instances: Sequence[OrderedInstance], instance: OrderedInstance) -> dict[str, float]:
@@ -85,7 +86,9 @@ def _expected(task: Task, block: Block, instance: OrderedInstance, instances: Se
     binding = task.bind({**instance.slots, **instance.targets})
     state = _state_before(task, instances, instance)
     expected = block.duration.expected(binding, state, block.guesses(binding, state))
-    return float(np.clip(expected, block.duration.minimum, block.duration.maximum))
+    bounded = float(np.clip(expected, block.duration.minimum, block.duration.maximum))
+    # Whole ticks here already, so that every time that is built from it agrees with the network's.
+    return round(math.ceil(bounded / _TICK - 1e-6) * _TICK, 6)
 
 
 def _state_before(task: Task, instances: Sequence[OrderedInstance], instance: OrderedInstance) -> State:

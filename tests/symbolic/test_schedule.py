@@ -1,8 +1,11 @@
 from itertools import pairwise
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scenes import reach_and_roll, rolling_task
 
+from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import at
 from hybrid_tamp.symbolic.decoder import OrderedInstance, UndecodableError, decode
 from hybrid_tamp.symbolic.problem import compile_task
@@ -51,3 +54,11 @@ def test_what_is_no_plan_is_not_decoded() -> None:
         decode(compilation, [("jump", "hand-0")])
     with pytest.raises(UndecodableError, match="empty slot"):
         decode(compilation, [("begin-rolling-from-resting", "drum-0", "region-0", "no-region-of-inside")])
+
+
+@given(st.floats(0.2, 1.0), st.floats(-0.8, 0.8), st.floats(0.15, 0.6))
+def test_every_schedule_obeys_the_law_whatever_its_durations(distance: float, side: float, height: float) -> None:
+    task = rolling_task(regions=[(distance, 0.0)])
+    task = task.replaced(state=task.state.replace({("hand 0", "position"): (0.4, side, height)}))
+    plan = schedule(task, decode(compile_task(task), reach_and_roll("hand-0", "drum-0", "region-0")))
+    assert check_law(task, plan) == []
