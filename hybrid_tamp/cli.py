@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from hybrid_tamp.console import explain, print_json, report_error, say, show
-from hybrid_tamp.errors import HybridTampError, InputError
+from hybrid_tamp.errors import HybridTampError, InputError, Issue
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.domain import Domain
@@ -36,7 +36,7 @@ class Objective(str, Enum):
 TaskArgument = Annotated[str, typer.Argument(metavar="TASK", help="a YAML task file, or the name of a bundled one")]
 JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON document and nothing else")]
 PlannerOption = Annotated[str | None, typer.Option("--planner", metavar="NAME", help="planning engine")]
-SeedOption = Annotated[int | None, typer.Option("--seed", min=0, help="seed of everything random")]
+SeedOption = Annotated[int | None, typer.Option("--seed", min=0, max=2**32 - 1, help="seed of everything random")]
 TimeOption = Annotated[float | None, typer.Option("--time-limit", min=0.001, help="of the planner [s]")]
 MemoryOption = Annotated[float | None, typer.Option("--memory-limit", min=1, help="of the planner [MiB]")]
 DomainOption = Annotated[
@@ -321,7 +321,8 @@ def main(arguments: list[str] | None = None) -> int:
         return error.exit_status
     except usage_error as error:
         message = error.format_message() if hasattr(error, "format_message") else str(error)
-        typer.echo(f"hybrid-tamp: {message}; see 'hybrid-tamp --help'", err=True)
+        wrong = InputError([Issue("", message.rstrip("."), remedy="see 'hybrid-tamp --help'")])
+        report_error(wrong, "--json" in words)
         return InputError.exit_status
     except (KeyboardInterrupt, typer.Abort):
         typer.echo("interrupted", err=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from hybrid_tamp.affordances.explanation import explain
-from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
+from hybrid_tamp.errors import HybridTampError, InputError, Issue, LimitReached, NoPlan
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
@@ -132,7 +132,8 @@ def export(task: Task, folder: RunFolder, actions: tuple[str, ...] | None = None
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Write a plan's document and PDDL files, and a copy of the task file."""
+    """Write a plan's document and PDDL files, and a copy of the task file, in place of another run's."""
+    folder.clear()
     if outcome.task.source is not None:
         folder.write_text("task.yaml", outcome.task.source.read_text(encoding="utf-8"))
     folder.write_json("plan.json", outcome.document.dump())
@@ -171,14 +172,15 @@ def run(
 
     began = time.monotonic()
     tell = progress or (lambda share, what: None)
-    outcome = plan(task, planner)
-    save_plan(outcome, folder)
-    chosen = outcome.required()
-    with open_backend(backend) as physics, EventLog(folder.path / "events.jsonl") as events:
-        measured = execute(task, chosen, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
+    check_video(video)
+    with open_backend(backend) as physics:
+        outcome = plan(task, planner)
+        save_plan(outcome, folder)
+        chosen = outcome.required()
+        with EventLog(folder.path / "events.jsonl") as events:
+            measured = execute(task, chosen, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
     recording = with_predictions(measured, predict(task, chosen))
     save(recording, folder.path / "recording.npz")
-    draw(task, recording, folder, video, tell)
     metrics = task.domain.metrics(task, recording) if task.domain.metrics else {}
     breaches = [] if recording.failure else check_law(task, recording.plan, recording.at)
     document = result_document(
@@ -190,7 +192,24 @@ def run(
         law=map(str, breaches),
     )
     folder.write_json("result.json", document.dump())
+    draw(task, recording, folder, video, tell)
     return RunOutcome(outcome, recording, document)
+
+
+def check_video(path: Path | None) -> None:
+    """Refuse a video that could not be written, before anything is done.
+
+    Raises:
+        InputError: its folder is not there, or it does not end in ``.mp4``.
+    """
+    if path is None:
+        return
+    if path.suffix.lower() != ".mp4":
+        raise InputError([Issue(str(path), "a video file that ends in .mp4")])
+    if path.parent.exists() and not path.parent.is_dir():
+        raise InputError([Issue(str(path), "a video file in a folder", f"{path.parent}, a file")])
+    if not path.parent.exists():
+        raise InputError([Issue(str(path), "a video file in a folder that exists", f"{path.parent}, which does not")])
 
 
 def draw(task: Task, recording: Recording, folder: RunFolder, video: Path | None, tell: Progress) -> None:

@@ -46,13 +46,13 @@ class ReachGoal:
         targets: what the goal is given by, e.g. an object and a region.
         position: ``position(binding, state)`` of the hand's centre when it has arrived, ``(..., 3)`` [m].
         entry: conditions under which the reach makes sense.
-        arrived: the condition that says the hand is there.
+        arrived: the conditions that say the hand is there.
     """
 
     targets: tuple[Target, ...]
     position: Callable[[Binding, State], FloatArray]
     entry: tuple[Literal, ...]
-    arrived: Literal
+    arrived: tuple[Literal, ...]
 
 
 @cache
@@ -63,8 +63,8 @@ def demonstrated_reach() -> DMP:
     return DMP.imitate(table[:, 0], table[:, 1:], n_weights=20)
 
 
-def reaching(goal: ReachGoal) -> Block:
-    """Return the block REACHING for one kind of goal."""
+def reaching(goal: ReachGoal, mode: str | None = None) -> Block:
+    """Return REACHING for one kind of goal, as one mode of it where there are several."""
 
     def duration_guess(binding: Binding, state: State) -> FloatArray:
         hand = cast(Token, binding["hand"])
@@ -87,12 +87,12 @@ def reaching(goal: ReachGoal) -> Block:
         return policy
 
     return Block(
-        name="REACHING",
+        name="REACHING" if mode is None else f"REACHING:{mode}",
         slots=(Slot("hand", StaticEndEffector),),
         anchor="hand",
         targets=goal.targets,
         entry=goal.entry,
-        exit=(goal.arrived, AT_REST("hand")),
+        exit=(*goal.arrived, AT_REST("hand")),
         writes={"hand": ("position", "velocity")},
         hyperparameters=(Hyperparameter("duration", "s", 0.8, 8.0, duration_guess, "how long the reach takes"),),
         duration=Duration(0.3, 12.0, expected),

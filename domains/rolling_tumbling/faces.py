@@ -69,11 +69,11 @@ def edge_between(before: str, after: str) -> tuple[str, str]:
 # What a pair of hands can do, as sets of arguments that hold.
 
 TIPS_HOLD = {(OPPOSITE[f], f, flat(d), over(d, f)) for d, f in EDGES}
-"""near, far, before, after: pushed from the face opposite to `far`, the box turns over the edge below `far`."""
+"""near, far, before, outcome: pushed from the face opposite to `far`, the box turns over the edge below `far`."""
 LOWERS_HOLD = {(d, OPPOSITE[d], before, flat(f)) for d, f in EDGES for before in (over(d, f), over(f, d))}
-"""near, far, before, after: between the face that was down and its opposite, the box comes down on the other face."""
+"""near, far, before, outcome: between the face that was down and its opposite, the box comes down on the other face."""
 LEANS_HOLD = {(d, f, over(d, f), over(f, d)) for d, f in EDGES}
-"""near, far, before, after: the box leans over `far`; tilted back, it leans over `near`."""
+"""near, far, before, outcome: the box leans over `far`; tilted back, it leans over `near`."""
 HOLDS_HOLD = {(f, over(d, f)) for d, f in EDGES}
 """face, posture: one hand on the face over which the box leans holds it."""
 EXPOSED_HOLD = {(f, flat(d)) for d, f in EDGES} | {

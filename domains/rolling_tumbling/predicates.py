@@ -7,9 +7,8 @@ from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 
 from ..common.classes import Region, StaticEndEffector
-from ..common.reaching import LIFT
 from .classes import Rollable
-from .geometry import STANDOFF, axis, dot, heading, standby, way
+from .geometry import axis, dot, heading, standby, touching, working_height
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Rollable)
@@ -41,13 +40,28 @@ def _closeness_of_line(state: State, thing: Token, region: Token) -> FloatArray:
 
 
 def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Least distance inside the workspace of the hand's path: stand by, at the lift's top, and at the end."""
-    start = standby(state, hand, thing, region)
-    direction, distance = way(state, thing, region)
-    end = start + direction * (distance + STANDOFF)[..., None]
-    top = start + np.array([0.0, 0.0, LIFT])
+    """Least distance inside the workspace of the hand's place when the thing has come to the region.
+
+    From which side it comes is not known before search, so the better one counts: the fact is necessary wherever the
+    thing may be by then. Whether a hand really stayed in its workspace is measured by IN_WORKSPACE.
+    """
+    along = heading(state, thing)
+    ends = []
+    for direction in (along, -along):
+        behind = touching(state, hand, thing, direction)
+        place = state[region, "position"] - direction * behind[..., None]
+        height = working_height(state, hand, thing)
+        ends.append(_depth_in_workspace(hand, np.concatenate([place[..., :2], height[..., None]], axis=-1)))
+    return np.asarray(np.maximum(*ends))
+
+
+def _depth_in_workspace(hand: Token, position: FloatArray) -> FloatArray:
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
-    return np.asarray(np.min([np.minimum(p - lower, upper - p).min(axis=-1) for p in (start, end, top)], axis=0))
+    return np.asarray(np.minimum(position - lower, upper - position).min(axis=-1))
+
+
+def _own_room(state: State, hand: Token) -> FloatArray:
+    return _depth_in_workspace(hand, state[hand, "position"])
 
 
 INSIDE = Predicate(
@@ -98,5 +112,14 @@ WITHIN_WORKSPACE = Predicate(
     scale=0.01,
     reads={"object": ("position", "orientation"), "region": ("position",)},
     static=True,
-    description="{hand} can push {object} all the way to {region} within its workspace",
+    description="{hand} can be behind {object} at {region} within its workspace",
+)
+IN_WORKSPACE = Predicate(
+    "in_workspace",
+    (_HAND,),
+    _own_room,
+    unit="m",
+    scale=0.01,
+    reads={"hand": ("position",)},
+    description="{hand} is within its workspace",
 )

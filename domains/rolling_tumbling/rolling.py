@@ -31,7 +31,8 @@ from ..common.reaching import ReachGoal
 from ..common.servos import force_on, position_servo
 from .classes import Rollable
 from .geometry import STANDOFF, UP, dot, standby, touching, way, working_height
-from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .predicates import BEHIND, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .tumbling_predicates import FEASIBLE_TUMBLING, POSTURE
 
 _GRAVITY = 9.81
 _APPROACH_GAIN = 4.0
@@ -53,7 +54,7 @@ REACH_BEHIND = ReachGoal(
     targets=(Target("object", Rollable), Target("region", Region)),
     position=_standby_position,
     entry=(*_FEASIBLE, AT_REST("object")),
-    arrived=BEHIND("hand", "object", "region"),
+    arrived=(BEHIND("hand", "object", "region"), IN_WORKSPACE("hand")),
 )
 
 
@@ -137,13 +138,14 @@ ROLLING = Block(
     anchor="object",
     targets=(Target("region", Region),),
     entry=(*_FEASIBLE, BEHIND("hand", "object", "region"), AT_REST("object")),
-    exit=(~INSIDE("object", ANY), INSIDE("object", "region"), AT_REST("object"), AT_REST("hand")),
+    exit=(~INSIDE("object", ANY), INSIDE("object", "region"), AT_REST("object"), AT_REST("hand"), IN_WORKSPACE("hand")),
     writes={
         "hand": ("position", "velocity"),
         "object": ("position", "orientation", "velocity", "angular_velocity"),
     },
     # Rolling keeps the axis level and the centre on its line, so what was feasible stays so.
-    keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE),
+    # What tumbles is a box and does not roll.
+    keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, POSTURE, *FEASIBLE_TUMBLING),
     hyperparameters=(
         Hyperparameter("distance", "m", 0.0, 10.0, _distance_guess, "how far to roll"),
         Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(0.4), "largest speed"),

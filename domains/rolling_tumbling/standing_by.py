@@ -21,6 +21,7 @@ from hybrid_tamp.model.block import (
 )
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST
@@ -28,11 +29,13 @@ from ..common.servos import force_on, free_motion, position_servo
 from .classes import Tumblable
 from .detours import Curve, curve_away, curve_to_face
 from .faces import FACE, POSTURES
+from .tumbling_geometry import place_at
 from .tumbling_predicates import (
     ALIGNED,
     AT_FACE,
     EXPOSED,
     LOW_ENOUGH,
+    ON_SIDE,
     POSTURE,
     STRONG_ENOUGH,
     WITHIN_REACH,
@@ -50,21 +53,34 @@ def _curve(binding: Binding, start: State) -> Curve:
     return curve_away(start, hand, thing)
 
 
+def _place(binding: Binding, state: State) -> FloatArray:
+    """Return the place wanted ``(..., 3)`` [m]; zero for a hand that goes away, which heeds the box no more."""
+    if "face" not in binding:
+        return np.zeros(3)
+    hand, thing = cast(Token, binding["hand"]), cast(Token, binding["object"])
+    return place_at(state, hand, thing, cast(str, binding["face"]))
+
+
 def _time(curve: Curve, hyperparameters: Hyperparameters) -> FloatArray:
     return np.asarray(np.maximum(curve.length / hyperparameters["speed"], _SHORTEST))
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    return float(_time(_curve(binding, state), hyperparameters)) + _SETTLING
+    # Schedules count in milliseconds.
+    return float(np.ceil(1e3 * (_time(_curve(binding, state), hyperparameters) + _SETTLING)) / 1e3)
 
 
 def _follow(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
     hand = cast(Token, binding["hand"])
     curve = _curve(binding, start)
     duration = _time(curve, hyperparameters)
+    planned = _place(binding, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         position, velocity = curve.at(elapsed, duration)
+        # Hands that hold the box may still be settling it: the end of the curve goes along with its face.
+        share = minimum_jerk(elapsed / duration)[..., None]
+        position = position + share * (_place(binding, state) - planned)
         return {(hand.name, "force"): position_servo(hand, state, position, velocity)}
 
     return policy
@@ -84,6 +100,7 @@ REACH_BESIDE = Block(
         EXPOSED("face", "posture"),
         POSTURE("object", "posture"),
         ALIGNED("hand", "object", "face"),
+        ON_SIDE("hand", "object", "face", "posture"),
         WITHIN_REACH("hand", "object"),
         STRONG_ENOUGH("hand", "object"),
         LOW_ENOUGH("hand", "object"),

@@ -21,8 +21,8 @@ from .faces import FACE, POSTURES
 from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .tumbling_geometry import nominal_tilt
 from .tumbling_predicates import (
-    ALIGNED,
     AT_FACE,
+    FEASIBLE_TUMBLING,
     LEANS,
     LOW_ENOUGH,
     LOWERS,
@@ -38,7 +38,7 @@ _GRAVITY = 9.81
 _LEAN_SQUEEZE = 25.0
 _SETTLING = 0.25
 _BODY = ("position", "orientation", "velocity", "angular_velocity")
-KEPT = (ALIGNED, STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
+_KEPT = (*FEASIBLE_TUMBLING, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
 
 
 def _opposed(binding: Binding, state: State) -> FloatArray:
@@ -53,7 +53,9 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) 
     """Closing, the planned turn between the two postures, settling; the pose at the beginning does not matter."""
     roles = Roles.of(binding)
     angle = roles.wanted - nominal_tilt(roles.thing, cast(str, binding["before"]), *roles.edge)
-    return float(CLOSING + turning_time(angle, float(hyperparameters["rate"])) + _SETTLING)
+    seconds = CLOSING + turning_time(angle, float(hyperparameters["rate"])) + _SETTLING
+    # Schedules count in milliseconds.
+    return float(np.ceil(1e3 * seconds) / 1e3)
 
 
 def _tipping(mode: str, relation: Predicate, squeeze: Hyperparameter, description: str) -> Block:
@@ -65,9 +67,9 @@ def _tipping(mode: str, relation: Predicate, squeeze: Hyperparameter, descriptio
             Slot("object", Tumblable),
         ),
         anchor="object",
-        targets=(Target("near", FACE), Target("far", FACE), Target("before", POSTURES), Target("after", POSTURES)),
+        targets=(Target("near", FACE), Target("far", FACE), Target("before", POSTURES), Target("outcome", POSTURES)),
         entry=(
-            relation("near", "far", "before", "after"),
+            relation("near", "far", "before", "outcome"),
             POSTURE("object", "before"),
             AT_FACE("first", "object", "near"),
             AT_FACE("second", "object", "far"),
@@ -78,7 +80,7 @@ def _tipping(mode: str, relation: Predicate, squeeze: Hyperparameter, descriptio
             ),
         ),
         exit=(
-            POSTURE("object", "after"),
+            POSTURE("object", "outcome"),
             AT_FACE("first", "object", "near"),
             AT_FACE("second", "object", "far"),
             AT_REST("object"),
@@ -88,7 +90,7 @@ def _tipping(mode: str, relation: Predicate, squeeze: Hyperparameter, descriptio
         writes={"first": ("position", "velocity"), "second": ("position", "velocity"), "object": _BODY},
         # A box turns about the axis of the hands only, and by little more than its own size: what was feasible stays
         # so. Boxes do not roll, so nothing is said of where a roll would bring them.
-        keeps=KEPT,
+        keeps=_KEPT,
         hyperparameters=(
             Hyperparameter("rate", "rad/s", 0.1, 1.0, lambda b, s: np.asarray(0.5), "mean rate of the turn"),
             squeeze,

@@ -1,4 +1,4 @@
-"""Random tasks of the domain, for trials."""
+"""Random tasks of rolling, for trials; those of tumbling are in `tumbling_trials`."""
 
 import numpy as np
 

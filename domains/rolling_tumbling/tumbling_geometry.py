@@ -15,6 +15,7 @@ GRIP = 0.72
 
 Measured: lower, the tipping force is too large; higher, the hands lift the pivot edge.
 """
+_HIGHEST = 0.9
 STANDBY_GAP = 0.012
 """Gap between hand and face where a hand stands by [m]."""
 PAST_BALANCE = float(np.radians(6.0))
@@ -92,7 +93,12 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
     """Return the point ``(..., 3)`` [m] of a face, in the body frame, that a hand touches in the current pose."""
     halves = np.asarray(thing["half_extents"])
     below = side_below(state, hand, thing, face)
-    return np.asarray(NORMALS[face] * halves + below * halves * (1.0 - 2.0 * GRIP))
+    extent = 2.0 * dot(np.abs(below), halves)
+    # Leaning over the face, the box is this far from lying on it: a hand there must not touch the floor.
+    angle = np.arctan2(extent / 2.0, half_extent(thing, face)) - PAST_BALANCE
+    clear = hand["radius"] * (1.0 + np.cos(angle)) / np.sin(angle) + FLOOR_CLEARANCE
+    height = np.clip(clear, GRIP * extent, _HIGHEST * extent)
+    return np.asarray(NORMALS[face] * halves + below * (extent / 2.0 - height)[..., None])
 
 
 def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:
@@ -120,3 +126,32 @@ def sides_across(state: State, hand: Token, thing: Token) -> tuple[str, ...]:
     along = np.abs(in_body(state, thing, hand_axis(state, hand)))
     own = int(np.argmax(along))
     return tuple(face for face in NORMALS if not NORMALS[face][own])
+
+
+def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> float:
+    """Return how far a face looks to the hand's right, -1 to 1, once the box stands in a posture (single state).
+
+    Boxes turn about the hand's axis only, so the posture and today's pose tell the direction. Right is the axis times
+    up. A face through which the axis goes looks nowhere: 0.
+    """
+    if face not in sides_across(state, hand, thing) or not set(faces_of(posture)) <= set(
+        sides_across(state, hand, thing)
+    ):
+        return 0.0
+    down, *others = faces_of(posture)
+    turned = -np.pi / 2 - _angle(state, hand, thing, down)
+    for forward in others:
+        ahead = np.cos(_angle(state, hand, thing, forward) + turned)
+        turned -= float(np.sign(ahead)) * nominal_tilt(thing, posture, down, forward)
+    return float(np.cos(_angle(state, hand, thing, face) + turned))
+
+
+def to_the_right(state: State, hand: Token) -> FloatArray:
+    """Return the level unit vector ``(..., 3)`` across a hand's axis."""
+    return np.asarray(np.cross(hand_axis(state, hand), np.array([0.0, 0.0, 1.0])))
+
+
+def _angle(state: State, hand: Token, thing: Token, face: str) -> float:
+    """Return the direction of a face's normal in the plane across the hand's axis, from its right upwards [rad]."""
+    outward = normal(state, thing, face)
+    return float(np.arctan2(outward[2], outward @ to_the_right(state, hand)))

@@ -4,7 +4,7 @@ from collections.abc import Callable, Set
 
 import numpy as np
 
-from hybrid_tamp.model.predicate import Parameter, Predicate
+from hybrid_tamp.model.predicate import Parameter, Predicate, Value
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 
@@ -19,9 +19,11 @@ from .tumbling_geometry import (
     lowest_point,
     nominal_tilt,
     normal,
+    outlook,
     place_at,
     sides_across,
     tilt,
+    to_the_right,
 )
 
 _GRAVITY = 9.81
@@ -34,7 +36,9 @@ _FLAT_TOLERANCE = np.radians(5.0)
 _TIPPED_TOLERANCE = np.radians(5.0)
 _TWIST_TOLERANCE = np.radians(5.0)
 _FLOOR_TOLERANCE = 0.015
-_FACE_TOLERANCE = 0.045
+_FACE_TOLERANCE = 0.06
+_ABOVE = 0.05
+_LEAST_OUTLOOK = 0.1
 _ALIGNMENT = np.sin(np.radians(6.0))
 SQUEEZE = 0.5
 """Force with which two hands squeeze a box, as a share of its weight.
@@ -117,9 +121,28 @@ def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
     return np.asarray(SLENDERNESS - long / short)
 
 
+def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
+    """How far the face looks to the side of the box where the hand is; a hand above it may go to either side."""
+    if (face, posture) not in EXPOSED_HOLD:
+        return np.asarray(-1.0)
+    offset = float((state[hand, "position"] - state[thing, "position"]) @ to_the_right(state, hand))
+    looks = outlook(state, hand, thing, face, posture)
+    return np.asarray((looks if offset > 0 else -looks) if abs(offset) > _ABOVE else abs(looks)) - _LEAST_OUTLOOK
+
+
 def _relation(held: Set[tuple[str, ...]]) -> Callable[..., FloatArray]:
-    yes, no = np.asarray(0.0), np.asarray(-1.0)
-    return lambda state, *symbols: yes if symbols in held else no
+    return lambda state, *symbols: np.full(state.values.shape[:-1], 0.0 if symbols in held else -1.0)
+
+
+def _one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
+    """Make a margin of single states one of batches; static margins need not be fast."""
+
+    def batched(state: State, *values: Value) -> FloatArray:
+        rows = state.values.reshape(-1, state.values.shape[-1])
+        found = [float(margin(State(state.layout, row), *values)) for row in rows]
+        return np.array(found).reshape(state.values.shape[:-1])
+
+    return batched
 
 
 POSTURE = Predicate(
@@ -152,10 +175,22 @@ ALIGNED = Predicate(
     static=True,
     description="the axis of {hand}, whose wrist is stiff, is level and lies in the {face} face of {object}",
 )
+ON_SIDE = Predicate(
+    "on_side",
+    (_HAND, _OBJECT, _FACE, _POSTURE),
+    _one_by_one(_outlook),
+    unit="1",
+    scale=0.1,
+    # Of the hand it takes the side where it starts, which no block changes.
+    reads={"hand": ("orientation",), "object": ("position", "orientation")},
+    static=True,
+    description="{face} of {object}, when it is {posture}, looks to the side where {hand} starts",
+)
+"""Hands stay on their side of a box: two that change sides at once would meet above it."""
 STRONG_ENOUGH = Predicate(
     "strong_enough",
     (_HAND, _OBJECT),
-    _strength,
+    _one_by_one(_strength),
     unit="N",
     scale=10.0,
     reads={"object": ("orientation",)},
@@ -165,7 +200,7 @@ STRONG_ENOUGH = Predicate(
 WITHIN_REACH = Predicate(
     "within_reach",
     (_HAND, _OBJECT),
-    _reach,
+    _one_by_one(_reach),
     unit="m",
     scale=0.01,
     reads={"object": ("position", "orientation")},
@@ -175,7 +210,7 @@ WITHIN_REACH = Predicate(
 LOW_ENOUGH = Predicate(
     "low_enough",
     (_HAND, _OBJECT),
-    _lowness,
+    _one_by_one(_lowness),
     unit="1",
     scale=0.1,
     reads={"object": ("orientation",)},
@@ -188,19 +223,17 @@ def _symbols(name: str, held: Set[tuple[str, ...]], parameters: tuple[Parameter,
     return Predicate(name, parameters, _relation(held), static=True, description=said)
 
 
-_FOUR = (Parameter("near", FACE), Parameter("far", FACE), Parameter("before", POSTURES), Parameter("after", POSTURES))
-TIPS = _symbols("tips", TIPS_HOLD, _FOUR, "hands at {near} and {far} tip a box from {before} to {after}")
-LOWERS = _symbols("lowers", LOWERS_HOLD, _FOUR, "hands at {near} and {far} lower a box from {before} to {after}")
-LEANS = _symbols("leans", LEANS_HOLD, _FOUR, "hands at {near} and {far} tilt a box from {before} back to {after}")
+_FOUR = (Parameter("near", FACE), Parameter("far", FACE), Parameter("before", POSTURES), Parameter("outcome", POSTURES))
+TIPS = _symbols("tips", TIPS_HOLD, _FOUR, "hands at {near} and {far} tip a box from {before} to {outcome}")
+LOWERS = _symbols("lowers", LOWERS_HOLD, _FOUR, "hands at {near} and {far} lower a box from {before} to {outcome}")
+LEANS = _symbols("leans", LEANS_HOLD, _FOUR, "hands at {near} and {far} tilt a box from {before} back to {outcome}")
 HOLDS = _symbols("holds", HOLDS_HOLD, (_FACE, _POSTURE), "one hand at {face} holds a box that stands {posture}")
 EXPOSED = _symbols("exposed", EXPOSED_HOLD, (_FACE, _POSTURE), "a hand can stand at {face} of a box that is {posture}")
+FEASIBLE_TUMBLING = (ALIGNED, ON_SIDE, STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
 TUMBLING_PREDICATES = (
     POSTURE,
     AT_FACE,
-    ALIGNED,
-    STRONG_ENOUGH,
-    WITHIN_REACH,
-    LOW_ENOUGH,
+    *FEASIBLE_TUMBLING,
     TIPS,
     LOWERS,
     LEANS,

@@ -36,14 +36,14 @@ class Roles:
         thing: the box.
         faces: the faces of the hands, in their order.
         edge: the faces beside the edge about which the box turns; the tilt counts from the first to the second.
-        after: the posture wanted.
+        outcome: the posture wanted.
     """
 
     hands: tuple[Token, Token]
     thing: Token
     faces: tuple[str, str]
     edge: tuple[str, str]
-    after: str
+    outcome: str
 
     @classmethod
     def of(cls, binding: Binding) -> "Roles":
@@ -52,14 +52,14 @@ class Roles:
             (cast(Token, binding["first"]), cast(Token, binding["second"])),
             cast(Token, binding["object"]),
             (cast(str, binding["near"]), cast(str, binding["far"])),
-            edge_between(cast(str, binding["before"]), cast(str, binding["after"])),
-            cast(str, binding["after"]),
+            edge_between(cast(str, binding["before"]), cast(str, binding["outcome"])),
+            cast(str, binding["outcome"]),
         )
 
     @property
     def wanted(self) -> float:
         """The tilt of the posture wanted [rad]."""
-        return nominal_tilt(self.thing, self.after, *self.edge)
+        return nominal_tilt(self.thing, self.outcome, *self.edge)
 
 
 def turning_time(angle: FloatArray | float, rate: FloatArray | float) -> FloatArray:

@@ -36,7 +36,7 @@ class RunFolder:
 
         Args:
             path: the folder.
-            force: whether the files of another run in it are removed; other files never are.
+            force: whether it may hold another run, whose files `clear` removes.
 
         Raises:
             InputError: the path is a file, cannot be made, or holds another run and `force` is not given.
@@ -47,20 +47,41 @@ class RunFolder:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError([Issue(str(path), "a folder that can be made", str(error.strerror))]) from error
-        old = [path / name for name in RUN_FILES if (path / name).exists()] + sorted(path.glob(STEP_PICTURES))
+        old = cls(path)._old()
         if old and not force:
             held = ", ".join(file.name for file in old[:4])
             raise InputError(
                 [Issue(str(path), "an output folder without another run", f"{held}", remedy="--force replaces it")]
             )
-        for file in old:
-            file.unlink()
         return cls(path)
 
+    def clear(self) -> None:
+        """Remove the files of another run; other files stay.
+
+        Raises:
+            InputError: a file cannot be removed.
+        """
+        for file in self._old():
+            try:
+                file.unlink()
+            except OSError as error:
+                raise _unwritable(file, error) from error
+
+    def _old(self) -> list[Path]:
+        named = [self.path / name for name in RUN_FILES if (self.path / name).exists()]
+        return named + sorted(self.path.glob(STEP_PICTURES))
+
     def write_text(self, name: str, text: str) -> Path:
-        """Write a text file under a temporary name, then rename it."""
+        """Write a text file under a temporary name, then rename it.
+
+        Raises:
+            InputError: the folder cannot be written to.
+        """
         target = self.path / name
-        handle, temporary = tempfile.mkstemp(dir=self.path, prefix=f".{name}.")
+        try:
+            handle, temporary = tempfile.mkstemp(dir=self.path, prefix=f".{name}.")
+        except OSError as error:
+            raise _unwritable(target, error) from error
         try:
             with os.fdopen(handle, "w", encoding="utf-8") as file:
                 file.write(text)
@@ -74,3 +95,7 @@ class RunFolder:
     def write_json(self, name: str, document: dict[str, Any]) -> Path:
         """Write a JSON document; NaN and infinity are refused."""
         return self.write_text(name, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def _unwritable(path: Path, error: OSError) -> InputError:
+    return InputError([Issue(str(path), "an output folder that can be written to", str(error.strerror))])

@@ -263,3 +263,23 @@ def test_a_domain_of_ones_own_is_named_on_the_command_line_only(command: Command
     done = command("plan", task, "--domain", mine, "--json")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["domain"] == "mine"
+
+
+def test_nothing_is_lost_to_a_run_that_cannot_begin(command: Command, ran: tuple[Path, object], tmp_path: Path) -> None:
+    folder = tmp_path / "copy"
+    shutil.copytree(ran[0], folder)
+    before = sorted(path.name for path in folder.iterdir())
+    for words in (
+        ["--backend", "nope"],
+        ["--planner", "nope"],
+        ["--video", tmp_path / "x.gif"],
+        ["--video", tmp_path / "none" / "x.mp4"],
+    ):
+        assert command("run", ROLL, "-o", folder, "--force", *words).returncode == 30
+        assert sorted(path.name for path in folder.iterdir()) == before
+
+
+def test_wrong_words_are_one_document_too(command: Command) -> None:
+    done = command("plan", ROLL, "--json", "--bad")
+    assert done.returncode == 30
+    assert json.loads(done.stdout)["schema"] == "hybrid-tamp/error/1"

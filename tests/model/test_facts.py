@@ -9,7 +9,8 @@ from hybrid_tamp.model.predicate import Atom
 
 def test_facts_are_read_off_the_numbers() -> None:
     task = rolling_task()
-    assert facts(task) == {Atom("at_rest", ("drum 0",)), Atom("at_rest", ("hand 0",))}
+    resting = {Atom("at_rest", ("drum 0",)), Atom("at_rest", ("hand 0",))}
+    assert facts(task) == resting | {Atom("in_workspace", ("hand 0",))}
     there = task.state.replace({("drum 0", "position"): (0.69, 0.0, 0.1)})
     assert Atom("inside", ("drum 0", "region 0")) in facts(task, there)
     moving = task.state.replace({("drum 0", "velocity"): (0.1, 0.0, 0.0)})
@@ -52,3 +53,10 @@ def test_margins_take_a_whole_population_at_once() -> None:
         values = [next(iter(task.values_of(parameter.sort))) for parameter in predicate.parameters]
         assert predicate.evaluate(many, *values).shape == (5,)
         assert np.allclose(predicate.evaluate(many, *values), predicate.evaluate(task.state, *values))
+
+
+def test_feasibility_does_not_hang_on_where_the_drum_starts() -> None:
+    """Else a chain of hands, each with a part of the way in its workspace, would be 'proven' impossible."""
+    task = rolling_task(regions=[(0.45, 0.0), (0.7, 0.0)])
+    moved = task.replaced(state=task.state.replace({("drum 0", "position"): (-30.0, 0.0, 0.1)}))
+    assert static_facts(moved) == static_facts(task)

@@ -22,7 +22,9 @@ def test_another_run_is_kept_unless_forced(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").touch()
     with pytest.raises(InputError, match="--force"):
         RunFolder.create(tmp_path)
-    RunFolder.create(tmp_path, force=True)
+    folder = RunFolder.create(tmp_path, force=True)
+    assert len(list(tmp_path.iterdir())) == 3, "nothing is lost before something takes its place"
+    folder.clear()
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
 

@@ -14,6 +14,7 @@
     (idle)
     (in-resting drum)
     (in-resting hand)
+    (in_workspace hand)
     (inside drum no-region-of-inside)
     (lies_on_side drum)
     (next none-reading n1)

@@ -1,0 +1,108 @@
+"""Random tumbling tasks, and the push by one hand that brings a box down uncontrolled."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import quaternion_from_rpy
+from hybrid_tamp.physics.backend import CONTROL_PERIOD, Backend
+
+from ..common.classes import StaticEndEffector
+from ..common.servos import damping
+from .classes import Tumblable
+from .faces import flat
+from .metrics import tumble_measures
+from .tumbling_geometry import half_extent, tilt
+from .whole import DOMAIN
+
+HANDS = ((-0.5, 0.0, 0.55), (0.5, 0.0, 0.55), (-0.85, 0.0, 0.12), (0.95, 0.0, 0.12))
+"""Where hands wait [m]: each on its side, clear of the ways of the others."""
+_ROW = 1.0
+_PUSH_SPEED = 0.1
+_PUSH_HEIGHT = 0.9
+
+
+def random_box(rng: np.random.Generator, name: str) -> Token:
+    """Return a box: x U(.22, .38) m, z U(.75, 1.6) of it, y U(.2, .35) m, U(8, 20) kg, friction U(.4, .9)."""
+    length = rng.uniform(0.22, 0.38)
+    edges = (length, rng.uniform(0.2, 0.35), length * rng.uniform(0.75, 1.6))
+    properties = {
+        "half_extents": tuple(float(edge / 2) for edge in edges),
+        "mass": float(rng.uniform(8.0, 20.0)),
+        "friction": float(rng.uniform(0.4, 0.9)),
+    }
+    return Token.make(name, [Tumblable], properties)
+
+
+def random_tumbling(seed: int, hands: int = 2, boxes: int = 1, onto: str = "right") -> Task:
+    """Return a task: boxes a metre apart, up to 3 cm and 3 degrees off their places, to be tumbled onto a face.
+
+    Args:
+        seed: of everything random.
+        hands: how many; with several boxes they are spread over them in pairs.
+        boxes: how many.
+        onto: the face on which each box is to lie.
+    """
+    rng = np.random.default_rng(seed)
+    things = [random_box(rng, f"box {number + 1}") for number in range(boxes)]
+    given: dict[tuple[str, str], ArrayLike] = {}
+    for row, thing in enumerate(things):
+        x, y = rng.uniform(-0.03, 0.03, 2)
+        yaw = np.radians(rng.uniform(-3.0, 3.0))
+        given[thing.name, "position"] = (x, y + row * _ROW, half_extent(thing, "bottom"))
+        given[thing.name, "orientation"] = quaternion_from_rpy(np.array([0.0, 0.0, yaw]))
+    ends = [_hand(number) for number in range(hands)]
+    for number, end in enumerate(ends):
+        row, place = (number // 2, number % 2) if boxes > 1 else (0, number)
+        x, y, z = HANDS[place]
+        given[end.name, "position"] = (x, y + row * _ROW, z)
+        given[end.name, "orientation"] = quaternion_from_rpy(np.array([np.pi / 2, 0.0, 0.0]))
+    tokens = (*ends, *things)
+    goal = tuple(Atom("posture", (thing.name, flat(onto))) for thing in things)
+    return Task(f"tumble_{seed}", DOMAIN, tokens, State.of(tokens, given), goal, seed=seed)
+
+
+def _hand(number: int) -> Token:
+    properties = {
+        "radius": 0.035,
+        "length": 0.16,
+        "mass": 1.5,
+        "maximal_force": 300.0,
+        "workspace_lower": (-3.0, -3.0, 0.0),
+        "workspace_upper": (3.0, 3.0, 1.5),
+    }
+    return Token.make(f"hand {number + 1}", [StaticEndEffector], properties)
+
+
+def forced_push(task: Task, backend: Backend, seconds: float = 12.0) -> dict[str, float]:
+    """Push a box over with the task's first hand, which no plan would do, and return the measures of its fall.
+
+    The hand starts at the left face, high up, and moves right at a steady speed with bounded force. Beyond the balance
+    nothing holds the box: it drops onto its right face; one that stands on too smooth a floor slides instead.
+    """
+    hand, thing = task.tokens[0], next(token for token in task.tokens if token.is_member(Tumblable))
+    centre, away = task.state[thing, "position"], half_extent(thing, "right") + hand["radius"] + 0.01
+    height = 2.0 * half_extent(thing, "top") * _PUSH_HEIGHT
+    start = np.array([centre[0] - away, centre[1], height])
+    state = backend.reset(task, task.state.replace({(hand.name, "position"): start}))
+    rows = [state.values]
+    for step in range(round(seconds / CONTROL_PERIOD)):
+        # Once the box is past the balance the hand follows no further.
+        pushing = float(tilt(state, thing, "bottom", "right")) < np.arctan2(*thing["half_extents"][::2])
+        state = backend.step(_push(hand, state, start, step * CONTROL_PERIOD, pushing))
+        rows.append(state.values)
+    run = State(task.state.layout, np.array(rows))
+    return dict(tumble_measures(run, thing, "bottom", "right", CONTROL_PERIOD))
+
+
+def _push(hand: Token, state: State, start: FloatArray, elapsed: float, pushing: bool) -> Commands:
+    """Return the force of a hand that goes right at a steady speed, and follows the box's face up and down freely."""
+    gap = np.zeros(3) if not pushing else start + np.array([_PUSH_SPEED * elapsed, 0.0, 0.0]) - state[hand, "position"]
+    velocity = np.array([_PUSH_SPEED if pushing else 0.0, 0.0, 0.0])
+    force = 8000.0 * gap + damping(hand["mass"]) * (velocity - state[hand, "velocity"])
+    norm = float(np.linalg.norm(force))
+    return {(hand.name, "force"): force * min(1.0, hand["maximal_force"] / max(norm, 1e-9))}

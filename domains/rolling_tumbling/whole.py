@@ -1,0 +1,53 @@
+"""Rolling and tumbling together (paper, Figs. 2 and 3): in the making, and not yet what `rolling_tumbling` names.
+
+The story of tumbling, in order: `faces` (faces and postures of a box), `tumbling_geometry`, `tumbling_predicates`,
+`tipping` (D2 and D4, with `turning`, how two hands turn a box), `tilting` (D3), `standing_by` (D5, with `detours`,
+curves round a box), `network`.
+
+What holds it back is said in CONTRIBUTING.md. It is used with
+``--domain hybrid_tamp_domains.rolling_tumbling.whole:DOMAIN``.
+"""
+
+from dataclasses import replace
+
+from hybrid_tamp.model.domain import Domain
+
+from ..common.classes import Region, StaticEndEffector
+from ..common.predicates import AT_REST
+from ..common.reaching import reaching
+from ..common.resting import RESTING
+from .classes import Rollable, Tumblable
+from .metrics import metrics
+from .network import network
+from .predicates import BEHIND, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .rolling import REACH_BEHIND, ROLLING
+from .standing_by import REACH_AWAY, REACH_BESIDE
+from .tilting import TILTING
+from .tipping import TIPPING
+from .tumbling_predicates import TUMBLING_PREDICATES
+
+# The hands' workspace is not measured in the blocks of tumbling yet.
+_TUMBLING = [
+    replace(block, keeps=(*block.keeps, IN_WORKSPACE)) for block in (REACH_BESIDE, REACH_AWAY, *TIPPING, TILTING)
+]
+_BLOCKS = (reaching(REACH_BEHIND, "behind"), *_TUMBLING, ROLLING, RESTING)
+
+DOMAIN = Domain(
+    name="rolling_tumbling_whole",
+    classes=(StaticEndEffector, Rollable, Tumblable, Region),
+    disjoint=((StaticEndEffector, Rollable), (StaticEndEffector, Tumblable)),
+    predicates=(
+        AT_REST,
+        INSIDE,
+        BEHIND,
+        LIES_ON_SIDE,
+        ON_ROLLING_LINE,
+        WITHIN_WORKSPACE,
+        IN_WORKSPACE,
+        *TUMBLING_PREDICATES,
+    ),
+    blocks=_BLOCKS,
+    network=network(_BLOCKS),
+    metrics=metrics,
+    description="hands roll and tumble heavy objects in a controlled manner",
+)
