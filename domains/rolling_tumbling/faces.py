@@ -49,7 +49,8 @@ EDGES = tuple((down, forward) for down, forward in product(NORMALS, repeat=2) if
 """Ordered pairs of adjacent faces."""
 
 POSTURES = SymbolSort(
-    "posture",
+    # Not "posture": types and predicates share one namespace in PDDL.
+    "posture of a box",
     (*map(flat, NORMALS), *(over(down, forward) for down, forward in EDGES)),
     "how a box stands: flat on a face, or over the edge between two faces, leaning over the second",
 )

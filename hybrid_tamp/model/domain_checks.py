@@ -15,7 +15,14 @@ if TYPE_CHECKING:
 
 def faults_of(domain: "Domain") -> list[Issue]:
     """Return every fault of the domain; frame faults only where the rest is sound."""
-    faults = [*_twice(domain), *_classes(domain), *_blocks(domain), *_edges(domain), *_conditions(domain)]
+    faults = [
+        *_twice(domain),
+        *_one_namespace(domain),
+        *_classes(domain),
+        *_blocks(domain),
+        *_edges(domain),
+        *_conditions(domain),
+    ]
     return faults or list(_frame(domain))
 
 
@@ -33,6 +40,15 @@ def _twice(domain: "Domain") -> Iterator[Issue]:
                 f"two of name {name!r}",
                 remedy="rename one",
             )
+
+
+def _one_namespace(domain: "Domain") -> Iterator[Issue]:
+    """PDDL has one namespace for types and predicates, so a class or sort and a predicate differ in name."""
+    mentioned = [*domain.sorts, *(p.sort for q in domain.predicates for p in q.parameters)]
+    sorts = {sort.name for sort in mentioned if isinstance(sort, SymbolSort)}
+    types = sorts | {object_class.name for object_class in domain.classes}
+    for name in sorted(types & {predicate.name for predicate in domain.predicates}):
+        yield Issue(domain.name, f"{name!r} names a class or sort and a predicate", remedy="rename one of them")
 
 
 def _classes(domain: "Domain") -> Iterator[Issue]:

@@ -109,6 +109,10 @@ FAULTS: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
         {"blocks": with_rolling(exit=tuple(c for c in ROLLING.exit if c.predicate is not INSIDE))},
         ("ROLLING.object", "it writes position, which inside(object) reads", "or list it in keeps"),
     ),
+    "predicate with the name of a class": (
+        {"predicates": (*DOMAIN.predicates, replace(FLYING, name="REGION"))},
+        ("'REGION' names a class or sort and a predicate", "rename one of them"),
+    ),
     "no block for what rests": ({"resting": "SLEEPING"}, ("needs the block SLEEPING",)),
 }
 
