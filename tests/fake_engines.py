@@ -1,5 +1,6 @@
 """Planning engines that misbehave, by the name ``fake_engines:Class``; only the planner's process imports this."""
 
+import ctypes
 import os
 import signal
 import subprocess
@@ -114,12 +115,12 @@ class Slow(Fake):
 
 
 class Stubborn(Fake):
-    """Does not listen when it is told to stop."""
+    """Does not let anything else in its process run."""
 
     def plan(self, problem):
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
         leave_processes_and_files()
-        time.sleep(600)
+        # Keeps Python's lock.
+        ctypes.PyDLL(None).sleep(600)
 
 
 class Hog(Fake):

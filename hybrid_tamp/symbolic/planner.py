@@ -24,10 +24,10 @@ from types import TracebackType
 from typing import IO, TYPE_CHECKING, Any, Literal
 
 from hybrid_tamp.errors import InputError, Issue, LimitReached
-from hybrid_tamp.symbolic.engines import check_engine, known_engines, unknown_engine, with_java
+from hybrid_tamp.symbolic.engines import check_engine, known_engines, unknown_engine
 from hybrid_tamp.symbolic.operators import PlannedAction, PlanningProblem
-from hybrid_tamp.symbolic.processes import MARK, ProcessTree
-from hybrid_tamp.symbolic.worker import REPLY
+from hybrid_tamp.symbolic.processes import ProcessTree, marked_environment
+from hybrid_tamp.symbolic.worker import REPLY, REQUEST
 
 if TYPE_CHECKING:
     # Its import takes as long as the worker's; the worker ought to have started by then.
@@ -39,7 +39,7 @@ _LOG = logging.getLogger(__name__)
 
 _FIRST_LOOK = 0.01  # From the request to the first look at the processes [s]; later ones are further apart,
 _LAST_LOOK = 0.05  # up to this [s].
-_GRACE = 0.5  # For the worker to end what it started, before it is killed itself [s].
+_GRACE = 1.0  # For the worker to end what it started and itself, before it is killed [s].
 _LOG_FILE = "log"
 _LOG_TAIL = 2000  # How much of a crashed worker's log goes into the message [byte].
 
@@ -102,15 +102,16 @@ class PlannerProcess:
         """
         check_engine(engine)
         began = time.monotonic()
-        worker, self._worker = self._worker or _Worker(), None
+        self._worker = worker = self._worker or _Worker()
         try:
             worker.ask({"problem": problem, "engine": engine, "memory": max(1, int(limits.memory))})
             worker.wait(limits, began)
-            reply = worker.reply()
+            reply, seconds = worker.reply(), time.monotonic() - began
         finally:
             worker.stop()
+            self._worker = None
         _LOG.debug("%s: %s", engine, reply)
-        return _answer(reply, engine, time.monotonic() - began)
+        return _answer(reply, engine, seconds)
 
 
 def _answer(reply: dict[str, Any], engine: str, seconds: float) -> PlannerAnswer:
@@ -145,24 +146,27 @@ class _Worker:
             shutil.rmtree(self._directory)
             raise
         self._tree = ProcessTree(self._process.pid, mark)
-        self._ended = threading.Event()
-        self._threads = [threading.Thread(target=self._await_end, daemon=True)]
-        self._threads[0].start()
+        self._answered, self._ended = threading.Event(), threading.Event()
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
 
     def ask(self, request: Mapping[str, Any]) -> None:
         """Send the request, without waiting for the worker to take it."""
-        line = json.dumps(request, default=vars).encode() + b"\n"
-        self._threads.append(threading.Thread(target=self._send, args=(line,), daemon=True))
-        self._threads[-1].start()
+        (self._directory / REQUEST).write_text(json.dumps(request, default=vars), encoding="utf-8")
+        # A worker that has ended already is noticed soon enough.
+        with suppress(BrokenPipeError):
+            self._input.write(b"\n")
 
     def wait(self, limits: "Limits", began: float) -> None:
-        """Wait until the worker has ended.
+        """Wait until the worker has answered or ended.
 
         Raises:
             LimitReached: if a limit is reached first.
         """
         pause = _FIRST_LOOK
-        while not self._ended.wait(min(pause, max(0.0, began + limits.time - time.monotonic()))):
+        while not self._answered.wait(min(pause, max(0.0, began + limits.time - time.monotonic()))):
+            if self._process.poll() is not None:
+                return
             if time.monotonic() - began >= limits.time:
                 raise LimitReached(f"the planner reached its time limit of {limits.time:g} s", limit="time")
             if self._tree.memory() > limits.memory and self._tree.exact_memory() > limits.memory:
@@ -170,29 +174,23 @@ class _Worker:
             pause = min(2 * pause, _LAST_LOOK)
 
     def reply(self) -> dict[str, Any]:
-        """Return the reply of a worker that has ended; one that left none has crashed."""
-        path = self._directory / REPLY
-        code = self._process.returncode
-        if code == 0 and path.exists():
+        """Return the reply of a worker that has answered or ended; one that left none has crashed."""
+        path, code = self._directory / REPLY, self._process.returncode
+        if path.exists():
             reply: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
             return reply
-        how = f"signal {-code} ({signal.strsignal(-code)})" if code < 0 else f"exit code {code}"
-        tail = (self._directory / _LOG_FILE).read_bytes()[-_LOG_TAIL:].decode(errors="replace").strip()
-        return {"status": "crashed", "message": "\n".join(filter(None, [f"the planner ended with {how}", tail]))}
+        log = (self._directory / _LOG_FILE).read_bytes()[-_LOG_TAIL:].decode(errors="replace").strip()
+        return {"status": "crashed", "message": f"the planner ended with {_ending(code)}\n{log}".strip()}
 
     def stop(self) -> None:
-        """End the worker and everything that it started, and remove its files."""
-        if not self._ended.is_set():
-            # It ends what it started itself, and leaves no zombies behind.
-            self._process.terminate()
-            self._ended.wait(_GRACE)
+        """End the worker and everything that it started, and remove its files; again, if that was interrupted."""
+        # That is its sign to end. It knows its own descendants best, and leaves no zombies.
+        self._input.close()
+        self._ended.wait(_GRACE)
         self._tree.kill(search=self._process.returncode != 0)
-        for thread in self._threads:
-            thread.join()
-        # A worker that did not take its request leaves it in the buffer.
-        with suppress(BrokenPipeError):
-            self._input.close()
-        shutil.rmtree(self._directory)
+        self._listener.join()
+        if self._directory.exists():
+            shutil.rmtree(self._directory)
 
     def _started(self, mark: str) -> subprocess.Popen[bytes]:
         """Start the process.
@@ -202,14 +200,18 @@ class _Worker:
         """
         temporary = self._directory / "tmp"
         temporary.mkdir()
-        with (self._directory / _LOG_FILE).open("wb") as log:
+        signs, descriptor = os.pipe()
+        self._signs = os.fdopen(signs, "rb", buffering=0)
+        with (self._directory / _LOG_FILE).open("wb") as log, os.fdopen(descriptor, "wb"):
             return subprocess.Popen(
-                [sys.executable, "-m", "hybrid_tamp.symbolic.worker", str(self._directory)],
+                [sys.executable, "-m", "hybrid_tamp.symbolic.worker", str(self._directory), str(descriptor)],
+                bufsize=0,
                 stdin=subprocess.PIPE,
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 cwd=self._directory,
-                env=_environment(mark, temporary),
+                env=marked_environment(mark, temporary),
+                pass_fds=(descriptor,),
                 start_new_session=True,
             )
 
@@ -218,29 +220,18 @@ class _Worker:
         assert self._process.stdin is not None
         return self._process.stdin
 
-    def _await_end(self) -> None:
+    def _listen(self) -> None:
+        """Wait for the worker's sign that it has answered, which may not come, and for its end."""
+        with self._signs:
+            if not self._signs.read(1):
+                self._process.wait()
+        self._answered.set()
         self._process.wait()
         self._ended.set()
 
-    def _send(self, line: bytes) -> None:
-        # The worker may end before it takes the request; how it ended is what counts then.
-        with suppress(BrokenPipeError):
-            self._input.write(line)
-            self._input.flush()
 
-
-def _environment(mark: str, temporary: Path) -> dict[str, str]:
-    """Return the worker's environment.
-
-    It finds the modules that this process finds. It gives equal answers to equal requests, which sets of
-    strings do not do otherwise. Its temporary files land in its own directory; Java has to be told extra.
-    """
-    java = f"-Djava.io.tmpdir={temporary} -XX:-UsePerfData"
-    return {
-        **with_java(os.environ),
-        **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary)),
-        "JAVA_TOOL_OPTIONS": f"{os.environ.get('JAVA_TOOL_OPTIONS', '')} {java}".strip(),
-        "PYTHONHASHSEED": "0",
-        "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path)),
-        MARK: mark,
-    }
+def _ending(code: int | None) -> str:
+    """Say how a worker without a reply has ended, by its exit code; None if it waits for its sign to end."""
+    if code is None:
+        return "an exception"
+    return f"exit code {code}" if code >= 0 else f"signal {-code} ({signal.strsignal(-code)})"

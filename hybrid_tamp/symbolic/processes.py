@@ -9,8 +9,11 @@ import os
 import sys
 import time
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 
 import psutil
+
+from hybrid_tamp.symbolic.engines import with_java
 
 MARK = "HYBRID_TAMP_PLANNER"
 """The environment variable that marks the processes of one planner."""
@@ -19,6 +22,23 @@ _MIB = 2**20
 _SET_CHILD_SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER in <linux/prctl.h>
 _PATIENCE = 5.0  # For killed processes to vanish [s].
 _PAUSE = 0.002  # Between two looks at them [s].
+
+
+def marked_environment(mark: str, temporary: Path) -> dict[str, str]:
+    """Return the environment of a planner's process.
+
+    It finds the modules that this process finds. It gives equal answers to equal requests, which sets of
+    strings do not do otherwise. Its temporary files land in its own directory; Java has to be told extra.
+    """
+    java = f"-Djava.io.tmpdir={temporary} -XX:-UsePerfData"
+    return {
+        **with_java(os.environ),
+        **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary)),
+        "JAVA_TOOL_OPTIONS": f"{os.environ.get('JAVA_TOOL_OPTIONS', '')} {java}".strip(),
+        "PYTHONHASHSEED": "0",
+        "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path)),
+        MARK: mark,
+    }
 
 
 class ProcessTree:

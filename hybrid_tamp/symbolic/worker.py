@@ -1,11 +1,12 @@
-"""The planner's own process: ``python -m hybrid_tamp.symbolic.worker DIRECTORY``.
+"""The planner's own process: ``python -m hybrid_tamp.symbolic.worker DIRECTORY DESCRIPTOR``.
 
-It imports unified_planning at once, while its parent still reads the task. Then it takes one request, a
-line of JSON, from standard input, solves it, and leaves its reply in ``DIRECTORY/reply.json``. Standard
-input stays open for as long as the parent lives; when it ends, everything that was started here ends too.
+It imports unified_planning at once, while its parent still reads the task. A line on standard input says that
+``DIRECTORY/request.json`` is there. It solves that, leaves its reply in ``DIRECTORY/reply.json``, and says so by
+a byte on the descriptor. Then it waits for the end of standard input, which is also what it sees when the
+parent dies, at whatever time. That ends everything that was started here, and removes the directory.
 
 Engines print what they like: the parent makes a log of both output streams. An exception goes there as
-well, and a worker that ends without a reply has crashed.
+well, and then there is no reply.
 """
 
 import json
@@ -14,8 +15,10 @@ import shutil
 import signal
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, NoReturn
 
@@ -23,28 +26,34 @@ from hybrid_tamp.symbolic.operators import Operator, PlanningDomain, PlanningPro
 from hybrid_tamp.symbolic.processes import adopt_orphans, kill_descendants
 from hybrid_tamp.symbolic.solving import Solver
 
+REQUEST = "request.json"
 REPLY = "reply.json"
 
+_GRACE = 0.3  # For the main thread to end the process [s].
+_TRIES = 3  # To remove a directory in which something is still being written.
 
-def main(directory: Path) -> NoReturn:
-    """Answer one request and leave."""
-    signal.signal(signal.SIGTERM, lambda number, frame: _leave(1))
+
+def main(directory: Path, descriptor: int) -> None:
+    """Answer one request, and wait for the end."""
+    signal.signal(signal.SIGTERM, lambda number, frame: _end(directory))
+    os.set_inheritable(descriptor, False)
     adopt_orphans()
-    parent = _take_input()
-    code = 1
+    asked = threading.Event()
+    follower = threading.Thread(target=_follow_parent, args=(_take_input(), asked, directory), daemon=True)
+    follower.start()
     try:
         solver = Solver()
-        line = parent.readline()
-        if not line:
-            _abandon(directory)
-        threading.Thread(target=_watch, args=(parent, directory), daemon=True).start()
-        request = json.loads(line)
+        asked.wait()
+        request = json.loads((directory / REQUEST).read_text(encoding="utf-8"))
         _bound_java(request["memory"])
         _write(directory / REPLY, solver.reply(decoded_problem(request["problem"]), request["engine"]))
-        code = 0
     except Exception:  # noqa: BLE001 the outermost boundary: engines raise anything, and the log shows it
         traceback.print_exc()
-    _leave(code)
+        sys.stderr.flush()
+    # Nobody may be there any more to be told; the follower knows.
+    with suppress(BrokenPipeError):
+        os.write(descriptor, b"!")
+    follower.join()
 
 
 def decoded_problem(data: Mapping[str, Any]) -> PlanningProblem:
@@ -76,29 +85,28 @@ def _bound_java(memory: int) -> None:
     os.environ["JAVA_TOOL_OPTIONS"] = f"{options} -Xmx{max(16, memory * 3 // 4)}m"
 
 
-def _watch(parent: BinaryIO, directory: Path) -> NoReturn:
-    """Wait until the parent is gone, however it went."""
-    parent.read()
-    _abandon(directory)
+def _follow_parent(parent: BinaryIO, asked: threading.Event, directory: Path) -> NoReturn:
+    """Tell when the parent asks, and end when it closes its end or is gone, however it went."""
+    if parent.readline():
+        asked.set()
+        parent.read()
+    # The main thread ends the process in the signal's handler: what does that starts no engine meanwhile.
+    # But it may be somewhere where it does not get to it.
+    signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
+    time.sleep(_GRACE)
+    _end(directory)
 
 
-def _abandon(directory: Path) -> NoReturn:
-    """End everything and leave no trace: nobody else will."""
-    kill_descendants()
-    # The main thread may be writing there.
-    shutil.rmtree(directory, ignore_errors=True)
-    os._exit(1)
-
-
-def _leave(code: int) -> NoReturn:
-    """End this process and everything that it started, at once.
+def _end(directory: Path) -> NoReturn:
+    """End this process and everything that it started, at once, and leave no trace.
 
     Without the interpreter's own end, which waits for the threads of engines and takes its time.
     """
     kill_descendants()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(code)
+    # Other threads may still be writing there, but none makes the directory anew.
+    for _ in range(_TRIES):
+        shutil.rmtree(directory, ignore_errors=True)
+    os._exit(0)
 
 
 def _write(path: Path, reply: Mapping[str, Any]) -> None:
@@ -109,4 +117,4 @@ def _write(path: Path, reply: Mapping[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), int(sys.argv[2]))
