@@ -6,9 +6,10 @@ never come from numbers: their atoms belong to running instances.
 """
 
 from collections.abc import Iterable
+from functools import lru_cache
 from itertools import product
 
-from hybrid_tamp.model.predicate import Atom, Predicate, Value, name_of
+from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -16,12 +17,54 @@ from hybrid_tamp.model.token import Token
 
 def static_facts(task: Task) -> frozenset[Atom]:
     """Return the feasibility facts of the task: atoms of static predicates over different tokens."""
+    found: set[Atom] = set()
+    for predicate in task.domain.predicates:
+        if predicate.static and _of_symbols_alone(predicate):
+            found.update(_relation(predicate))
+        elif predicate.static:
+            found.update(atom for atom, margin in margins(task, task.state, predicate) if margin >= 0)
+    return frozenset(found)
+
+
+class StaticFacts:
+    """The feasibility facts of a task, each decided when it is asked for: there may be very many."""
+
+    def __init__(self, task: Task) -> None:
+        self._task = task
+        self._known: dict[Atom, bool] = {}
+
+    def __contains__(self, atom: Atom) -> bool:
+        """Say whether the positive atom is one of `static_facts`."""
+        if atom not in self._known:
+            self._known[atom] = self._holds(atom)
+        return self._known[atom]
+
+    def _holds(self, atom: Atom) -> bool:
+        predicate = self._task.domain.predicate_by_name[atom.predicate]
+        if _of_symbols_alone(predicate):
+            return atom in _relation(predicate)
+        values = tuple(map(self._task.value, atom.arguments))
+        fitting = all(map(_fits, values, predicate.parameters)) and _different(values)
+        return fitting and float(predicate.evaluate(self._task.state, *values)) >= 0
+
+
+def _fits(value: Value, parameter: Parameter) -> bool:
+    if isinstance(parameter.sort, SymbolSort):
+        return value in parameter.sort.symbols
+    return isinstance(value, Token) and value.is_member(parameter.sort)
+
+
+def _of_symbols_alone(predicate: Predicate) -> bool:
+    return all(isinstance(parameter.sort, SymbolSort) for parameter in predicate.parameters)
+
+
+@lru_cache(maxsize=1024)
+def _relation(predicate: Predicate) -> frozenset[Atom]:
+    """Return the atoms of a static predicate over symbols alone, which hold in every task or in none."""
+    nothing = State.of((), {})
+    symbols = [parameter.sort.symbols for parameter in predicate.parameters if isinstance(parameter.sort, SymbolSort)]
     return frozenset(
-        atom
-        for predicate in task.domain.predicates
-        if predicate.static
-        for atom, margin in margins(task, task.state, predicate)
-        if margin >= 0
+        Atom(predicate.name, row) for row in product(*symbols) if float(predicate.evaluate(nothing, *row)) >= 0
     )
 
 

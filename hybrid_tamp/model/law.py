@@ -13,31 +13,17 @@ The checker knows nothing of how a plan was made. It judges conditions on symbol
 on measured margins (for a recording).
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterator
 
+from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.facts import facts, static_facts
+from hybrid_tamp.model.judges import Measured, Violation, condition_faults
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan, at
-from hybrid_tamp.model.predicate import Atom, Literal
-from hybrid_tamp.model.state import State
+from hybrid_tamp.model.predicate import SymbolSort
 from hybrid_tamp.model.task import Task
 
-Measured = Callable[[float], State]
-"""Time [s] to the state measured at that instant."""
-
-
-@dataclass(frozen=True)
-class Violation:
-    """One breach of the law: its number, the instant [s], the instance or token, and what is wrong."""
-
-    law: int
-    time: float
-    where: str
-    message: str
-
-    def __str__(self) -> str:
-        return f"law {self.law} at {self.time:.3f} s, {self.where}: {self.message}"
+__all__ = ["Measured", "Violation", "check_law"]
 
 
 def check_law(task: Task, plan: TaskPlan, measured: Measured | None = None) -> list[Violation]:
@@ -59,8 +45,7 @@ def check_law(task: Task, plan: TaskPlan, measured: Measured | None = None) -> l
         *_targets(task, plan),
         *_ends(task, plan),
     ]
-    judge = _Symbols(task, plan) if measured is None else _Margins(task, plan, measured)
-    return [*found, *judge.violations()]
+    return [*found, *condition_faults(task, plan, measured)]
 
 
 def _names(task: Task, plan: TaskPlan) -> Iterator[Violation]:
@@ -74,13 +59,13 @@ def _names(task: Task, plan: TaskPlan) -> Iterator[Violation]:
 
 def _instances(task: Task, plan: TaskPlan) -> Iterator[Violation]:
     """Laws 2 and 4: complete, well-typed instances that have a length and one name each."""
-    names = [instance.name for instance in plan.instances]
+    names = Counter(instance.name for instance in plan.instances)
     for instance in plan.instances:
         block = task.domain.block_by_name[instance.block]
         yield from (Violation(2, instance.start, instance.name, said) for said in _typing(task, block, instance))
         if instance.end - instance.start <= TIME_TOLERANCE:
             yield Violation(4, instance.start, instance.name, "the instance has length zero")
-        if names.count(instance.name) > 1:
+        if names[instance.name] > 1:
             yield Violation(4, instance.start, instance.name, "tokens of one instance enter or leave apart")
 
 
@@ -92,11 +77,17 @@ def _typing(task: Task, block: Block, instance: BlockInstance) -> Iterator[str]:
         yield f"needs the targets {sorted(t.name for t in block.targets)}, has {sorted(instance.targets)}"
     for role, name in instance.roles.items():
         sort = block.roles.get(role)
-        if sort is not None and name not in {v if isinstance(v, str) else v.name for v in task.values_of(sort)}:
+        if sort is not None and not _of_sort(task, name, sort):
             yield f"{name} in {role} is not of {sort.name}"
     tokens = [name for name in instance.roles.values() if name in task.token_by_name]
     if len(set(tokens)) < len(tokens):
         yield "one token has two roles"
+
+
+def _of_sort(task: Task, name: str, sort: type[ObjectClass] | SymbolSort) -> bool:
+    if isinstance(sort, SymbolSort):
+        return name in sort.symbols
+    return name in task.token_by_name and task.token_by_name[name].is_member(sort)
 
 
 def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
@@ -163,130 +154,3 @@ def _ends(task: Task, plan: TaskPlan) -> Iterator[Violation]:
     for instance in plan.instances:
         if at(instance.end, plan.makespan) and not task.domain.block_by_name[instance.block].hold:
             yield Violation(7, plan.makespan, instance.name, "a block without a hold has not ended")
-
-
-class _Judge:
-    """Law 5 and the goal of law 7, by conditions at the instants of reassignment."""
-
-    def __init__(self, task: Task, plan: TaskPlan) -> None:
-        self.task = task
-        self.plan = plan
-        self.static = static_facts(task)
-
-    def block(self, instance: BlockInstance) -> Block:
-        return self.task.domain.block_by_name[instance.block]
-
-    def violations(self) -> Iterator[Violation]:
-        for time in self.plan.instants:
-            final = at(time, self.plan.makespan)
-            self.reach(time)
-            ending = [i for i in self.plan.instances if at(i.end, time)]
-            for instance in ending:
-                yield from self.leave(time, instance, final and self.block(instance).hold)
-            for instance in self.plan.instances:
-                if at(instance.start, time) and time > TIME_TOLERANCE:
-                    yield from self.enter(time, instance)
-            if not final:
-                self.forget(ending)
-        for atom in self.task.goal:
-            if not self.reached(atom):
-                yield Violation(7, self.plan.makespan, str(atom), "the goal does not hold at the end")
-
-    def enter(self, time: float, instance: BlockInstance) -> Iterator[Violation]:
-        roles = self.task.bind(instance.roles)
-        for literal in self.block(instance).entry:
-            atom = literal.ground(roles)
-            if literal.predicate.static:
-                fine = (Atom(atom.predicate, atom.arguments) in self.static) == literal.positive
-            else:
-                fine = self.holds(time, literal, instance)
-            if not fine:
-                yield Violation(5, time, instance.name, f"entry condition {atom} does not hold")
-
-    def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
-        raise NotImplementedError
-
-    def reach(self, time: float) -> None:
-        """Take note of what blocks that hold have brought about by now."""
-
-    def forget(self, ended: list[BlockInstance]) -> None:
-        """Void what the ended instances maintained."""
-
-    def holds(self, time: float, literal: Literal, instance: BlockInstance) -> bool:
-        raise NotImplementedError
-
-    def reached(self, atom: Atom) -> bool:
-        raise NotImplementedError
-
-
-class _Symbols(_Judge):
-    """Judges by the declared effects: deletes before adds, at the end of each instance."""
-
-    def __init__(self, task: Task, plan: TaskPlan) -> None:
-        super().__init__(task, plan)
-        self.facts = set(facts(task))
-        self.owned: dict[str, set[Atom]] = {}
-        self.applied: set[str] = set()
-
-    def reach(self, time: float) -> None:
-        holding = [i for i in self.plan.instances if i.reached is not None and i.reached <= time + TIME_TOLERANCE]
-        for instance in sorted(holding, key=lambda i: (i.reached, i.name)):
-            self.apply(instance)
-
-    def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
-        self.apply(instance)
-        return iter(())
-
-    def apply(self, instance: BlockInstance) -> None:
-        """Apply the effects of an instance, once: deletes before adds."""
-        if instance.name in self.applied:
-            return
-        self.applied.add(instance.name)
-        block = self.block(instance)
-        roles = self.task.bind(instance.roles)
-        for literal in sorted(block.exit, key=lambda literal: literal.positive):
-            atom = literal.ground(roles)
-            index = literal.predicate.functional_index
-            pattern = atom if index is None or not literal.positive else _wild(atom, index)
-            if not literal.positive or index is not None:
-                self.facts = {fact for fact in self.facts if not pattern.matches(fact)}
-            if literal.positive:
-                self.facts.add(atom)
-                if literal.predicate.maintained:
-                    self.owned.setdefault(instance.name, set()).add(atom)
-
-    def forget(self, ended: list[BlockInstance]) -> None:
-        for instance in ended:
-            self.facts -= self.owned.pop(instance.name, set())
-
-    def holds(self, time: float, literal: Literal, instance: BlockInstance) -> bool:
-        return literal.ground(self.task.bind(instance.roles)) in self.facts
-
-    def reached(self, atom: Atom) -> bool:
-        positive = Atom(atom.predicate, atom.arguments)
-        static = self.task.domain.predicate_by_name[atom.predicate].static
-        return (positive in (self.static if static else self.facts)) == atom.positive
-
-
-class _Margins(_Judge):
-    """Judges by the margins measured at the instants."""
-
-    def __init__(self, task: Task, plan: TaskPlan, measured: Measured) -> None:
-        super().__init__(task, plan)
-        self.measured = measured
-
-    def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
-        for literal in self.block(instance).exit:
-            if "*" not in literal.arguments and not self.holds(time, literal, instance) and not final:
-                atom = literal.ground(self.task.bind(instance.roles))
-                yield Violation(5, time, instance.name, f"exit condition {atom} does not hold")
-
-    def holds(self, time: float, literal: Literal, instance: BlockInstance) -> bool:
-        return float(literal.margin(self.measured(time), self.task.bind(instance.roles))) >= 0
-
-    def reached(self, atom: Atom) -> bool:
-        return self.task.margin(atom, self.measured(self.plan.makespan)) >= 0
-
-
-def _wild(atom: Atom, index: int) -> Atom:
-    return Atom(atom.predicate, (*atom.arguments[:index], "*", *atom.arguments[index + 1 :]))

@@ -100,8 +100,15 @@ class TaskPlan:
 
     def timeline(self, token: str) -> tuple[tuple[BlockInstance, str], ...]:
         """Return the (instance, slot) pairs that the token is in, by start."""
-        found = [(i, slot) for i in self.instances for slot, name in i.slots.items() if name == token]
-        return tuple(sorted(found, key=lambda pair: (pair[0].start, pair[0].end, pair[0].name)))
+        return self._timelines.get(token, ())
+
+    @cached_property
+    def _timelines(self) -> Mapping[str, tuple[tuple[BlockInstance, str], ...]]:
+        found: dict[str, list[tuple[BlockInstance, str]]] = {}
+        for instance in sorted(self.instances, key=lambda i: (i.start, i.end, i.name)):
+            for slot, token in instance.slots.items():
+                found.setdefault(token, []).append((instance, slot))
+        return {token: tuple(pairs) for token, pairs in found.items()}
 
 
 def split_mode(block: str) -> tuple[str, str | None]:
