@@ -1,0 +1,180 @@
+"""Judges of law 5 and of the goal: whether conditions hold at the instants of reassignment.
+
+They judge on symbols (effects of blocks, for a plan) or on measured margins (for a recording).
+"""
+
+from bisect import bisect_left, bisect_right
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.facts import StaticFacts, facts
+from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan, at
+from hybrid_tamp.model.predicate import Atom, Literal
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+
+Measured = Callable[[float], State]
+"""Time [s] to the state measured at that instant."""
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One breach of the law: its number, the instant [s], the instance or token, and what is wrong."""
+
+    law: int
+    time: float
+    where: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"law {self.law} at {self.time:.3f} s, {self.where}: {self.message}"
+
+
+def condition_faults(task: Task, plan: TaskPlan, measured: Measured | None) -> list[Violation]:
+    """Return the breaches of law 5 and goal atoms that do not hold, by symbols or, where given, by measured states."""
+    judge = _Symbols(task, plan) if measured is None else _Margins(task, plan, measured)
+    return list(judge.violations())
+
+
+class _Instants:
+    """The instances by the instant at which they start, or end."""
+
+    def __init__(self, instances: Sequence[BlockInstance], side: str) -> None:
+        self._instances = instances
+        self._order = sorted((getattr(instance, side), index) for index, instance in enumerate(instances))
+
+    def at(self, time: float) -> list[BlockInstance]:
+        """Return those of an instant, in the plan's order."""
+        first = bisect_left(self._order, (time - TIME_TOLERANCE, -1))
+        last = bisect_right(self._order, (time + TIME_TOLERANCE, len(self._order)))
+        return [self._instances[index] for index in sorted(index for _, index in self._order[first:last])]
+
+
+class _Judge:
+    """Law 5 and the goal of law 7, by conditions at the instants of reassignment."""
+
+    def __init__(self, task: Task, plan: TaskPlan) -> None:
+        self.task = task
+        self.plan = plan
+        self.static = StaticFacts(task)
+
+    def block(self, instance: BlockInstance) -> Block:
+        return self.task.domain.block_by_name[instance.block]
+
+    def violations(self) -> Iterator[Violation]:
+        starting, ending = (_Instants(self.plan.instances, side) for side in ("start", "end"))
+        for time in self.plan.instants:
+            final = at(time, self.plan.makespan)
+            self.reach(time)
+            ended = ending.at(time)
+            for instance in ended:
+                yield from self.leave(time, instance, final and self.block(instance).hold)
+            for instance in starting.at(time) if time > TIME_TOLERANCE else ():
+                yield from self.enter(time, instance)
+            if not final:
+                self.forget(ended)
+        for atom in self.task.goal:
+            if not self.reached(atom):
+                yield Violation(7, self.plan.makespan, str(atom), "the goal does not hold at the end")
+
+    def enter(self, time: float, instance: BlockInstance) -> Iterator[Violation]:
+        roles = self.task.bind(instance.roles)
+        for literal in self.block(instance).entry:
+            atom = literal.ground(roles)
+            if literal.predicate.static:
+                fine = (Atom(atom.predicate, atom.arguments) in self.static) == literal.positive
+            else:
+                fine = self.holds(time, literal, instance)
+            if not fine:
+                yield Violation(5, time, instance.name, f"entry condition {atom} does not hold")
+
+    def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
+        raise NotImplementedError
+
+    def reach(self, time: float) -> None:
+        """Take note of what blocks that hold have brought about by now."""
+
+    def forget(self, ended: list[BlockInstance]) -> None:
+        """Void what the ended instances maintained."""
+
+    def holds(self, time: float, literal: Literal, instance: BlockInstance) -> bool:
+        raise NotImplementedError
+
+    def reached(self, atom: Atom) -> bool:
+        raise NotImplementedError
+
+
+class _Symbols(_Judge):
+    """Judges by the declared effects: deletes before adds, at the end of each instance."""
+
+    def __init__(self, task: Task, plan: TaskPlan) -> None:
+        super().__init__(task, plan)
+        self.facts = set(facts(task))
+        self.owned: dict[str, set[Atom]] = {}
+        self.applied: set[str] = set()
+        holding = [(i.reached, i.name, i) for i in plan.instances if i.reached is not None]
+        self.to_come = deque(sorted(holding, key=lambda each: each[:2]))
+
+    def reach(self, time: float) -> None:
+        while self.to_come and self.to_come[0][0] <= time + TIME_TOLERANCE:
+            self.apply(self.to_come.popleft()[-1])
+
+    def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
+        self.apply(instance)
+        return iter(())
+
+    def apply(self, instance: BlockInstance) -> None:
+        """Apply the effects of an instance, once: deletes before adds."""
+        if instance.name in self.applied:
+            return
+        self.applied.add(instance.name)
+        block = self.block(instance)
+        roles = self.task.bind(instance.roles)
+        for literal in sorted(block.exit, key=lambda literal: literal.positive):
+            atom = literal.ground(roles)
+            index = literal.predicate.functional_index
+            pattern = atom if index is None or not literal.positive else _wild(atom, index)
+            if not literal.positive or index is not None:
+                self.facts = {fact for fact in self.facts if not pattern.matches(fact)}
+            if literal.positive:
+                self.facts.add(atom)
+                if literal.predicate.maintained:
+                    self.owned.setdefault(instance.name, set()).add(atom)
+
+    def forget(self, ended: list[BlockInstance]) -> None:
+        for instance in ended:
+            self.facts -= self.owned.pop(instance.name, set())
+
+    def holds(self, time: float, literal: Literal, instance: BlockInstance) -> bool:
+        return literal.ground(self.task.bind(instance.roles)) in self.facts
+
+    def reached(self, atom: Atom) -> bool:
+        positive = Atom(atom.predicate, atom.arguments)
+        static = self.task.domain.predicate_by_name[atom.predicate].static
+        return (positive in (self.static if static else self.facts)) == atom.positive
+
+
+class _Margins(_Judge):
+    """Judges by the margins measured at the instants."""
+
+    def __init__(self, task: Task, plan: TaskPlan, measured: Measured) -> None:
+        super().__init__(task, plan)
+        self.measured = measured
+
+    def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
+        for literal in self.block(instance).exit:
+            if "*" not in literal.arguments and not self.holds(time, literal, instance) and not final:
+                atom = literal.ground(self.task.bind(instance.roles))
+                yield Violation(5, time, instance.name, f"exit condition {atom} does not hold")
+
+    def holds(self, time: float, literal: Literal, instance: BlockInstance) -> bool:
+        return float(literal.margin(self.measured(time), self.task.bind(instance.roles))) >= 0
+
+    def reached(self, atom: Atom) -> bool:
+        return self.task.margin(atom, self.measured(self.plan.makespan)) >= 0
+
+
+def _wild(atom: Atom, index: int) -> Atom:
+    return Atom(atom.predicate, (*atom.arguments[:index], "*", *atom.arguments[index + 1 :]))
