@@ -53,8 +53,8 @@ def rolling_task(
 def reach_and_roll(hand: str, drum: str, region: str, source: str = "no-region-of-inside") -> list[tuple[str, ...]]:
     """Return the PDDL actions by which a hand rolls a drum to a region and rests."""
     return [
-        ("begin-reaching-from-resting", hand, drum, region, "none-reading", "n1"),
-        ("fill-rolling-hand-from-reaching", hand, drum, region, "n1", "none-reading"),
+        ("begin-reaching-behind-from-resting", hand, drum, region, "none-reading", "n1"),
+        ("fill-rolling-hand-from-reaching-behind", hand, drum, region, "n1", "none-reading"),
         ("begin-rolling-from-resting", drum, region, source),
         ("begin-resting-from-rolling", drum),
         ("leave-rolling-hand-to-resting", hand, drum),

@@ -115,6 +115,8 @@ class _Run:
             return False
         if not all(ready[name] for name in event.ending):
             return False
+        if len(self._awaited(event)) > len(event.ending):
+            return False
         return all(margin.holds for instance in event.starting for margin in self._entries(instance))
 
     def _carry_out(self, index: int, event: Reassignment) -> None:
@@ -149,14 +151,23 @@ class _Run:
         raise RunError(first, reason, (margin for _, margin in missing))
 
     def _awaited(self, event: Reassignment) -> list[str]:
-        """Return the instances that it ends, and those that still change what its starting instances read."""
-        tokens = {name for instance in event.starting for name in instance.roles.values()}
+        """Return the instances that it ends, and those that still change what its starting instances read (law 5)."""
         changing = [
             name
             for name, running in self._running.items()
-            if running.reached is None and tokens & set(running.instance.slots.values())
+            if name not in event.ending
+            and running.reached is None
+            and any(self._changes(running, instance) for instance in event.starting)
         ]
         return [*event.ending, *changing]
+
+    def _changes(self, running: Running, reader: BlockInstance) -> bool:
+        targets = self._task.domain.block_by_name[reader.block].targets
+        return any(
+            reader.targets[target.name] == token and set(target.reads) & set(running.block.writes.get(slot, ()))
+            for target in targets
+            for slot, token in running.instance.slots.items()
+        )
 
     def _begin(self, instances: tuple[BlockInstance, ...]) -> None:
         for instance in instances:

@@ -130,7 +130,10 @@ class ActionBuilder:
         """Take the old value of a functional predicate away; with nothing set after, the value is none."""
         key = (name, *arguments[:index], *arguments[index + 1 :])
         role = f"from-{literal.predicate.functional} {' '.join(key)}"
-        if role not in self._others:
+        known = self._known_value(literal, index)
+        if known is not None:
+            self.consume((name, *arguments[:index], self._argument(known), *arguments[index + 1 :]))
+        elif role not in self._others:
             sort = literal.predicate.parameters[index].sort
             variable = self._fresh(f"from-{legal(literal.predicate.functional or '')}", self.vocabulary.type_of(sort))
             self._others[role] = variable
@@ -147,6 +150,15 @@ class ActionBuilder:
         if not sets:
             none = self.vocabulary.word(no_value(literal.predicate))
             self.add((name, *arguments[:index], none, *arguments[index + 1 :]))
+
+    def _known_value(self, literal: Literal, index: int) -> str | None:
+        """Return the old value of a functional predicate where an entry condition of the block names it."""
+        for wanted in self.block.entry:
+            value = wanted.arguments[index] if wanted.predicate is literal.predicate and wanted.positive else ANY
+            others = (*wanted.arguments[:index], *wanted.arguments[index + 1 :])
+            if value in self._variables and others == (*literal.arguments[:index], *literal.arguments[index + 1 :]):
+                return value
+        return None
 
     def _argument(self, argument: str) -> str:
         if argument in self.block.roles:

@@ -29,7 +29,7 @@ additive, maximum or landmark-cut heuristics. Other engines are believed if they
 import os
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
@@ -49,6 +49,7 @@ class Engine:
         sparse: whether it takes it that what the initial state does not name is false.
         proofs: sentences of its log, each of which proves that there is no plan; the empty sentence, if
             its returning without a plan is proof enough; None, if its UNSOLVABLE_PROVEN is to be believed.
+        settings: attributes of unified_planning's engine to set before it is asked.
     """
 
     module: str
@@ -57,6 +58,7 @@ class Engine:
     faithful: bool = True
     sparse: bool = False
     proofs: tuple[str, ...] | None = None
+    settings: Mapping[str, object] = field(default_factory=dict)
 
     def proves(self, status: str, log: str) -> bool:
         """Whether an engine that ended without a plan thereby proved that there is none.
@@ -72,14 +74,24 @@ class Engine:
         return any(sentence in log for sentence in self.proofs)
 
 
+# The translator's search for invariants takes most of the time in domains with many operators; what it finds early is
+# what matters: which facts exclude each other.
+_TRANSLATE = ["--invariant-generation-max-candidates", "200"]
+
 _FAST_DOWNWARD = Engine(
     "up_fast_downward",
     install="up-fast-downward",
     sparse=True,
     proofs=("Task is provably unsolvable.", "Completely explored state space -- no solution!"),
+    settings={"_fd_translate_options": _TRANSLATE},
 )
 # The lower and the upper bound on the cost of a plan, after no plan was found, both infinite.
-_SYMK = Engine("up_symk", sparse=True, proofs=("BOUND: 2147483647 < 2147483647 [0/",))
+_SYMK = Engine(
+    "up_symk",
+    sparse=True,
+    proofs=("BOUND: 2147483647 < 2147483647 [0/",),
+    settings={"_symk_translate_options": _TRANSLATE},
+)
 _ENHSP = Engine("up_enhsp", java=True, faithful=False, sparse=True, proofs=("Problem unsolvable", "Unsolvable Problem"))
 _PYPERPLAN = Engine("up_pyperplan", sparse=True, proofs=("",))
 

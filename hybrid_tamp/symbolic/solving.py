@@ -64,6 +64,8 @@ class Solver:
         plain = None if entry.faithful else PlainProblem(source)
         problem = unify(plain.problem if plain else source, sparse=entry.sparse)
         with self._factory.OneshotPlanner(name=name) as planner:
+            for attribute, value in entry.settings.items():
+                setattr(planner, attribute, value)
             given, compiled = simplify_for(planner, problem.problem)
             missing = sorted(given.kind.features - planner.supported_kind().features)
             if missing and not planner.supports(given.kind):

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 from scenes import rolling_task
 from validation import val_accepts
 
@@ -18,6 +19,7 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decoder import decode
 from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction
+from hybrid_tamp.symbolic.planner import PlannerProcess
 from hybrid_tamp.symbolic.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.reencode import matched, reencode
 from hybrid_tamp.symbolic.schedule import schedule
@@ -28,13 +30,15 @@ TASKS = {
     "two hands, two drums": rolling_task(
         hands=2, drums=[(0.0, 0.0), (0.0, 0.5)], regions=[(0.7, 0.0), (0.9, 0.5), (-0.6, 0.0)], goal=[]
     ),
+    "two hands, one box": random_tumbling(3).replaced(goal=()),
+    "four hands, one box": random_tumbling(4, hands=4).replaced(goal=()),
 }
 
 
 def walk(compilation: Compilation, rng: random.Random, length: int) -> list[PlannedAction]:
     """Return random applicable actions that end where nothing is half done."""
     facts = set(compilation.problem.init)
-    wanted = {fact for fact in compilation.problem.goal if fact[0] != "inside"}
+    wanted = {fact for fact in compilation.problem.goal if fact[0] not in ("inside", "posture")}
     actions: list[PlannedAction] = []
     best: list[PlannedAction] = []
     for _ in range(length):
@@ -69,11 +73,14 @@ def applicable(operator: Operator, facts: set[Fact], rng: random.Random) -> tupl
 def with_goal(task: Task, actions: list[PlannedAction]) -> Task:
     """Return the task whose goal is what the walk brought about."""
     compilation = compile_task(task)
-    inside: dict[str, str] = {}
+    reached: dict[str, Atom] = {}
     for name, *arguments in actions:
-        if name.startswith("begin-rolling"):
-            inside[compilation.user(arguments[0])] = compilation.user(arguments[1])
-    return task.replaced(goal=tuple(Atom("inside", pair) for pair in inside.items()))
+        meaning = compilation.encoded.meanings[name]
+        if name.startswith(("begin-rolling", "begin-tipping")):
+            predicate, value = ("inside", "region") if "region" in meaning.roles else ("posture", "outcome")
+            thing, there = (compilation.user(arguments[meaning.roles[role]]) for role in ("object", value))
+            reached[thing] = Atom(predicate, (thing, there))
+    return task.replaced(goal=tuple(reached.values()))
 
 
 def broken(plan: TaskPlan, rng: random.Random) -> TaskPlan:
@@ -115,6 +122,24 @@ def test_law_and_val_agree(name: str, seed: int, tmp_path: Path) -> None:
         assert lawful == accepted, (check_law(task, mutant), reencode(compilation, mutant), mutant)
 
 
+@pytest.mark.parametrize("hands", [2, 4])
+def test_law_and_val_agree_on_whole_tumbles(hands: int, tmp_path: Path) -> None:
+    """Random walks seldom get beyond the first tip; a planner's plan does."""
+    task = random_tumbling(3, hands=hands)
+    compilation = compile_task(task)
+    with PlannerProcess() as planner:
+        actions = planner.solve(compilation.problem, task.planner, task.limits).actions
+    plan = schedule(task, decode(compilation, actions))
+    assert check_law(task, plan) == []
+    assert val_accepts(tmp_path, compilation.problem, reencode(compilation, plan))
+    rng = random.Random(hands)
+    for _ in range(60):
+        mutant = broken(plan, rng)
+        lawful = not [v for v in check_law(task, mutant) if v.law != 6]
+        accepted = val_accepts(tmp_path, compilation.problem, reencode(compilation, mutant))
+        assert lawful == accepted, (check_law(task, mutant), reencode(compilation, mutant), mutant)
+
+
 def _instance(plan: TaskPlan, block: str) -> BlockInstance:
     return next(i for i in plan.instances if i.block == block)
 
@@ -128,8 +153,8 @@ def lawful() -> tuple[Task, TaskPlan]:
     task = rolling_task(hands=2)
     compilation = compile_task(task)
     actions: list[PlannedAction] = [
-        ("begin-reaching-from-resting", "hand-0", "drum-0", "region-0", "none-reading", "n1"),
-        ("fill-rolling-hand-from-reaching", "hand-0", "drum-0", "region-0", "n1", "none-reading"),
+        ("begin-reaching-behind-from-resting", "hand-0", "drum-0", "region-0", "none-reading", "n1"),
+        ("fill-rolling-hand-from-reaching-behind", "hand-0", "drum-0", "region-0", "n1", "none-reading"),
         ("begin-rolling-from-resting", "drum-0", "region-0", "no-region-of-within"),
         ("begin-resting-from-rolling", "drum-0"),
         ("leave-rolling-hand-to-resting", "hand-0", "drum-0"),
@@ -160,7 +185,7 @@ def test_law_2_every_slot_has_one_token_of_its_class(lawful: tuple[Task, TaskPla
 
 def test_law_3_tokens_pass_along_edges_only(lawful: tuple[Task, TaskPlan]) -> None:
     task, plan = lawful
-    reaching = _instance(plan, "REACHING")
+    reaching = _instance(plan, "REACHING:behind")
     waiting = BlockInstance("RESTING-9", "RESTING", {"token": "hand 0"}, reaching.start, reaching.end)
     assert 3 in laws(task, _replaced(plan, reaching, waiting))
 
@@ -178,7 +203,7 @@ def test_law_4_tokens_of_an_instance_come_and_go_together(lawful: tuple[Task, Ta
 
 def test_law_5_conditions_hold_at_each_reassignment(lawful: tuple[Task, TaskPlan]) -> None:
     task, plan = lawful
-    reaching = _instance(plan, "REACHING")
+    reaching = _instance(plan, "REACHING:behind")
     far = task.replaced(state=task.state.replace({("region 0", "position"): (0.7, 0.3, 0.0)}))
     assert 5 in laws(far, plan)
     idle = next(i for i in plan.instances if i.slots == {"token": "hand 1"})
@@ -201,6 +226,6 @@ def test_law_6_instances_last_within_their_bounds(lawful: tuple[Task, TaskPlan])
 def test_law_7_the_plan_starts_in_the_task_and_ends_at_the_goal(lawful: tuple[Task, TaskPlan]) -> None:
     task, plan = lawful
     assert 7 in laws(task.replaced(goal=(Atom("inside", ("drum 0", "region 9")),)), plan)
-    assert 7 in laws(task.replaced(assignment={"hand 0": "REACHING"}), plan)
+    assert 7 in laws(task.replaced(assignment={"hand 0": "REACHING:behind"}), plan)
     cut = [i.during(i.start, min(i.end, _instance(plan, "ROLLING").end)) for i in plan.instances if i.start < 6]
     assert 7 in laws(task, TaskPlan(tuple(cut), _instance(plan, "ROLLING").end))

@@ -37,11 +37,11 @@ OUTSIDER = replace(INSIDE, name="outside")
 
 FAULTS: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     "edge between classes that never share a token": (
-        {"network": ReassignmentNetwork([*EDGES, ("REACHING.hand", "ROLLING.object")])},
-        ("edge REACHING.hand -> ROLLING.object", "no token can be a member of both", "remove the edge"),
+        {"network": ReassignmentNetwork([*EDGES, ("REACHING:behind.hand", "ROLLING.object")])},
+        ("edge REACHING:behind.hand -> ROLLING.object", "no token can be a member of both", "remove the edge"),
     ),
     "edge to a slot that is not there": (
-        {"network": ReassignmentNetwork([*EDGES, ("REACHING.hand", "ROLLING.hands")])},
+        {"network": ReassignmentNetwork([*EDGES, ("REACHING:behind.hand", "ROLLING.hands")])},
         ("ROLLING.hands", "did you mean 'ROLLING.hand'"),
     ),
     "condition on a class that the slot does not have": (

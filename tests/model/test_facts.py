@@ -18,7 +18,8 @@ def test_facts_are_read_off_the_numbers() -> None:
 
 
 def test_feasibility_is_known_before_any_search() -> None:
-    assert static_facts(rolling_task()) == {
+    task = rolling_task()
+    assert {atom for atom in static_facts(task) if task.token_by_name.keys() & set(atom.arguments)} == {
         Atom("lies_on_side", ("drum 0",)),
         Atom("on_rolling_line", ("drum 0", "region 0")),
         Atom("within_workspace", ("hand 0", "drum 0", "region 0")),
@@ -50,6 +51,8 @@ def test_margins_take_a_whole_population_at_once() -> None:
     task = rolling_task()
     many = task.state.repeated(5)
     for predicate in task.domain.predicates:
+        if not all(task.values_of(parameter.sort) for parameter in predicate.parameters):
+            continue  # of boxes, which this task has none of: see tests/domains
         values = [next(iter(task.values_of(parameter.sort))) for parameter in predicate.parameters]
         assert predicate.evaluate(many, *values).shape == (5,)
         assert np.allclose(predicate.evaluate(many, *values), predicate.evaluate(task.state, *values))
