@@ -5,196 +5,180 @@ long; blocks that must wait for a bounded one hold, bounded ones shift right. In
 what the other changes keep the order that the plan gives them. The earliest times are the longest paths.
 """
 
-import math
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import networkx as nx
 import numpy as np
 
-from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.model.predicate import Atom, Literal
-from hybrid_tamp.model.state import State
+from hybrid_tamp.model.predicate import ANY, Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decoder import OrderedInstance
+from hybrid_tamp.symbolic.estimates import TICK, Estimate, Estimates
 
 Constraint = tuple[int, int, float, str]
 """Event j comes at least so many seconds after event i; the reason."""
-
-_TICK = 1e-3
-"""Times are whole ticks [s]: sums of floats would turn a cycle of length zero into an endless one."""
 
 
 class InfeasibleScheduleError(ValueError):
     """No times satisfy the plan's order and durations; the message names the cycle."""
 
 
-def schedule(task: Task, instances: Sequence[OrderedInstance], actions: tuple[str, ...] = ()) -> TaskPlan:
+def schedule(
+    task: Task,
+    instances: Sequence[OrderedInstance],
+    actions: tuple[str, ...] = (),
+    estimates: Estimates | None = None,
+) -> TaskPlan:
     """Return the plan with the earliest times.
 
     Args:
         task: the task.
         instances: instances in the order in which they begin.
         actions: the plan's PDDL lines, kept with it.
+        estimates: those of the task, where several plans share them.
 
     Raises:
         InfeasibleScheduleError: the durations contradict the order.
     """
+    expected = (estimates or Estimates(task)).of(instances)
     final = max(i.begin for i in instances) + 1
     ends = [final if i.end is None else i.end for i in instances]
-    constraints = [*_durations(task, instances, ends), *_conflicts(task, instances, ends)]
-    constraints += [(0, event, 0.0, "the plan begins") for event in range(1, final + 1)]
-    constraints += [(event, final, 0.0, "the plan ends") for event in range(final)]
-    times = _earliest(constraints)
+    network = _Network(task, instances, ends, [each.seconds for each in expected])
+    times = _earliest(list(network.constraints(final)), final + 1)
     timed = [
-        instance.timed(
-            times[instance.begin],
-            times[end],
-            _guesses(task, instances, instance),
-            _reached(task, instances, instance, times),
-        )
-        for instance, end in zip(instances, ends, strict=True)
+        instance.timed(times[instance.begin], times[end], each.guesses, _reached(task, instance, each, times))
+        for instance, end, each in zip(instances, ends, expected, strict=True)
     ]
     return TaskPlan(tuple(sorted(timed, key=lambda i: (i.start, i.end, i.name))), times[final], actions)
 
 
-def _reached(
-    task: Task, instances: Sequence[OrderedInstance], instance: OrderedInstance, times: Sequence[float]
-) -> float | None:
-    block = task.domain.block_by_name[instance.block]
-    return round(times[instance.begin] + _expected(task, block, instance, instances), 6) if block.hold else None
+def _reached(task: Task, instance: OrderedInstance, expected: Estimate, times: Sequence[float]) -> float | None:
+    hold = task.domain.block_by_name[instance.block].hold
+    return round(times[instance.begin] + expected.seconds, 6) if hold else None
 
 
-def _guesses(task: Task, instances: Sequence[OrderedInstance], instance: OrderedInstance) -> dict[str, float]:
-    block = task.domain.block_by_name[instance.block]
-    binding = task.bind({**instance.slots, **instance.targets})
-    guesses = block.guesses(binding, _state_before(task, instances, instance))
-    return {name: float(value) for name, value in guesses.items()}
+class _Network:
+    """The constraints between the events of one plan."""
 
+    def __init__(
+        self, task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int], seconds: Sequence[float]
+    ) -> None:
+        self.instances = instances
+        self.ends = ends
+        self.seconds = seconds
+        self.blocks = [task.domain.block_by_name[instance.block] for instance in instances]
+        self.roles = [task.bind({**instance.slots, **instance.targets}) for instance in instances]
 
-def _durations(task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int]) -> Iterator[Constraint]:
-    for instance, end in zip(instances, ends, strict=True):
-        block = task.domain.block_by_name[instance.block]
-        expected = _expected(task, block, instance, instances)
-        yield (instance.begin, end, expected, f"{instance.name} lasts {expected:.2f} s")
-        if not block.hold:
-            yield (end, instance.begin, -expected, f"{instance.name} lasts {expected:.2f} s")
+    def constraints(self, final: int) -> Iterator[Constraint]:
+        """Yield all constraints; equal ones may come more than once."""
+        yield from self._durations()
+        yield from self._conflicts()
+        yield from self._needs()
+        yield from ((0, event, 0.0, "the plan begins") for event in range(1, final + 1))
+        yield from ((event, final, 0.0, "the plan ends") for event in range(final))
 
+    def _durations(self) -> Iterator[Constraint]:
+        for instance, end, block, seconds in zip(self.instances, self.ends, self.blocks, self.seconds, strict=True):
+            reason = f"{instance.name} lasts {seconds:.2f} s"
+            yield (instance.begin, end, seconds, reason)
+            if not block.hold:
+                yield (end, instance.begin, -seconds, reason)
 
-def _expected(task: Task, block: Block, instance: OrderedInstance, instances: Sequence[OrderedInstance]) -> float:
-    binding = task.bind({**instance.slots, **instance.targets})
-    state = _state_before(task, instances, instance)
-    expected = block.duration.expected(binding, state, block.guesses(binding, state))
-    bounded = float(np.clip(expected, block.duration.minimum, block.duration.maximum))
-    # Whole ticks here already, so that every time that is built from it agrees with the network's.
-    return round(math.ceil(bounded / _TICK - 1e-6) * _TICK, 6)
-
-
-def _state_before(task: Task, instances: Sequence[OrderedInstance], instance: OrderedInstance) -> State:
-    """Estimate the state in which an instance begins: what earlier ones brought to a place is there."""
-    state = task.state
-    for earlier in instances:
-        if earlier.end is None or earlier.end > instance.begin:
-            continue
-        block = task.domain.block_by_name[earlier.block]
-        roles = {**earlier.slots, **earlier.targets}
-        for literal in block.exit:
-            state = _placed(task, state, literal, roles)
-    return state
-
-
-def _placed(task: Task, state: State, literal: Literal, roles: dict[str, str]) -> State:
-    """Put a token at the middle of the place that an exit condition says it has come to."""
-    index = literal.predicate.functional_index
-    if not literal.positive or index is None or len(literal.arguments) != 2:
-        return state
-    thing, place = (roles.get(literal.arguments[i], "") for i in (1 - index, index))
-    if thing not in task.token_by_name or place not in task.token_by_name or not task.token_by_name[place].place:
-        return state
-    position = np.concatenate([state[place, "position"][..., :2], state[thing, "position"][..., 2:]], axis=-1)
-    return state.replace({(thing, "position"): position})
-
-
-def _conflicts(task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int]) -> Iterator[Constraint]:
-    """Keep the plan's order where one instance reads or needs what another changes."""
-    for one, (first, first_end) in enumerate(zip(instances, ends, strict=True)):
-        block = task.domain.block_by_name[first.block]
-        for second in instances[one + 1 :]:
-            if first.begin < second.begin < first_end and block.hold and _touch(task, first, second):
+    def _conflicts(self) -> Iterator[Constraint]:
+        """Keep the plan's order where one instance reads what another changes."""
+        for writer, reader in self._touching():
+            one, two = sorted((writer, reader))
+            first, second = self.instances[one], self.instances[two]
+            if self.ends[one] <= second.begin:
+                yield (self.ends[one], second.begin, 0.0, f"{second.name} after {first.name}")
+            elif writer == one and first.begin < second.begin and self.blocks[one].hold:
                 # It is read while it holds: not before it has come to its exit.
-                expected = _expected(task, block, first, instances)
-                yield (first.begin, second.begin, expected, f"{second.name} reads what {first.name} holds")
-            if second.begin < first_end:
-                continue
-            if _touch(task, first, second) or _touch(task, second, first):
-                yield (first_end, second.begin, 0.0, f"{second.name} after {first.name}")
-    yield from _needs(task, instances, ends)
+                reason = f"{second.name} reads what {first.name} holds"
+                yield (first.begin, second.begin, self.seconds[one], reason)
+
+    def _touching(self) -> Iterator[tuple[int, int]]:
+        """Yield pairs of instances of which the first changes a property that the second reads of a target."""
+        writers: defaultdict[str, list[tuple[int, set[str]]]] = defaultdict(list)
+        for index, (instance, block) in enumerate(zip(self.instances, self.blocks, strict=True)):
+            for slot, token in instance.slots.items():
+                if block.writes.get(slot):
+                    writers[token].append((index, set(block.writes[slot])))
+        for index, (instance, block) in enumerate(zip(self.instances, self.blocks, strict=True)):
+            for target in block.targets:
+                for writer, written in writers.get(instance.targets[target.name], ()):
+                    if writer != index and written.intersection(target.reads):
+                        yield writer, index
+
+    def _needs(self) -> Iterator[Constraint]:
+        """An entry condition waits for what made it true, and comes before what may change it."""
+        effects = _Effects(self)
+        for index, instance in enumerate(self.instances):
+            for literal in self.blocks[index].entry:
+                if literal.predicate.static:
+                    continue
+                atom = literal.ground(self.roles[index])
+                changing = effects.changing(atom)
+                makers = [j for j in changing if j < index and self.instances[j].begin < instance.begin]
+                if makers:
+                    yield self._after(makers[-1], instance, atom)
+                for later in changing:
+                    if later > index and self.instances[later].begin > instance.begin:
+                        reason = f"{self.instances[later].name} may change {atom}"
+                        yield (instance.begin, self.instances[later].begin, 0.0, reason)
+
+    def _after(self, maker: int, instance: OrderedInstance, atom: Atom) -> Constraint:
+        """An instance begins after the end of what made its condition true, or while that holds it."""
+        made = self.instances[maker]
+        reason = f"{instance.name} needs {atom} of {made.name}"
+        if self.ends[maker] <= instance.begin:
+            return (self.ends[maker], instance.begin, 0.0, reason)
+        return (made.begin, instance.begin, self.seconds[maker], reason)
 
 
-def _touch(task: Task, writer: OrderedInstance, reader: OrderedInstance) -> bool:
-    """Say whether the writer changes a property that the reader reads of a target."""
-    writes = task.domain.block_by_name[writer.block].writes
-    for target in task.domain.block_by_name[reader.block].targets:
-        for slot, token in writer.slots.items():
-            if reader.targets[target.name] == token and set(writes.get(slot, ())) & set(target.reads):
-                return True
-    return False
+class _Effects:
+    """Which instances change an atom, found by its predicate and first argument."""
+
+    def __init__(self, network: _Network) -> None:
+        self._found: defaultdict[tuple[str, str], list[tuple[int, Atom]]] = defaultdict(list)
+        for index, (block, roles) in enumerate(zip(network.blocks, network.roles, strict=True)):
+            for literal in block.exit:
+                if not literal.predicate.static:
+                    effect = literal.ground(roles)
+                    self._found[_key(effect)].append((index, effect))
+
+    def changing(self, atom: Atom) -> list[int]:
+        """Return the instances that set or delete the atom, in their order, each once."""
+        found = [*self._found.get(_key(atom), ()), *self._found.get((atom.predicate, ANY), ())]
+        wanted = Atom(atom.predicate, atom.arguments)
+        return sorted({index for index, effect in found if effect.matches(wanted)})
 
 
-def _needs(task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int]) -> Iterator[Constraint]:
-    """An entry condition waits for what made it true, and comes before what may change it."""
-    effects = [_atoms(task, i, "exit") for i in instances]
-    for index, instance in enumerate(instances):
-        for atom in _atoms(task, instance, "entry"):
-            makers = [j for j in range(index) if instances[j].begin < instance.begin and _changes(effects[j], atom)]
-            if makers:
-                yield _after(task, instances, ends, makers[-1], instance, atom)
-            for later in range(index + 1, len(instances)):
-                if instances[later].begin > instance.begin and _changes(effects[later], atom):
-                    reason = f"{instances[later].name} may change {atom}"
-                    yield (instance.begin, instances[later].begin, 0.0, reason)
+def _key(atom: Atom) -> tuple[str, str]:
+    return (atom.predicate, atom.arguments[0] if atom.arguments else "")
 
 
-def _after(
-    task: Task,
-    instances: Sequence[OrderedInstance],
-    ends: Sequence[int],
-    maker: int,
-    instance: OrderedInstance,
-    atom: Atom,
-) -> Constraint:
-    """An instance begins after the end of what made its condition true, or while that holds it."""
-    made = instances[maker]
-    reason = f"{instance.name} needs {atom} of {made.name}"
-    if ends[maker] <= instance.begin:
-        return (ends[maker], instance.begin, 0.0, reason)
-    expected = _expected(task, task.domain.block_by_name[made.block], made, instances)
-    return (made.begin, instance.begin, expected, reason)
+def _earliest(constraints: Sequence[Constraint], count: int) -> list[float]:
+    """Return the earliest time of each event [s]: the longest path from event 0, which bounds all others."""
+    sources, targets = (np.array([each[side] for each in constraints], dtype=np.intp) for side in (0, 1))
+    ticks = np.array([round(each[2] / TICK) for each in constraints], dtype=np.int64)
+    times = np.zeros(count, dtype=np.int64)
+    for _ in range(count + 1):
+        before = times.copy()
+        np.maximum.at(times, targets, times[sources] + ticks)
+        if np.array_equal(times, before):
+            return [round(float(time) * TICK, 6) for time in times]
+    raise InfeasibleScheduleError("these cannot all be so: " + "; ".join(_cycle(constraints)))
 
 
-def _atoms(task: Task, instance: OrderedInstance, side: str) -> list[Atom]:
-    block = task.domain.block_by_name[instance.block]
-    roles = task.bind({**instance.slots, **instance.targets})
-    literals = block.entry if side == "entry" else block.exit
-    return [literal.ground(roles) for literal in literals if not literal.predicate.static]
-
-
-def _changes(effects: Sequence[Atom], atom: Atom) -> bool:
-    return any(effect.matches(Atom(atom.predicate, atom.arguments)) for effect in effects)
-
-
-def _earliest(constraints: Sequence[Constraint]) -> list[float]:
-    """Return the earliest time of each event [s]: the longest path from event 0."""
+def _cycle(constraints: Sequence[Constraint]) -> list[str]:
+    """Return the reasons round a cycle that demands that an event come before itself."""
     graph: nx.DiGraph[int] = nx.DiGraph()
     for source, target, least, reason in constraints:
-        ticks = round(least / _TICK)
+        ticks = round(least / TICK)
         if not graph.has_edge(source, target) or -ticks < graph[source][target]["weight"]:
             graph.add_edge(source, target, weight=-ticks, reason=reason)
-    try:
-        lengths = nx.single_source_bellman_ford_path_length(graph, 0)
-    except nx.NetworkXUnbounded as error:
-        cycle = nx.find_negative_cycle(graph, 0)
-        reasons = [graph[i][j]["reason"] for i, j in pairwise(cycle)]
-        raise InfeasibleScheduleError("these cannot all be so: " + "; ".join(dict.fromkeys(reasons))) from error
-    return [round(-lengths[event] * _TICK, 6) for event in sorted(lengths)]
+    cycle = nx.find_negative_cycle(graph, 0)
+    return list(dict.fromkeys(graph[i][j]["reason"] for i, j in pairwise(cycle)))
