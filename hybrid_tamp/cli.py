@@ -66,7 +66,9 @@ def _options(
 @app.command()
 def check(task: TaskArgument, as_json: JsonOption = False, domain: DomainOption = None) -> None:
     """Check a task file: every fault at once, each with its place and what would be right."""
-    loaded = _load(task, domain)
+    from hybrid_tamp.symbolic.engines import check_engine
+
+    loaded = _load(task, domain, check_engine)
     summary = {
         "schema": "hybrid-tamp/check/1",
         "task": loaded.name,
@@ -267,12 +269,15 @@ def schema(
         print_json(json_schema(found))
 
 
-def _load(text: str, domain: str | None) -> "Task":
-    """Load a task; code is imported only where the command line, not the file, names it."""
+def _load(text: str, domain: str | None, check_planner: "Callable[[str], None] | None" = None) -> "Task":
+    """Load a task; code is imported only where the command line, not the file, names it.
+
+    The planner that the file names is checked only where it is going to be used.
+    """
     from hybrid_tamp.taskfile.domains import find_task_file
     from hybrid_tamp.taskfile.loader import load_task
 
-    return load_task(find_task_file(text), _finder(domain))
+    return load_task(find_task_file(text), _finder(domain), check_planner)
 
 
 def _finder(name: str | None) -> "Callable[[str], Domain]":

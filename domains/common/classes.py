@@ -18,8 +18,10 @@ class StaticEndEffector(CapabilityClass):
 
     radius: float = quantity("m", "radius of the cylindrical hand", gt=0, le=10, strict=True, allow_inf_nan=False)
     length: float = quantity("m", "length of the cylindrical hand", gt=0, le=10, strict=True, allow_inf_nan=False)
-    mass: float = quantity("kg", "mass", gt=0, strict=True, allow_inf_nan=False)
-    maximal_force: float = quantity("N", "largest force the hand can exert", gt=0, strict=True, allow_inf_nan=False)
+    mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
+    maximal_force: float = quantity(
+        "N", "largest force the hand can exert", gt=0, le=1e7, strict=True, allow_inf_nan=False
+    )
     workspace_lower: Vector3 = quantity("m", "lower corner of the box that the hand's centre can reach")
     workspace_upper: Vector3 = quantity("m", "upper corner of the box that the hand's centre can reach")
 

@@ -1,13 +1,16 @@
 """What rolls and what tumbles."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator
 
 from hybrid_tamp.model.affordance import AffordanceClass, Direction, Vector3, quantity
 from hybrid_tamp.model.shape import Box, Cylinder, Shape
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+
+from .standing import start_complaint
 
 
 class Rollable(AffordanceClass):
@@ -17,7 +20,7 @@ class Rollable(AffordanceClass):
 
     axis_of_rotation: Direction = quantity("1", "axis of rotation in the body frame")
     radius_of_rotation: float = quantity("m", "radius on which it rolls", gt=0, le=10, strict=True, allow_inf_nan=False)
-    mass: float = quantity("kg", "mass", gt=0, strict=True, allow_inf_nan=False)
+    mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
     friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
     rolling_friction: float = quantity(
         "m",
@@ -55,7 +58,7 @@ class Tumblable(AffordanceClass):
         "m", "half of the edge lengths along x, y, z"
     )
     # Declared exactly as in ROLLABLE, so that a token may be a member of both.
-    mass: float = quantity("kg", "mass", gt=0, strict=True, allow_inf_nan=False)
+    mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
     friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
 
     @classmethod
@@ -72,3 +75,8 @@ class Tumblable(AffordanceClass):
         if any(abs(one - other) > 0.01 * one for one, other in zip(halves, token.shape.half_extents, strict=True)):
             return f"half_extents are {halves} m, but those of its shape are {token.shape.half_extents} m"
         return None
+
+    @staticmethod
+    def consistent_start(token: Token, state: State, tokens: Iterable[Token]) -> str | None:
+        """Complain about a box that stands in no posture, or higher than the method of tumbling reaches."""
+        return start_complaint(token, state, tokens)

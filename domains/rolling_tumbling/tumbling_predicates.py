@@ -10,19 +10,16 @@ from hybrid_tamp.model.token import Token
 
 from ..common.classes import StaticEndEffector
 from .classes import Tumblable
-from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, NORMALS, POSTURES, TIPS_HOLD, faces_of
+from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, NORMALS, POSTURES, TIPS_HOLD
 from .geometry import dot
+from .standing import SLENDERNESS, standing
 from .tumbling_geometry import (
     GRIP,
     hand_axis,
-    in_body,
-    lowest_point,
-    nominal_tilt,
     normal,
     outlook,
     place_at,
     sides_across,
-    tilt,
     to_the_right,
 )
 
@@ -31,11 +28,6 @@ _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
 _FACE = Parameter("face", FACE)
 _POSTURE = Parameter("posture", POSTURES)
-_FLAT_TOLERANCE = np.radians(5.0)
-# Less than the angle past the balance, so that leaning one way and leaning the other never both hold.
-_TIPPED_TOLERANCE = np.radians(5.0)
-_TWIST_TOLERANCE = np.radians(5.0)
-_FLOOR_TOLERANCE = 0.015
 _FACE_TOLERANCE = 0.06
 _ABOVE = 0.05
 _LEAST_OUTLOOK = 0.1
@@ -45,28 +37,6 @@ SQUEEZE = 0.5
 
 More of it makes the hands carry the weight: then the pivot edge unloads and slides.
 """
-SLENDERNESS = 1.6
-"""Largest ratio of a box's edges that the method has been shown to tumble."""
-
-
-def _standing(state: State, thing: Token, posture: str) -> FloatArray:
-    """Least of how well the orientation fits and, scaled to an angle, how close to the floor the box is."""
-    faces = faces_of(posture)
-    if len(faces) == 1:
-        fit = _FLAT_TOLERANCE - np.arccos(np.clip(-normal(state, thing, faces[0])[..., 2], -1.0, 1.0))
-    else:
-        angle = tilt(state, thing, *faces) - nominal_tilt(thing, posture, *faces)
-        # Both faces beside the edge must look down: their common axis is level.
-        level = np.cross(NORMALS[faces[0]], NORMALS[faces[1]])
-        heights = np.abs(_height(state, thing, level))
-        fit = np.minimum(_TIPPED_TOLERANCE - np.abs(angle), _TWIST_TOLERANCE - np.arcsin(np.clip(heights, 0.0, 1.0)))
-    contact = 1.0 - np.abs(lowest_point(state, thing)) / _FLOOR_TOLERANCE
-    return np.asarray(np.minimum(fit, _FLAT_TOLERANCE * contact))
-
-
-def _height(state: State, thing: Token, vector: FloatArray) -> FloatArray:
-    up = in_body(state, thing, np.array([0.0, 0.0, 1.0]))
-    return dot(up, vector)
 
 
 def _close_to_face(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
@@ -148,7 +118,7 @@ def _one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
 POSTURE = Predicate(
     "posture",
     (_OBJECT, _POSTURE),
-    _standing,
+    standing,
     unit="rad",
     scale=0.02,
     reads={"object": ("position", "orientation")},

@@ -112,6 +112,17 @@ class ObjectClass(BaseModel):
         """Return a complaint about a token whose properties or shape contradict each other, or None."""
         return None
 
+    @staticmethod
+    def consistent_start(token: Any, state: Any, tokens: Any) -> str | None:
+        """Return a complaint about where a token is at the beginning, or None.
+
+        Args:
+            token: the member of the class.
+            state: the initial state, a single one.
+            tokens: all tokens of the task.
+        """
+        return None
+
     @classmethod
     def describe(cls) -> str:
         """Return the first line of the class's docstring."""

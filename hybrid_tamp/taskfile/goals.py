@@ -7,7 +7,7 @@ from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort
 from hybrid_tamp.taskfile.places import Faults, KeyPath, plain, shown
 from hybrid_tamp.taskfile.tokens import Scene
 
-_FORM = "an atom of the goal is 'predicate: [tokens]' or 'not: {predicate: [tokens]}'"
+_FORM = "an atom of the goal is 'predicate: [tokens]'"
 
 
 def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> tuple[Atom, ...]:
@@ -34,9 +34,11 @@ def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene
 
 def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[Atom, KeyPath] | None:
     """Return the atom and the path of its arguments, or None if the item is no atom."""
-    positive = True
-    if isinstance(item, dict) and list(item) == ["not"]:
-        item, path, positive = item["not"], (*path, "not"), False
+    if isinstance(item, dict) and "not" in item:
+        # Plans are judged by what their blocks bring about.
+        remedy = "say what is to hold instead, or leave it out"
+        faults.at((*path, "not"), "a goal says what holds at the end", "'not'", remedy=remedy, key=True)
+        return None
     if not isinstance(item, dict) or len(item) != 1:
         came = "several keys" if isinstance(item, dict) and item else faults.shown(path, item)
         faults.at(path, _FORM, came, remedy="write one atom an entry")
@@ -50,7 +52,7 @@ def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[Atom, KeyPath] | No
         if not isinstance(argument, str):
             here = (*path, index)
             faults.at(here, "an argument is a name", faults.shown(here, argument), remedy="write it in quotes")
-    return (Atom(predicate, tuple(arguments), positive), path) if faults.sound(path) else None
+    return (Atom(predicate, tuple(arguments)), path) if faults.sound(path) else None
 
 
 def _predicate(atom: Atom, path: KeyPath, faults: Faults, domain: Domain | None) -> Predicate | None:
@@ -119,11 +121,7 @@ def _check_company(
     faults: Faults,
 ) -> None:
     """Refuse an atom that cannot hold together with an earlier one."""
-    opposite = Atom(atom.predicate, atom.arguments, not atom.positive)
-    if opposite in atoms:
-        wanted = f"a goal cannot ask for both {plain(str(opposite))} and {plain(str(atom))}"
-        faults.at(path, wanted, _first(atoms[opposite], faults), remedy="remove one")
-    if predicate.functional_index is None or not atom.positive:
+    if predicate.functional_index is None:
         return
     index = predicate.functional_index
     other = values.setdefault((atom.predicate, atom.arguments[:index], atom.arguments[index + 1 :]), atom)

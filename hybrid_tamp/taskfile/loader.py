@@ -1,6 +1,6 @@
 """A task file to a task: every fault of the file at once, or none."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,20 +13,23 @@ from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.goals import read_goal
-from hybrid_tamp.taskfile.places import Faults, shown
+from hybrid_tamp.taskfile.places import Faults, KeyPath
 from hybrid_tamp.taskfile.roles import read_agents, read_assignment
-from hybrid_tamp.taskfile.tokens import read_scene
+from hybrid_tamp.taskfile.starts import check_starts
+from hybrid_tamp.taskfile.tokens import check_printable, read_scene
 from hybrid_tamp.taskfile.wording import add_validation_faults
 from hybrid_tamp.taskfile.yaml_nodes import check_size, parse, read_text
 
 FindDomain = Callable[[str], Domain]
 """Name to domain; raises InputError for a name that it does not know."""
+CheckPlanner = Callable[[str], None]
+"""Raises InputError for the name of a planner that cannot be used."""
 
 
 def load_task(
     path: Path | str,
     find_domain: FindDomain = installed_domain,
-    planners: Collection[str] | None = None,
+    check_planner: CheckPlanner | None = None,
 ) -> Task:
     """Load a task file.
 
@@ -34,20 +37,20 @@ def load_task(
         path: the YAML file.
         find_domain: how the domain is found that the file names. The default knows installed domains only, so that
             no file can run code; `domains.find_domain` also takes modules and paths.
-        planners: names of planners to check the file's against, or None to leave that to whoever plans.
+        check_planner: how the planner that the file names is checked, or None to leave that to whoever plans.
 
     Raises:
         InputError: everything that is wrong with the file, each fault with its line and column, in order.
     """
     path = Path(path)
-    return _load(read_text(path), str(path), path.stem, path, find_domain, planners)
+    return _load(read_text(path), str(path), path.stem, path, find_domain, check_planner)
 
 
 def load_task_text(
     text: str,
     name: str,
     find_domain: FindDomain = installed_domain,
-    planners: Collection[str] | None = None,
+    check_planner: CheckPlanner | None = None,
 ) -> Task:
     """Load a task from the text of its file.
 
@@ -55,12 +58,12 @@ def load_task_text(
         text: YAML.
         name: what messages call the text, and the task's name if the text does not say.
         find_domain: as in `load_task`.
-        planners: as in `load_task`.
+        check_planner: as in `load_task`.
 
     Raises:
         InputError: as in `load_task`.
     """
-    return _load(text, name, name, None, find_domain, planners)
+    return _load(text, name, name, None, find_domain, check_planner)
 
 
 def _load(
@@ -69,7 +72,7 @@ def _load(
     name: str,
     path: Path | None,
     find_domain: FindDomain,
-    planners: Collection[str] | None,
+    check_planner: CheckPlanner | None,
 ) -> Task:
     check_size(len(text.encode("utf-8", "surrogatepass")), source)
     document = parse(text, source)
@@ -80,7 +83,10 @@ def _load(
     goal = read_goal(data, faults, domain, scene)
     agents = read_agents(data, faults, scene)
     assignment = read_assignment(data, faults, domain, scene)
-    _check_planner(data, faults, planners)
+    check_starts(data, faults, scene)
+    if isinstance(data.get("name"), str):
+        check_printable(data["name"], ("name",), faults, "a task needs a name", key=False)
+    _check_planner(data, faults, check_planner)
     faults.raise_if_any()
     assert file is not None
     assert domain is not None
@@ -115,15 +121,22 @@ def _find(data: dict[str, Any], faults: Faults, find_domain: FindDomain) -> Doma
     try:
         return find_domain(data["domain"])
     except InputError as error:
-        for issue in error.issues:
-            wanted = f"{issue.where}: {issue.wanted}" if issue.where else issue.wanted
-            faults.at(path, wanted, issue.came, issue.available, issue.remedy)
+        _place(error, path, faults)
         return None
 
 
-def _check_planner(data: dict[str, Any], faults: Faults, planners: Collection[str] | None) -> None:
+def _check_planner(data: dict[str, Any], faults: Faults, check_planner: CheckPlanner | None) -> None:
     path = ("planner",)
-    if planners is None or "planner" not in data or not faults.sound(path):
+    if check_planner is None or "planner" not in data or not faults.sound(path):
         return
-    if data["planner"] not in planners:
-        faults.at(path, "unknown planner", shown(data["planner"]), sorted(planners))
+    try:
+        check_planner(data["planner"])
+    except InputError as error:
+        _place(error, path, faults)
+
+
+def _place(error: InputError, path: KeyPath, faults: Faults) -> None:
+    """Note at a place of the file what is wrong with that which it names there."""
+    for issue in error.issues:
+        wanted = issue.wanted if issue.where in ("", *path) else f"{issue.where}: {issue.wanted}"
+        faults.at(path, wanted, issue.came, issue.available, issue.remedy)

@@ -7,7 +7,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
-from hybrid_tamp.taskfile.tokens import Scene
+from hybrid_tamp.taskfile.tokens import Scene, check_printable
 
 
 def read_agents(data: dict[str, Any], faults: Faults, scene: Scene) -> dict[str, tuple[str, ...]]:
@@ -15,6 +15,7 @@ def read_agents(data: dict[str, Any], faults: Faults, scene: Scene) -> dict[str,
     agents = data.get("agents", {})
     owners: dict[str, str] = {}
     for agent, names in agents.items() if isinstance(agents, dict) else ():
+        check_printable(agent, ("agents", agent), faults, "an agent needs a name")
         for index, name in enumerate(names if isinstance(names, list) else ()):
             path: KeyPath = ("agents", agent, index)
             if not faults.sound(path) or not _is_known(name, path, faults, scene, f"agent {shown(agent)}"):

@@ -64,6 +64,7 @@ def _check_name(name: str, faults: Faults, domain: Domain | None) -> None:
     mark = faults.mark(("tokens", name), key=True)
     if not name:
         faults.add(mark, "a token needs a name that is not empty", shown(name))
+    check_printable(name, ("tokens", name), faults, "a token needs a name")
     if name == ANY:
         remedy = "it means every value in conditions: rename the token"
         faults.add(mark, f"a token needs a name other than {ANY!r}", shown(name), remedy=remedy)
@@ -71,6 +72,14 @@ def _check_name(name: str, faults: Faults, domain: Domain | None) -> None:
         if name in sort.symbols:
             wanted = f"a token needs a name that is no {sort.name} of the domain"
             faults.add(mark, wanted, shown(name), remedy="rename the token")
+
+
+def check_printable(name: str, path: KeyPath, faults: Faults, who: str, *, key: bool = True) -> None:
+    """Refuse a name that would disturb a terminal or a table: line ends, escapes, invisible characters."""
+    odd = next((character for character in name if not character.isprintable()), None)
+    if odd is not None:
+        came = f"{shown(name)}, in which the character U+{ord(odd):04X} is not"
+        faults.add(faults.mark(path, key=key), f"{who} of printable characters", came, remedy="rename it")
 
 
 def symbol_sorts(domain: Domain) -> tuple[SymbolSort, ...]:

@@ -43,7 +43,7 @@ def read_text(path: Path) -> str:
     try:
         if path.is_dir():
             raise InputError([Issue(str(path), "a task file", "a folder", remedy="name a file in it")])
-        with path.open("rb") as file:
+        with open(path, "rb", opener=_open_at_once) as file:
             raw = file.read(MAX_BYTES + 1)
             size = max(os.fstat(file.fileno()).st_size, len(raw))
     except FileNotFoundError as error:
@@ -53,6 +53,13 @@ def read_text(path: Path) -> str:
         raise InputError([Issue(str(path), "a file that can be read", reason)]) from error
     check_size(size, str(path))
     return decode(raw, str(path))
+
+
+def _open_at_once(name: str, flags: int) -> int:
+    """Open a file; a pipe that nobody writes to reads as an empty file instead of waiting for ever."""
+    descriptor = os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
+    os.set_blocking(descriptor, True)
+    return descriptor
 
 
 def check_size(size: int, source: str) -> None:

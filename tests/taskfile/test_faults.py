@@ -108,9 +108,8 @@ FAULTS = [
     fault("two atoms in one entry", "- within: [drum, goal]", "- «within: [drum, goal]\n    beside: [drum, hand]",
           "one atom an entry"),
     fault("goal with a number", "[drum, goal]", "[drum, «1]", "an argument is a name", "got 1", "in quotes"),
-    fault("goal and its opposite", "- within: [drum, goal]",
-          "- within: [drum, goal]\n  - not: {within: «[drum, goal]}", "both within(drum, goal) and not within",
-          "first on line 21"),
+    fault("goal that something be not so", "- within: [drum, goal]", "- «not: {within: [drum, goal]}",
+          "a goal says what holds at the end", "got 'not'"),
     fault("two values of a function", "- within: [drum, goal]",
           "- within: [drum, goal]\n  - within: «[drum, other]", "within gives each object one region", "line 25"),
     # Agents and starts.

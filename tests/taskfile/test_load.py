@@ -44,14 +44,15 @@ def test_poses_are_those_of_the_file_also_of_places(load: Load, text: str) -> No
 
 
 def test_a_quaternion_is_normalised(load: Load, text: str) -> None:
-    state = load(text.replace("rpy: [1.5707963267948966, 0, 0]", "quaternion: [0, 0, 2, 0]")).state
+    text = text.replace("[0, 0, 0.1], rpy: [1.5707963267948966, 0, 0]", "[0, 0, 0.15], quaternion: [0, 0, 2, 0]")
+    state = load(text).state
     np.testing.assert_allclose(state["drum", "orientation"], [0, 0, 1, 0])
 
 
 def test_what_is_optional_may_be_left_out(load: Load, text: str) -> None:
-    kept = text[: text.index("assignment")] + "goal:\n  - not: {within: [drum, goal]}\n"
+    kept = text[: text.index("assignment")] + "goal:\n  - within: [drum, goal]\n"
     task = load(kept.replace("agents:\n  robot: [hand]\n", ""))
-    assert task.goal == (Atom("within", ("drum", "goal"), positive=False),)
+    assert task.goal == (Atom("within", ("drum", "goal")),)
     assert (task.planner, task.limits, task.seed, task.agents) == (DEFAULT_PLANNER, Limits(), 0, {})
     assert task.assignment == {"hand": "RESTING", "drum": "RESTING"}
 
@@ -104,7 +105,10 @@ def test_names_that_hurt_others_come_back_as_written(load: Load, text: str, name
 
 
 _NAMES = st.lists(
-    st.text(min_size=1).filter(lambda name: name not in ("*", "front", "back")), min_size=3, max_size=3, unique=True
+    st.text(min_size=1).filter(lambda name: name.isprintable() and name not in ("*", "front", "back")),
+    min_size=3,
+    max_size=3,
+    unique=True,
 )
 
 

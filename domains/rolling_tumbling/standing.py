@@ -1,0 +1,100 @@
+"""How a box stands: how well it fits a posture, and whether tumbling can begin from where it is."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+
+from ..common.classes import StaticEndEffector
+from .faces import FACE, NORMALS, POSTURES, faces_of, flat
+from .geometry import dot
+from .tumbling_geometry import hand_axis, in_body, lowest_point, nominal_tilt, normal, tilt
+
+SLENDERNESS = 1.6
+"""Largest ratio of a box's edges that the method has been shown to tumble."""
+_FLAT_TOLERANCE = np.radians(5.0)
+# Less than the angle past the balance, so that leaning one way and leaning the other never both hold.
+_TIPPED_TOLERANCE = np.radians(5.0)
+_TWIST_TOLERANCE = np.radians(5.0)
+_FLOOR_TOLERANCE = 0.015
+_ROUNDING = 1e-6
+_LEVEL = 0.5
+
+
+def standing(state: State, thing: Token, posture: str) -> FloatArray:
+    """Return the margin ``(...)`` [rad] of a posture: zero or positive where the box stands in it.
+
+    It is the least of how well the orientation fits and, scaled to an angle, how close to the floor the box is.
+    """
+    contact = 1.0 - np.abs(lowest_point(state, thing)) / _FLOOR_TOLERANCE
+    return np.asarray(np.minimum(_fit(state, thing, posture), _FLAT_TOLERANCE * contact))
+
+
+def _fit(state: State, thing: Token, posture: str) -> FloatArray:
+    faces = faces_of(posture)
+    if len(faces) == 1:
+        return np.asarray(_FLAT_TOLERANCE - np.arccos(np.clip(-normal(state, thing, faces[0])[..., 2], -1.0, 1.0)))
+    angle = tilt(state, thing, *faces) - nominal_tilt(thing, posture, *faces)
+    # Both faces beside the edge must look down: their common axis is level.
+    level = np.cross(NORMALS[faces[0]], NORMALS[faces[1]])
+    heights = np.abs(dot(in_body(state, thing, np.array([0.0, 0.0, 1.0])), level))
+    twist = _TWIST_TOLERANCE - np.arcsin(np.clip(heights, 0.0, 1.0))
+    return np.asarray(np.minimum(_TIPPED_TOLERANCE - np.abs(angle), twist))
+
+
+def start_complaint(thing: Token, state: State, tokens: Iterable[Token]) -> str | None:
+    """Return why a box cannot be tumbled from where it starts, or None.
+
+    Args:
+        thing: the box.
+        state: the initial state, a single one.
+        tokens: all tokens of the task; across the axes of its hands the box is tumbled.
+    """
+    if not any(float(standing(state, thing, posture)) >= 0 for posture in POSTURES.symbols):
+        return _unsupported(thing, state)
+    down = next((face for face in FACE.symbols if float(standing(state, thing, flat(face))) >= 0), None)
+    if down is None:
+        return None
+    height, base = _proportions(thing, state, tokens, down)
+    if height <= SLENDERNESS * base * (1.0 + _ROUNDING):
+        return None
+    return (
+        f"it is {height:.3g} m high on a base of {base:.3g} m, {height / base:.3g} times as high as its base, and "
+        f"the method of tumbling is shown for boxes up to {SLENDERNESS} times only; lay it on another face, or leave "
+        "it out of TUMBLABLE"
+    )
+
+
+def _unsupported(thing: Token, state: State) -> str:
+    nearest = max(POSTURES.symbols, key=lambda posture: float(_fit(state, thing, posture)))
+    off = _FLAT_TOLERANCE - float(_fit(state, thing, nearest))
+    height = float(lowest_point(state, thing))
+    said = []
+    if off > _FLAT_TOLERANCE:
+        said.append(f"it is {np.degrees(off):.3g} degrees off {nearest!r}, the nearest of its postures")
+    if abs(height) > _FLOOR_TOLERANCE:
+        said.append(f"its lowest point is {height:.3g} m above the floor")
+    return (
+        f"it has no face to stand on: {', and '.join(said)}; what is TUMBLABLE lies flat on a face, or leans over the "
+        "edge between two"
+    )
+
+
+def _proportions(thing: Token, state: State, tokens: Iterable[Token], down: str) -> tuple[float, float]:
+    """Return the height and the base [m] of a box that lies flat, across the hands' axis that suits it best."""
+    extents = 2.0 * np.asarray(thing["half_extents"])
+    upright = int(np.argmax(np.abs(NORMALS[down])))
+    hands = (token for token in tokens if token.is_member(StaticEndEffector))
+    edges = {edge for hand in hands if (edge := _edge_along(thing, state, hand)) is not None} - {upright}
+    bases = [float(extents[3 - upright - edge]) for edge in edges]
+    return float(extents[upright]), float(max(bases, default=np.delete(extents, upright).max()))
+
+
+def _edge_along(thing: Token, state: State, hand: Token) -> int | None:
+    """Return the axis of the box that a level hand is nearest to, or None of a hand that is upright."""
+    axis = hand_axis(state, hand)
+    if abs(float(axis[2])) > _LEVEL:
+        return None
+    return int(np.argmax(np.abs(in_body(state, thing, axis))))

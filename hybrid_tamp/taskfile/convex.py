@@ -1,0 +1,169 @@
+"""Convex bodies in the world: how low they reach, and whether two of them share space.
+
+Everything is asked through support points, the furthest ones of a body along a direction, so that each pair of shapes
+is treated alike (Gilbert, Johnson and Keerthi 1988, "A fast procedure for computing the distance between complex
+objects in three-dimensional space").
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from hybrid_tamp.model.shape import Box, Cylinder, Sphere
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import rotate
+
+CONTACT = 1e-3
+"""So deep two bodies may go into each other and still merely touch: written poses are rounded [m]."""
+_MOST_STEPS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class ConvexBody:
+    """A box, cylinder or sphere at a pose.
+
+    Attributes:
+        half: half extents ``(3,)`` [m] of a core along the body's axes; of a cylinder's, x and y are zero.
+        disc: radius [m] of the disc across the body's z axis that is swept over the core.
+        ball: radius [m] of the ball that is swept over the core.
+        position: of the centre ``(3,)`` [m].
+        axes: the body's axes in the world as rows ``(3, 3)``.
+    """
+
+    half: FloatArray
+    disc: float
+    ball: float
+    position: FloatArray
+    axes: FloatArray
+
+    @classmethod
+    def of(cls, token: Token, state: State) -> "ConvexBody | None":
+        """Return a token's body in a single state, or None if the token is no body: a place, or without a shape."""
+        if token.place or token.shape is None:
+            return None
+        half, disc, ball = _core(token.shape)
+        axes = rotate(state[token, "orientation"], np.eye(3))
+        return cls(half, disc, ball, np.asarray(state[token, "position"]), axes)
+
+    @property
+    def reach(self) -> float:
+        """Radius of a ball about the centre that holds the body [m]."""
+        half = self.half + np.array([self.disc, 0.0, 0.0])
+        return float(np.linalg.norm(half)) + self.ball
+
+    def support(self, direction: FloatArray) -> FloatArray:
+        """Return the furthest point ``(3,)`` [m] of the body along a direction ``(3,)`` of any length but zero."""
+        local = self.axes @ direction
+        point = np.sign(local) * self.half
+        across = float(np.hypot(local[0], local[1]))
+        if self.disc and across > 0:
+            point[:2] += local[:2] * (self.disc / across)
+        offset = np.asarray(point @ self.axes)
+        if self.ball:
+            offset = offset + direction * (self.ball / float(np.linalg.norm(direction)))
+        return self.position + offset
+
+    def shrunk(self, depth: float) -> "ConvexBody":
+        """Return the body without its outermost layer of this depth [m]; of thin ones the middle stays."""
+        half = np.where(self.half > 0, np.maximum(self.half - depth, 0.0), 0.0)
+        disc, ball = max(self.disc - depth, 0.0), max(self.ball - depth, 0.0)
+        return ConvexBody(half, disc, ball, self.position, self.axes)
+
+
+def _core(shape: Box | Cylinder | Sphere) -> tuple[FloatArray, float, float]:
+    if isinstance(shape, Box):
+        return np.asarray(shape.half_extents, dtype=float), 0.0, 0.0
+    if isinstance(shape, Cylinder):
+        return np.array([0.0, 0.0, shape.length / 2]), shape.radius, 0.0
+    return np.zeros(3), 0.0, shape.radius
+
+
+def lowest_height(body: ConvexBody) -> float:
+    """Return the height of the body's lowest point [m]."""
+    return float(body.support(np.array([0.0, 0.0, -1.0]))[2])
+
+
+def overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
+    """Return a short way ``(3,)`` [m] by which `other` gets clear of `one`, or None if they only touch or are apart.
+
+    The way is the shortest one along the bodies' axes, edges and the line between their centres, those aside that lead
+    down, where there may be a floor; it does clear them.
+    """
+    best: FloatArray | None = None
+    least = np.inf
+    for direction in _directions(one, other):
+        way = float((one.support(direction) - other.support(-direction)) @ direction)
+        if way <= CONTACT:
+            return None
+        if way < least and direction[2] > -0.5:
+            least, best = way, direction * way
+    inner, outer = one.shrunk(CONTACT / 2), other.shrunk(CONTACT / 2)
+    return best if _share_a_point(inner, outer) else None
+
+
+def overlaps(bodies: Sequence[ConvexBody]) -> Iterator[tuple[int, int, FloatArray]]:
+    """Yield the pairs (earlier, later) of bodies that share space, with a way by which the later one gets clear."""
+    centres = np.array([body.position for body in bodies]).reshape(-1, 3)
+    reaches = np.array([body.reach for body in bodies])
+    for later, body in enumerate(bodies):
+        gaps = np.linalg.norm(centres[:later] - body.position, axis=-1) - reaches[:later] - body.reach
+        for earlier in np.flatnonzero(gaps < 0):
+            way = overlap(bodies[int(earlier)], body)
+            if way is not None:
+                yield int(earlier), later, way
+
+
+def _directions(one: ConvexBody, other: ConvexBody) -> Iterator[FloatArray]:
+    """Unit vectors along which the bodies may be apart: for two boxes these are enough."""
+    between = other.position - one.position
+    crossed = [np.cross(mine, theirs) for mine in one.axes for theirs in other.axes]
+    # From the axis of each to the other's centre: what is round about its axis is left fastest along it.
+    radial = [between - axis * float(between @ axis) for axis in (one.axes[2], other.axes[2])]
+    for direction in (between, *one.axes, *other.axes, *radial, *crossed):
+        length = float(np.linalg.norm(direction))
+        if length > 1e-9:
+            yield direction / length
+            yield -direction / length
+
+
+def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
+    """Say whether the bodies meet: whether the set of the differences of their points holds zero.
+
+    Each step adds the difference furthest towards zero, and keeps the corners of that part of their hull which is
+    nearest to zero. What is still undecided after many steps merely touches.
+    """
+
+    def furthest(direction: FloatArray) -> FloatArray:
+        return one.support(direction) - other.support(-direction)
+
+    size = one.reach + other.reach
+    corners = [furthest(np.array([1.0, 0.0, 0.0]))]
+    for _ in range(_MOST_STEPS):
+        corners, nearest = _nearest_to_zero(corners)
+        if len(corners) == 4 or float(nearest @ nearest) < (1e-9 * size) ** 2:
+            return True
+        corner = furthest(-nearest)
+        if float(corner @ nearest) > 0:
+            # The plane through zero across `nearest` lies between the bodies.
+            return False
+        corners.append(corner)
+    return False
+
+
+def _nearest_to_zero(corners: list[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
+    """Return the point of a simplex nearest to zero, with the fewest corners whose hull holds it."""
+    best: tuple[list[FloatArray], FloatArray] = (corners[:1], corners[0])
+    for count in range(1, len(corners) + 1):
+        for chosen in combinations(corners, count):
+            first = chosen[0]
+            edges = np.array([corner - first for corner in chosen[1:]]).reshape(-1, 3)
+            weights = np.linalg.lstsq(edges.T, -first, rcond=None)[0] if count > 1 else np.zeros(0)
+            if float(weights.sum()) > 1.0 or np.any(weights < 0.0):
+                continue
+            point = first + weights @ edges
+            if float(point @ point) < float(best[1] @ best[1]):
+                best = (list(chosen), point)
+    return best

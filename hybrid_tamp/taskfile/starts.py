@@ -1,0 +1,83 @@
+"""Whether tokens can be where a task file puts them: above the floor, clear of each other, as their classes want."""
+
+from typing import Any
+
+import numpy as np
+
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.taskfile.convex import CONTACT, ConvexBody, lowest_height, overlaps
+from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+from hybrid_tamp.taskfile.roles import is_capability
+from hybrid_tamp.taskfile.tokens import Scene
+from hybrid_tamp.taskfile.wording import subject
+
+
+def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
+    """Note every token that starts in the floor, inside another one, or where its own classes refuse it.
+
+    Args:
+        data: the file's plain data.
+        faults: the faults found so far; of tokens that have one nothing is said.
+        scene: the tokens.
+    """
+    sound = [token for token in scene.tokens if faults.sound(("tokens", token.name)) and _placed(data, token)]
+    names = {token.name for token in scene.tokens}
+    state = State.of(scene.tokens, {key: value for key, value in scene.given.items() if key[0] in names})
+    bodies = [(token, body) for token in sound if (body := ConvexBody.of(token, state)) is not None]
+    whole = faults.sound(("tokens",))
+    for token, body in bodies:
+        _check_floor(token, body, faults)
+    _check_overlaps(bodies, faults)
+    if whole:
+        for token in sound:
+            _check_classes(token, state, scene, faults)
+
+
+def _placed(data: dict[str, Any], token: Token) -> bool:
+    return bool(data["tokens"][token.name].get("pose"))
+
+
+def _path(token: Token) -> KeyPath:
+    return ("tokens", token.name, "pose", "position")
+
+
+def _check_floor(token: Token, body: ConvexBody, faults: Faults) -> None:
+    """The floor is the plane z = 0 wherever there is gravity."""
+    lowest = lowest_height(body)
+    if lowest < -CONTACT:
+        wanted = f"{subject(_path(token))} must put it above the floor, which is z = 0"
+        came = f"its lowest point at z = {_metres(lowest)} m"
+        faults.at(_path(token), wanted, came, remedy=f"raise it by {_metres(-lowest)} m")
+
+
+def _check_overlaps(bodies: list[tuple[Token, ConvexBody]], faults: Faults) -> None:
+    # Of a hand inside a thing it is the hand that is to be moved: it comes later.
+    ordered = sorted(bodies, key=lambda body: is_capability(body[0]))
+    told: set[int] = set()
+    for earlier, later, way in overlaps([body for _, body in ordered]):
+        if later in told:
+            # In a heap every body overlaps many; one is enough to say that it must go elsewhere.
+            continue
+        told.add(later)
+        one, other = ordered[earlier][0], ordered[later][0]
+        wanted = f"{subject(_path(other))} must put it clear of the other tokens"
+        came = f"a place inside token {shown(one.name)}, whose position is on line {faults.mark(_path(one)).line}"
+        faults.at(_path(other), wanted, came, remedy=f"moved by {_vector(way)} m it is clear of it")
+
+
+def _check_classes(token: Token, state: State, scene: Scene, faults: Faults) -> None:
+    for member in token.classes:
+        complaint = member.consistent_start(token, state, scene.tokens) if faults.sound(_path(token)) else None
+        if complaint is not None:
+            faults.at(_path(token)[:-1], f"{subject(_path(token)[:-1])} is refused: {complaint}", key=True)
+
+
+def _metres(length: float) -> str:
+    return f"{round(length, 4):g}"
+
+
+def _vector(way: FloatArray) -> str:
+    """Return a vector [m] to a tenth of a millimetre, rounded away from zero so that it is long enough."""
+    rounded = np.copysign(np.ceil(np.abs(way) * 1e4 - 1e-6) / 1e4, way)
+    return f"[{', '.join(f'{component + 0.0:g}' for component in rounded)}]"

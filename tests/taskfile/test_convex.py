@@ -1,0 +1,100 @@
+"""Bodies that share space, against closed forms and PyBullet's own distances."""
+
+import numpy as np
+import pybullet
+import pytest
+
+from hybrid_tamp.model.affordance import AffordanceClass
+from hybrid_tamp.model.shape import Box, Cylinder, Shape, Sphere
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import normalized, quaternion_from_rpy
+from hybrid_tamp.taskfile.convex import CONTACT, ConvexBody, lowest_height, overlap, overlaps
+
+
+class Thing(AffordanceClass):
+    """Something with a shape."""
+
+    name = "THING"
+
+
+def body(shape: Shape, position: tuple[float, ...] | FloatArray, orientation: FloatArray | None = None) -> ConvexBody:
+    token = Token.make("thing", [Thing], {}, shape)
+    given = {("thing", "position"): np.asarray(position, dtype=float)}
+    if orientation is not None:
+        given["thing", "orientation"] = orientation
+    found = ConvexBody.of(token, State.of([token], given))
+    assert found is not None
+    return found
+
+
+CUBE = Box(kind="box", half_extents=(0.1, 0.1, 0.1))
+BALL = Sphere(kind="sphere", radius=0.1)
+LOG = Cylinder(kind="cylinder", radius=0.1, length=0.6)
+LYING = quaternion_from_rpy(np.array([np.pi / 2, 0.0, 0.0]))
+
+
+def test_the_lowest_point() -> None:
+    edge = quaternion_from_rpy(np.array([np.pi / 4, 0.0, 0.0]))
+    assert lowest_height(body(CUBE, (0, 0, 0.1))) == pytest.approx(0.0)
+    assert lowest_height(body(CUBE, (0, 0, 0.0), edge)) == pytest.approx(-0.1 * np.sqrt(2))
+    assert lowest_height(body(LOG, (0, 0, 0.3))) == pytest.approx(0.0)
+    assert lowest_height(body(LOG, (0, 0, 0.1), LYING)) == pytest.approx(0.0)
+    assert lowest_height(body(BALL, (5, 5, 0.3))) == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("shape", [CUBE, BALL, LOG])
+def test_the_way_out_is_the_depth(shape: Shape) -> None:
+    way = overlap(body(CUBE, (0, 0, 0)), body(shape, (0.15, 0, 0)))
+    np.testing.assert_allclose(way, [0.05, 0, 0], atol=1e-12)
+
+
+def test_touching_is_no_overlap() -> None:
+    assert overlap(body(CUBE, (0, 0, 0)), body(CUBE, (0.2, 0, 0))) is None
+    assert overlap(body(CUBE, (0, 0, 0)), body(CUBE, (0.2 - 0.9 * CONTACT, 0, 0))) is None
+    assert overlap(body(CUBE, (0, 0, 0)), body(CUBE, (0.2 - 1.1 * CONTACT, 0, 0))) is not None
+
+
+def test_two_bodies_at_one_place_overlap() -> None:
+    for shape in (CUBE, BALL, LOG):
+        assert overlap(body(shape, (1, 2, 3)), body(shape, (1, 2, 3))) is not None
+
+
+def test_every_pair_comes_once() -> None:
+    row = [body(CUBE, (0.15 * number, 0, 0)) for number in range(4)]
+    assert [(earlier, later) for earlier, later, _ in overlaps(row)] == [(0, 1), (1, 2), (2, 3)]
+
+
+def random_shape(rng: np.random.Generator) -> tuple[Shape, int]:
+    kind, (x, y, z) = rng.integers(3), map(float, rng.uniform(0.02, 0.3, 3))
+    if kind == 0:
+        shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=(x, y, z))
+        return Box(kind="box", half_extents=(x, y, z)), shape
+    if kind == 1:
+        shape = pybullet.createCollisionShape(pybullet.GEOM_CYLINDER, radius=x, height=y)
+        return Cylinder(kind="cylinder", radius=x, length=y), shape
+    return Sphere(kind="sphere", radius=x), pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=x)
+
+
+def test_pybullet_finds_the_same_pairs_and_no_longer_way_out() -> None:
+    client = pybullet.connect(pybullet.DIRECT)
+    rng, hits = np.random.default_rng(7), 0
+    try:
+        for _ in range(400):
+            poses = [(rng.uniform(-0.25, 0.25, 3), normalized(rng.normal(size=4))) for _ in range(2)]
+            shapes = [random_shape(rng) for _ in range(2)]
+            handles = [
+                pybullet.createMultiBody(0, shape, -1, *pose) for (_, shape), pose in zip(shapes, poses, strict=True)
+            ]
+            gap = min(point[8] for point in pybullet.getClosestPoints(*handles, 10.0))
+            one, other = (body(shape, *pose) for (shape, _), pose in zip(shapes, poses, strict=True))
+            way = overlap(one, other)
+            if abs(gap + CONTACT) > CONTACT:
+                assert (way is not None) == (gap < -CONTACT)
+            if way is not None:
+                hits += 1
+                assert np.linalg.norm(way) >= -gap - 1e-6
+                assert overlap(one, body(shapes[1][0], poses[1][0] + way, poses[1][1])) is None
+    finally:
+        pybullet.disconnect(client)
+    assert 50 < hits < 350
