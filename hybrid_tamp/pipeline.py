@@ -26,6 +26,7 @@ from hybrid_tamp.report.documents import (
     result_document,
 )
 from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.report.measures import run_measures
 from hybrid_tamp.report.versions import versions
 from hybrid_tamp.symbolic.pddl import domain_text, problem_text
 from hybrid_tamp.symbolic.planner import PlannerProcess
@@ -182,6 +183,7 @@ def run(
     recording = with_predictions(measured, predict(task, chosen))
     save(recording, folder.path / "recording.npz")
     metrics = task.domain.metrics(task, recording) if task.domain.metrics else {}
+    metrics = {**metrics, **run_measures(chosen, recording)}
     breaches = [] if recording.failure else check_law(task, recording.plan, recording.at)
     document = result_document(
         task,

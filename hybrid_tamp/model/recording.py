@@ -39,6 +39,28 @@ class Failure:
     margins: tuple[AtomMargin, ...] = ()
 
 
+@dataclass(frozen=True)
+class Contact:
+    """How hard two tokens pressed on each other at most, while they were in two instances or in one.
+
+    Attributes:
+        tokens: the two tokens.
+        instances: the instance in which each of them was then; the same one twice where they worked together.
+        force: largest normal force [N].
+        time: end of the control period in which it was so large [s].
+    """
+
+    tokens: tuple[str, str]
+    instances: tuple[str, str]
+    force: float
+    time: float
+
+    @property
+    def between_instances(self) -> bool:
+        """Whether tokens of different instances touched, which nothing intends."""
+        return self.instances[0] != self.instances[1]
+
+
 @dataclass(frozen=True, eq=False)
 class Recording:
     """Everything that one run measured and commanded.
@@ -56,6 +78,8 @@ class Recording:
         backend: name of the physics backend.
         timestep: control period [s].
         failure: why the run stopped early, or None.
+        warnings: what is worth knowing beyond that.
+        contacts: who touched whom, the floor excepted; empty if the backend does not measure it.
     """
 
     layout: StateLayout
@@ -70,6 +94,7 @@ class Recording:
     timestep: float
     failure: Failure | None = None
     warnings: tuple[str, ...] = field(default=())
+    contacts: tuple[Contact, ...] = field(default=())
 
     @property
     def success(self) -> bool:

@@ -22,7 +22,7 @@ FLOOR = "(floor)"
 """The floor's name in contacts; no token can be called so by accident."""
 
 ContactForce = tuple[str, str, float]
-"""Two tokens in contact, or a token and `FLOOR`, sorted, and the sum of their normal forces [N]."""
+"""Two tokens in contact, or a token and `FLOOR`, sorted, and the normal force between them [N]."""
 
 # Known without an installed distribution too, so that a source tree runs as it is.
 _BUILT_IN = {
@@ -69,7 +69,7 @@ class Backend(Protocol):
         ...
 
     def contact_forces(self) -> list[ContactForce]:
-        """Return who pressed on whom at the end of the last period."""
+        """Return who pressed on whom within the last period, and how hard at most."""
         ...
 
     def close(self) -> None:

@@ -2,16 +2,16 @@
 
 import logging
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
+from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.backend import Backend
+from hybrid_tamp.physics.backend import FLOOR, Backend
 from hybrid_tamp.physics.commands import CommandLayout, Key
 from hybrid_tamp.physics.running import Running
 
@@ -38,6 +38,7 @@ class Logbook:
         self._instances: list[BlockInstance] = []
         self._exits: dict[str, tuple[AtomMargin, ...]] = {}
         self._cuts: Counter[tuple[str, Key]] = Counter()
+        self._contacts: dict[tuple[tuple[str, str], tuple[str, str]], Contact] = {}
 
     @property
     def steps(self) -> int:
@@ -59,14 +60,23 @@ class Logbook:
         self._states.append(state.values)
 
     def stepped(self, state: State, row: FloatArray, cut: tuple[Key, ...], running: Iterable[Running]) -> float:
-        """Write down one control period and return the time after it [s]."""
+        """Write down one control period, in which these instances ran, and return the time after it [s]."""
         self._states.append(state.values)
         self._commands.append(row)
-        if cut:
-            for one in running:
-                held = one.instance.slots.values()
-                self._cuts.update((one.instance.name, key) for key in cut if key[0] in held)
+        within = {token: one.instance.name for one in running for token in one.instance.slots.values()}
+        self._cuts.update((within[key[0]], key) for key in cut if key[0] in within)
+        self._note_contacts(within)
         return self.time
+
+    def _note_contacts(self, within: Mapping[str, str]) -> None:
+        """Keep the hardest contact of each pair of tokens in each pair of instances; the floor is no token."""
+        for one, other, force in self._backend.contact_forces():
+            if FLOOR in (one, other):
+                continue
+            contact = Contact((one, other), (within.get(one, ""), within.get(other, "")), force, self.time)
+            key = (contact.tokens, contact.instances)
+            if key not in self._contacts or force > self._contacts[key].force:
+                self._contacts[key] = contact
 
     def ended(self, running: Running, time: float, exits: tuple[AtomMargin, ...]) -> None:
         """Write down the end of an instance, with the times and hyperparameters that were real."""
@@ -96,6 +106,7 @@ class Logbook:
             timestep=self._backend.timestep,
             failure=failure,
             warnings=tuple(self._warnings()),
+            contacts=tuple(sorted(self._contacts.values(), key=lambda c: (c.time, c.tokens))),
         )
 
     def _warnings(self) -> Iterable[str]:

@@ -20,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveInt, Val
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
-from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
+from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
 from hybrid_tamp.model.state import FloatArray, StateLayout
 
 MAXIMAL_SIZE = 512 * 2**20
@@ -64,6 +64,7 @@ class _Document(BaseModel):
     timestep: Annotated[FiniteFloat, Field(gt=0)]
     failure: Failure | None
     warnings: tuple[str, ...]
+    contacts: tuple[Contact, ...] = ()
 
 
 def save(recording: Recording, path: Path) -> None:
@@ -83,6 +84,7 @@ def save(recording: Recording, path: Path) -> None:
         timestep=recording.timestep,
         failure=recording.failure,
         warnings=recording.warnings,
+        contacts=recording.contacts,
     )
     arrays = {
         "times": np.ascontiguousarray(recording.times, dtype="<f8"),
@@ -170,6 +172,7 @@ def _recording(document: _Document, arrays: Mapping[str, FloatArray]) -> Recordi
         timestep=document.timestep,
         failure=document.failure,
         warnings=document.warnings,
+        contacts=document.contacts,
     )
 
 
@@ -200,6 +203,9 @@ def _instances_fault(recording: Recording) -> str:
         return "two of its instances have one name"
     if set(recording.exits) - set(names):
         return "it has exit conditions of an instance that did not run"
+    for contact in recording.contacts:
+        if not (math.isfinite(contact.force) and math.isfinite(contact.time)):
+            return f"the contact of {' and '.join(contact.tokens)} has numbers that are not finite"
     for instance in recording.instances:
         numbers = (instance.start, instance.end, *instance.hyperparameters.values())
         if not all(map(math.isfinite, numbers)):

@@ -105,6 +105,21 @@ def test_floor_carries_the_weight(toys: Any) -> None:
     assert force == pytest.approx(2.0 * GRAVITY, rel=1e-3)
 
 
+def test_a_blow_within_a_period_is_felt(toys: Any) -> None:
+    """A pusher of 1.5 kg that is stopped from 1 m/s takes 1.5 N s, within one of the four parts of a period."""
+    world = toys.world.thing("wall", toys.box(0.1, 0.1, 0.1), {"mass": 1e6, "friction": 0.5}, position=(0, 0, 0.1))
+    for start in np.linspace(-0.17, -0.18, 7):
+        task = world.pusher(position=(start, 0, 0.1), velocity=(1.0, 0, 0)).task()
+        hardest = 0.0
+        with BulletBackend() as backend:
+            backend.reset(task, task.state)
+            for _ in range(12):
+                backend.step({})
+                felt = {(one, other): force for one, other, force in backend.contact_forces()}
+                hardest = max(hardest, felt.get(("pusher", "wall"), 0.0))
+        assert hardest > 200.0
+
+
 def test_hand_floats_keeps_its_orientation_and_obeys_newton(toys: Any) -> None:
     turned = np.array([0.1, 0.2, 0.3, 0.9]) / np.linalg.norm([0.1, 0.2, 0.3, 0.9])
     task = toys.world.pusher(orientation=turned).task()

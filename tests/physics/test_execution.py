@@ -19,6 +19,7 @@ from hybrid_tamp.physics.analytic import AnalyticBackend
 from hybrid_tamp.physics.backend import open_backend
 from hybrid_tamp.physics.events import Event, EventLog
 from hybrid_tamp.physics.execution import PATIENCE, SETTLING, execute
+from hybrid_tamp.report.measures import CONTACT, run_measures
 
 STEP = 1 / 240
 
@@ -51,6 +52,23 @@ def test_a_lawful_plan_becomes_a_lawful_run(toys: Any, backend_name: str) -> Non
     assert [margin.atom for margin in recording.exits["MOVING-1"]] == ["near(pusher, spot)", "at_rest(pusher)"]
     assert all(margin.holds for margin in recording.exits["MOVING-1"])
     assert [margin.atom for margin in recording.goal] == ["near(pusher, spot)"]
+
+
+def test_contacts_are_recorded_with_the_instances_of_the_time(toys: Any) -> None:
+    world = toys.world.pusher().spot().thing("post", toys.box(0.05, 0.1, 0.4), {"mass": 20.0}, position=(0.2, 0, 0.4))
+    plan = toys.one_move()
+    plan = replace(plan, instances=(*plan.instances, toys.rest("RESTING-post", 0.0, 1.2, "post")))
+    with open_backend("pybullet") as backend:
+        recording = execute(world.task(), plan, backend)
+    [contact] = recording.contacts
+    assert contact.tokens == ("post", "pusher")
+    assert contact.instances == ("RESTING-post", "MOVING-1")
+    assert contact.between_instances
+    assert contact.force > 5.0
+    assert run_measures(plan, recording)[CONTACT] == contact.force
+    predicted = run(world.task(), plan)
+    assert predicted.contacts == ()
+    assert CONTACT not in run_measures(plan, predicted)
 
 
 def test_a_block_ends_when_its_exit_is_measured_not_when_it_was_planned(toys: Any) -> None:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
+from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
 from hybrid_tamp.model.state import StateLayout
 from hybrid_tamp.physics import storage
 from hybrid_tamp.physics.prediction import predict
@@ -27,6 +27,8 @@ Change = Callable[[dict[str, bytes]], Mapping[str, bytes]]
 names = st.text(min_size=1, max_size=8)
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
 margins = st.builds(AtomMargin, names, st.none() | st.floats(allow_nan=False), st.none() | st.floats(allow_nan=False))
+pairs = st.tuples(names, names)
+contacts = st.builds(Contact, pairs, pairs, numbers, numbers)
 entries = st.lists(st.tuples(names, names, st.integers(1, 4)), max_size=3).map(tuple)
 
 
@@ -67,6 +69,7 @@ def recordings(draw: Any) -> Recording:
         timestep=TIMESTEP,
         failure=draw(st.none() | st.builds(Failure, st.integers(1, 9), names, names, several)),
         warnings=draw(st.lists(names, max_size=2).map(tuple)),
+        contacts=draw(st.lists(contacts, max_size=2).map(tuple)),
     )
 
 
@@ -171,6 +174,15 @@ def no_number(old: dict[str, Any]) -> None:
     old["goal"][0]["measured"] = float("nan")
 
 
+def endless_force(old: dict[str, Any]) -> None:
+    old["contacts"] = [{"tokens": ["one", "other"], "instances": ["A", "B"], "force": float("inf"), "time": 0.0}]
+
+
+def test_a_recording_from_before_contacts_were_measured_is_read(good: Path) -> None:
+    written(good, document(lambda old: {name: old[name] for name in old if name != "contacts"})(members(good)))
+    assert load(good).contacts == ()
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -225,6 +237,7 @@ def no_number(old: dict[str, Any]) -> None:
         (document(ends_late), "outside the run"),
         (document(endless), "not finite"),
         (document(no_number), "is not a number"),
+        (document(endless_force), "contact of one and other"),
     ],
 )
 def test_broken_recording_is_refused_with_words(good: Path, change: Change, said: str) -> None:
