@@ -37,6 +37,65 @@ class _Case:
     arguments: tuple[str, ...]
 
 
+def without_impossible(source: PlanningProblem) -> PlanningProblem:
+    """Return the problem without operators that facts which never change rule out, for want of boxes, say.
+
+    With them go the predicates that no operator and no goal mentions then, their facts, and the constants that no
+    fact, goal or parameter has a place for. Engines find that out by themselves, but what they do before grounding
+    takes time for every operator, and for some of them for every object.
+    """
+    fixed = _Fixed(source)
+    domain = source.domain
+    operators = tuple(operator for operator in domain.operators if fixed.allow(operator))
+    facts = [fact for o in operators for part in (o.precondition, o.add, o.delete) for fact in part]
+    used = {fact[0] for fact in (*facts, *source.goal)}
+    init = tuple(fact for fact in source.init if fact[0] in used)
+    named = {argument for fact in (*facts, *init, *source.goal) for argument in fact[1:]}
+    parents = dict(domain.types)
+    ranged = {name for operator in operators for _, name in operator.parameters}
+    smaller = replace(
+        domain,
+        operators=operators,
+        predicates=tuple(predicate for predicate in domain.predicates if predicate[0] in used),
+        constants=tuple((c, t) for c, t in domain.constants if c in named or ranged & set(_lineage(t, parents))),
+    )
+    return replace(source, domain=smaller, init=init)
+
+
+def _lineage(name: str, parents: Mapping[str, str]) -> Iterator[str]:
+    """Yield a type and the types above it."""
+    yield name
+    while name in parents:
+        name = parents[name]
+        yield name
+
+
+class _Fixed:
+    """What the initial state says once and for all: the facts of predicates that no operator changes."""
+
+    def __init__(self, source: PlanningProblem) -> None:
+        domain = source.domain
+        self._constants = dict(domain.constants)
+        changing = {fact[0] for operator in domain.operators for fact in (*operator.add, *operator.delete)}
+        self._rows: dict[str, list[Fact]] = {name: [] for name, _ in domain.predicates if name not in changing}
+        for fact in source.init:
+            self._rows.get(fact[0], []).append(fact)
+
+    def settle(self, fact: Fact) -> bool:
+        """Whether the initial state says once and for all if a fact holds."""
+        return fact[0] in self._rows and all(argument in self._constants for argument in fact[1:])
+
+    def allow(self, operator: Operator) -> bool:
+        """Whether facts that never change do not rule the operator out, each taken by itself."""
+        conditions = [fact for fact in operator.precondition if fact[0] in self._rows]
+        return all(any(self._fits(fact, row) for row in self._rows[fact[0]]) for fact in conditions)
+
+    def _fits(self, fact: Fact, row: Fact) -> bool:
+        """Whether a ground fact is an instance of a fact."""
+        values = {constant: constant for constant in self._constants}
+        return all(values.setdefault(argument, value) == value for argument, value in zip(fact, row, strict=True))
+
+
 class PlainProblem:
     """A planning problem put plainly.
 
@@ -48,11 +107,8 @@ class PlainProblem:
         domain = source.domain
         self._parents = dict(domain.types)
         self._constants = dict(domain.constants)
-        changing = {fact[0] for operator in domain.operators for fact in (*operator.add, *operator.delete)}
-        self._static: dict[str, list[Fact]] = {name: [] for name, _ in domain.predicates if name not in changing}
-        for fact in source.init:
-            self._static.get(fact[0], []).append(fact)
-        possible = [self._shortened(operator) for operator in domain.operators if self._is_possible(operator)]
+        self._fixed = _Fixed(source)
+        possible = [self._shortened(operator) for operator in domain.operators if self._fixed.allow(operator)]
         self._cases = {each.name: _Case(each, each.name, tuple(dict(each.parameters))) for each in possible}
         for case in tuple(self._cases.values()):
             self._separate(case)
@@ -68,21 +124,7 @@ class PlainProblem:
 
     def _shortened(self, operator: Operator) -> Operator:
         """Return a possible operator without the conditions that hold for ever."""
-        return replace(operator, precondition=tuple(f for f in operator.precondition if not self._is_settled(f)))
-
-    def _is_settled(self, fact: Fact) -> bool:
-        """Whether the initial state says once and for all if a fact holds."""
-        return fact[0] in self._static and all(argument in self._constants for argument in fact[1:])
-
-    def _is_possible(self, operator: Operator) -> bool:
-        """Whether facts that never change do not rule the operator out, each taken by itself."""
-        conditions = [fact for fact in operator.precondition if fact[0] in self._static]
-        return all(any(self._fits(fact, row) for row in self._static[fact[0]]) for fact in conditions)
-
-    def _fits(self, fact: Fact, row: Fact) -> bool:
-        """Whether a ground fact is an instance of a fact."""
-        values = {constant: constant for constant in self._constants}
-        return all(values.setdefault(argument, value) == value for argument, value in zip(fact, row, strict=True))
+        return replace(operator, precondition=tuple(f for f in operator.precondition if not self._fixed.settle(f)))
 
     def _separate(self, whole: _Case) -> None:
         """Take in the cases of an operator in which effects meet, and the cases of those."""
@@ -92,7 +134,7 @@ class PlainProblem:
             case = unexplored.pop()
             for substitution in self._meetings(case.operator):
                 narrower = self._narrowed(case, substitution)
-                if narrower.arguments not in found and self._is_possible(narrower.operator):
+                if narrower.arguments not in found and self._fixed.allow(narrower.operator):
                     found.add(narrower.arguments)
                     unexplored.append(narrower)
                     shortened = self._shortened(narrower.operator)
@@ -127,9 +169,7 @@ class PlainProblem:
 
     def _is_within(self, narrow: str, wide: str) -> bool:
         """Whether a type is another or one of its descendants."""
-        while narrow != wide and narrow in self._parents:
-            narrow = self._parents[narrow]
-        return narrow == wide
+        return wide in _lineage(narrow, self._parents)
 
     def _narrowed(self, case: _Case, substitution: Substitution) -> _Case:
         """Return the case in which a substitution holds, too."""

@@ -20,7 +20,7 @@ from typing import Any
 
 from hybrid_tamp.symbolic.engines import ENGINES, Engine
 from hybrid_tamp.symbolic.operators import PlanningProblem
-from hybrid_tamp.symbolic.plain import PlainProblem
+from hybrid_tamp.symbolic.plain import PlainProblem, without_impossible
 from hybrid_tamp.symbolic.unified import unify
 
 Reply = dict[str, Any]
@@ -61,8 +61,9 @@ class Solver:
         except LookupError as error:
             return {"status": "unknown", "message": str(error), "available": self._available()}
         entry = _entry(name)
-        plain = None if entry.faithful else PlainProblem(source)
-        problem = unify(plain.problem if plain else source, sparse=entry.sparse)
+        possible = without_impossible(source)
+        plain = None if entry.faithful else PlainProblem(possible)
+        problem = unify(plain.problem if plain else possible, sparse=entry.sparse)
         with self._factory.OneshotPlanner(name=name) as planner:
             for attribute, value in entry.settings.items():
                 setattr(planner, attribute, value)

@@ -3,15 +3,20 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hybrid_tamp_domains.rolling_tumbling import DOMAIN
+from hybrid_tamp_domains.rolling_tumbling.classes import Tumblable
+from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import TUMBLING_PREDICATES
 from scenes import rolling_task
 from validation import val_accepts, val_accepts_files
 
 from hybrid_tamp import pipeline
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.task import Limits
+from hybrid_tamp.model.network import ReassignmentNetwork
+from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.symbolic.engines import with_java
 from hybrid_tamp.symbolic.planner import PlannerProcess
@@ -19,6 +24,18 @@ from hybrid_tamp.symbolic.problem import compile_task
 from hybrid_tamp.taskfile.loader import load_task
 
 ROOT = Path(__file__).resolve().parents[2]
+_BLOCKS = tuple(block for block in DOMAIN.blocks if block.name in ("REACHING:behind", "ROLLING", "RESTING"))
+_SLOTS = {(block.name, slot.name) for block in _BLOCKS for slot in block.slots}
+ROLLING_ONLY = replace(
+    DOMAIN,
+    classes=tuple(c for c in DOMAIN.classes if c is not Tumblable),
+    disjoint=DOMAIN.disjoint[:1],
+    predicates=tuple(p for p in DOMAIN.predicates if p not in TUMBLING_PREDICATES),
+    blocks=_BLOCKS,
+    network=ReassignmentNetwork(
+        (".".join(one), ".".join(other)) for one, other in DOMAIN.network.edges if {one, other} <= _SLOTS
+    ),
+)
 ENGINES = ["fast-downward", "symk", "enhsp", "pyperplan", "aries"]
 
 
@@ -55,8 +72,19 @@ def test_optimal_engines_need_no_more_actions_than_the_default() -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_engine_solves_the_exported_files_as_they_are(engine: str, tmp_path: Path) -> None:
-    """By unified-planning's own command line, which knows nothing of us."""
-    task = load_task(ROOT / "problems" / "roll_cylinder.yaml")
+    """By unified-planning's own command line, which knows nothing of us.
+
+    Of a part of the domain, where each of them is quick: the next test has all of it.
+    """
+    task = rolling_task(hands=2)
+    _solve_export(task.replaced(domain=ROLLING_ONLY), engine, tmp_path)
+
+
+def test_an_engine_solves_the_export_of_the_whole_domain(tmp_path: Path) -> None:
+    _solve_export(load_task(ROOT / "problems" / "roll_cylinder.yaml"), "pyperplan", tmp_path)
+
+
+def _solve_export(task: Task, engine: str, tmp_path: Path) -> None:
     pipeline.export(task, RunFolder.create(tmp_path))
     files = [str(tmp_path / name) for name in ("domain.pddl", "problem.pddl")]
     words = ["oneshot-planning", "--pddl", *files, "--engine", engine, "--plan", str(tmp_path / "plan.pddl")]
