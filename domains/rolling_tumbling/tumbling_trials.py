@@ -17,7 +17,7 @@ from .classes import Tumblable
 from .faces import flat
 from .metrics import tumble_measures
 from .tumbling_geometry import half_extent, tilt
-from .whole import DOMAIN
+from . import DOMAIN
 
 HANDS = ((-0.5, 0.0, 0.55), (0.5, 0.0, 0.55), (-0.85, 0.0, 0.12), (0.95, 0.0, 0.12))
 """Where hands wait [m]: each on its side, clear of the ways of the others."""

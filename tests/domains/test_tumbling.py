@@ -20,7 +20,7 @@ from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import edge_axis, lowest_point, nominal_tilt
 from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import POSTURE, TUMBLING_PREDICATES
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import forced_push, random_tumbling
-from hybrid_tamp_domains.rolling_tumbling.whole import DOMAIN
+from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from pydantic import ValidationError
 
 from hybrid_tamp.model.block import Block
