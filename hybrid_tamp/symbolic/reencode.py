@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.encoder import Meaning
 from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, ground
+from hybrid_tamp.symbolic.passing import Meaning
 from hybrid_tamp.symbolic.problem import Compilation
 
 NO_ACTION = "no-such-reassignment"
