@@ -9,6 +9,7 @@ from hybrid_tamp_domains.common.classes import Region, StaticEndEffector
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Rollable
 from hybrid_tamp_domains.rolling_tumbling.predicates import INSIDE
+from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 from scenes import rolling_task
 
 from hybrid_tamp.errors import DomainError
@@ -146,6 +147,14 @@ def test_slot_names_are_parsed() -> None:
 
 def test_forward_models_bring_about_what_blocks_declare() -> None:
     assert check_domain(rolling_task(), samples=2, seed=3) == []
+    assert check_domain(random_tumbling(0), samples=1, seed=0) == []
+
+
+def test_check_domain_names_a_block_that_nothing_can_enter() -> None:
+    task = rolling_task(regions=[(0.7, 0.3)])
+    found = check_domain(task, samples=1)
+    assert {each.block for each in found} == {"REACHING:behind", "ROLLING"}
+    assert all("held in no state" in str(each) for each in found)
 
 
 def test_check_domain_sees_a_model_that_does_not_do_what_it_says() -> None:
