@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 
+from hybrid_tamp import pipeline
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.block import Duration
 from hybrid_tamp.model.law import check_law
@@ -313,3 +315,16 @@ def test_progress_is_told(toys: Any) -> None:
     recording = run(toys.one_move_task(), toys.one_move(), progress=lambda now, end: told.append((now, end)))
     assert len(told) == len(recording.commands) // 24
     assert told[0] == (pytest.approx(0.1), 1.2)
+
+
+def test_who_reads_what_another_holds_waits_until_it_is_still() -> None:
+    """Two hands come to a box that two others hold tipped: only once it stands still (law 5)."""
+    task = random_tumbling(3, hands=4)
+    plan = pipeline.plan(task).required()
+    recording = run(task, plan)
+    assert recording.success
+    assert check_law(task, recording.plan, recording.at) == []
+    tipping = next(i for i in recording.instances if i.block == "TIPPING:opposite")
+    later = [i for i in recording.instances if i.block == "REACHING:beside" and i.start > tipping.start]
+    assert len(later) == 2
+    assert all(tipping.reached is not None and i.start >= tipping.reached for i in later)
