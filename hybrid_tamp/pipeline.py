@@ -112,7 +112,7 @@ def _outcome(task: Task, planned: Planned) -> PlanOutcome:
     proven = planned.status == "unsolvable"
     detail = planned.refusal or ("" if proven else answer.message)
     said = " ".join(filter(None, [_SAID[planned.status], detail]))
-    reasons = [ReasonEntry(**reason.__dict__) for reason in explain(task)] if not detail else []
+    reasons = [ReasonEntry(**reason.__dict__) for reason in explain(task, proven)] if not detail else []
     explanation = ExplanationEntry(kind=planned.status, message=said, reasons=reasons)
     status: Literal["unsolvable", "unknown"] = "unsolvable" if proven else "unknown"
     document = plan_document(task, status=status, planner=entry, plan=None, explanation=explanation)

@@ -69,6 +69,15 @@ def strength_needed(state: State, hand: Token, thing: Token) -> float:
     return float(thing["mass"] * _GRAVITY * (SQUEEZE + tipping / 2.0))
 
 
+def _share(state: State, hand: Token, thing: Token) -> tuple[float, float]:
+    """Return the force [N] that a hand needs and the one that it has.
+
+    What two hands can do is pooled in equal shares: they squeeze the box between them, so that neither can push harder
+    than the other one withstands, and while hands change each of them holds the box alone.
+    """
+    return strength_needed(state, hand, thing), float(hand["maximal_force"])
+
+
 def _strength(state: State, hand: Token, thing: Token) -> FloatArray:
     return np.asarray(hand["maximal_force"] - strength_needed(state, hand, thing))
 
@@ -166,6 +175,7 @@ STRONG_ENOUGH = Predicate(
     reads={"object": ("orientation",)},
     static=True,
     description="{hand} is strong enough to bear its share of {object}",
+    share=_share,
 )
 WITHIN_REACH = Predicate(
     "within_reach",

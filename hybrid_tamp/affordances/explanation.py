@@ -1,108 +1,80 @@
 """Why a task has no plan, read from its declarations: each reason is true and can be checked by hand.
 
-For every goal atom that does not hold, the blocks that could bring it about are examined: a slot that no token can
-fill, a token short, or a feasibility fact that fails for every choice of the remaining tokens, with its margin.
+For every goal atom that cannot be reached, the blocks that could bring it about are examined, and in turn the blocks
+that could bring about what those wait for. A block is of no use where a slot can be filled by no token, where tokens
+are short, or where its feasibility facts hold for no choice of tokens; then the margin of the best choice is told.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+import math
 
-from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.facts import facts, static_facts
-from hybrid_tamp.model.predicate import Atom, Literal, Value
+from hybrid_tamp.affordances.backwards import Backwards
+from hybrid_tamp.affordances.bindings import TooMany
+from hybrid_tamp.affordances.reasons import Reason, merged
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
+
+__all__ = ["Reason", "explain"]
 
 
-@dataclass(frozen=True)
-class Reason:
-    """One reason why a goal atom cannot be reached.
+def explain(task: Task, proven: bool = False) -> list[Reason]:
+    """Return reasons why the goal cannot be reached; an empty list if none is visible in the declarations.
 
-    Attributes:
-        goal: the goal atom.
-        block: the block that would bring it about, or empty.
-        kind: ``no_block``, ``no_token``, ``too_few_tokens``, ``not_feasible`` or ``out_of_reach``.
-        message: the reason in words.
-        atom: the failing condition, or empty.
-        margin: its margin, or None.
-        unit: unit of the margin.
+    Args:
+        task: the task.
+        proven: whether it is proven that there is no plan; then it is also said if no single fact excludes one.
     """
-
-    goal: str
-    block: str
-    kind: str
-    message: str
-    atom: str = ""
-    margin: float | None = None
-    unit: str = ""
-
-
-def explain(task: Task) -> list[Reason]:
-    """Return reasons why the goal cannot be reached; an empty list if none is visible in the declarations."""
-    holding = facts(task) | static_facts(task)
-    return [reason for atom in task.goal if atom not in holding for reason in _reasons(task, atom)]
+    search = Backwards(task)
+    open_atoms = [atom for atom in task.goal if not search.holds(atom)]
+    # First what is told by the last blocks alone: looking further back is bounded.
+    direct = {atom: search.direct(atom) for atom in open_atoms}
+    reasons = {atom: told or _reasons(search, atom) for atom, told in direct.items()}
+    found = [reason for atom in open_atoms for reason in merged(str(atom), reasons[atom])]
+    return found if found or not proven else [_hidden(open_atoms)]
 
 
-def _reasons(task: Task, goal: Atom) -> Iterator[Reason]:
-    achievers = [
-        (block, literal)
-        for block in task.domain.blocks
-        for literal in block.exit
-        if literal.positive and literal.predicate.name == goal.predicate
-    ]
-    if not achievers:
-        yield Reason(str(goal), "", "no_block", f"no block of {task.domain.name} brings about {goal.predicate}")
-    for block, literal in achievers:
-        fixed = {argument: task.value(name) for argument, name in zip(literal.arguments, goal.arguments, strict=True)}
-        yield from _for_block(task, goal, block, fixed)
+def _hidden(atoms: list[Atom]) -> Reason:
+    goal = " and ".join(map(str, atoms))
+    if len(atoms) > 1:
+        message = "each goal alone is possible as far as the feasibility facts tell; together they are not"
+    else:
+        message = "no single feasibility fact excludes it; what its blocks need cannot be brought about together"
+    return Reason(goal, "", "together", message)
 
 
-def _for_block(task: Task, goal: Atom, block: Block, fixed: dict[str, Value]) -> Iterator[Reason]:
-    for role, value in fixed.items():
-        sort = block.roles.get(role)
-        if isinstance(value, Token) and sort is not None and value not in task.values_of(sort):
-            message = f"{value.name} is not a member of {sort.name}, which {role} of {block.name} needs"
-            yield Reason(str(goal), block.name, "no_token", message)
-            return
-    missing = list(_missing(task, goal, block))
-    yield from missing
-    if not missing:
-        yield from _infeasible(task, goal, block, fixed)
+def _reasons(search: Backwards, goal: Atom) -> list[Reason]:
+    try:
+        return [] if search.explore(goal) else _Walk(search).reasons(goal)
+    except TooMany:
+        return []
 
 
-def _missing(task: Task, goal: Atom, block: Block) -> Iterator[Reason]:
-    """Slots of one class need as many different tokens; what cannot be filled is named."""
-    by_class: dict[str, list[str]] = {}
-    for slot in block.slots:
-        by_class.setdefault(slot.object_class.name, []).append(slot.name)
-    for slot in block.slots:
-        wanted = by_class[slot.object_class.name]
-        have = len(task.values_of(slot.object_class))
-        if slot.name == wanted[-1] and have < len(wanted):
-            short = len(wanted) - have
-            message = (
-                f"slot {slot.name} of {block.name} can be filled by no token: {block.name} needs {len(wanted)} of "
-                f"class {slot.object_class.name}, the task has {have}; {short} more would do"
-            )
-            yield Reason(str(goal), block.name, "too_few_tokens" if have else "no_token", message)
+class _Walk:
+    """From an atom that cannot be reached to what is at the bottom of it."""
 
+    def __init__(self, search: Backwards) -> None:
+        self._search = search
+        self._reached = search.reached()
+        self._known: dict[Atom, list[Reason]] = {}
 
-def _infeasible(task: Task, goal: Atom, block: Block, fixed: dict[str, Value]) -> Iterator[Reason]:
-    """Feasibility facts that hold for no choice of tokens; the best choice's margin is given."""
-    bindings = [b for b in task.bindings(block) if all(b.get(role) == value for role, value in fixed.items())]
-    for literal in block.entry:
-        if not literal.predicate.static or not bindings:
-            continue
-        best, binding = max(
-            ((float(literal.margin(task.state, b)), b) for b in bindings), key=lambda candidate: candidate[0]
-        )
-        if best < 0:
-            yield _reason(goal, block, literal, best, binding)
+    def reasons(self, atom: Atom) -> list[Reason]:
+        """Return why blocks that bring it about are of no use, and what keeps the nearest of the others."""
+        if atom not in self._known:
+            # A way that comes round in a circle has no reason of its own.
+            self._known[atom] = []
+            ways = self._search.ways[atom]
+            at_hand = [] if ways.reasons else self._search.at_hand(atom, self._reached)
+            missing = {next(wait for wait in waits if wait not in self._reached): None for waits in ways.waits}
+            behind = [found for wait in missing if (found := self.reasons(wait))]
+            nearest = max(behind, key=self._nearness, default=[])
+            self._known[atom] = [*ways.reasons, *(at_hand or nearest)]
+        return self._known[atom]
 
+    def _nearness(self, reasons: list[Reason]) -> float:
+        """Return how little is missing by the worst of the reasons, in units of violation."""
+        return min(self._violation(reason) for reason in reasons)
 
-def _reason(goal: Atom, block: Block, literal: Literal, margin: float, binding: dict[str, Value]) -> Reason:
-    atom = literal.ground(binding)
-    message = f"{block.name} cannot: {literal.predicate.sentence(atom.arguments, not literal.positive)}"
-    unit = "" if literal.predicate.unit == "1" else f" {literal.predicate.unit}"
-    message += f" ({atom.predicate} fails by {-margin:.3g}{unit})"
-    return Reason(str(goal), block.name, "not_feasible", message, str(atom), margin, literal.predicate.unit)
+    def _violation(self, reason: Reason) -> float:
+        if reason.margin is None:
+            return -math.inf
+        name = reason.atom.removeprefix("not ").partition("(")[0]
+        return reason.margin / self._search.task.domain.predicate_by_name[name].scale

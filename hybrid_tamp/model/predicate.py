@@ -51,6 +51,8 @@ class Predicate:
             setting a value replaces the old one.
         maintained: its atoms live only as long as the block instance whose exit set them: they are held by
             that block's hold and void once its tokens leave.
+        share: of a load that several tokens bear together, ``share(state, *values)`` to what the first value has to
+            bear and what it can bear [unit], for one state; the margin is their difference. None for other predicates.
         description: what it says, as a sentence over the parameters' names in braces,
             e.g. ``"{object} is within {region}"``.
     """
@@ -65,6 +67,7 @@ class Predicate:
     functional: str | None = None
     maintained: bool = False
     description: str = ""
+    share: Callable[..., tuple[float, float]] | None = None
 
     def __call__(self, *arguments: str) -> "Literal":
         """Return the positive literal over slots, targets, symbols or `ANY`."""

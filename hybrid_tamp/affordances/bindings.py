@@ -1,0 +1,114 @@
+"""Which tokens and symbols could fill a block's roles, as far as facts tell that nothing changes."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
+from itertools import islice, product
+
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.predicate import Literal, Predicate, SymbolSort, Value
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+
+Choices = dict[str, tuple[Value, ...]]
+"""Role to the values that it may have."""
+Bound = dict[str, Value]
+"""Role to its value."""
+
+MOST = 50_000
+"""So many bindings of a block are looked at."""
+
+
+class TooMany(Exception):
+    """A block has more bindings than are looked at."""
+
+
+class Margins:
+    """The margins of a task's feasibility facts, each found once."""
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        self._known: dict[tuple[Predicate, tuple[Value, ...]], float] = {}
+
+    def of(self, literal: Literal, bound: Mapping[str, Value]) -> float:
+        """Return the signed margin of a static literal whose roles are bound, in the initial state."""
+        values = tuple(bound.get(argument, argument) for argument in literal.arguments)
+        key = (literal.predicate, values)
+        if key not in self._known:
+            self._known[key] = float(literal.predicate.evaluate(self.task.state, *values))
+        return self._known[key] if literal.positive else -self._known[key]
+
+
+def choices(task: Task, block: Block, fixed: Mapping[str, Value]) -> Choices:
+    """Return what each role may be by its class or sort alone, and by what is fixed; an empty tuple where nothing."""
+    every = {role: task.values_of(sort) for role, sort in block.roles.items()}
+    return {
+        role: tuple(value for value in values if role not in fixed or value == fixed[role])
+        for role, values in every.items()
+    }
+
+
+def static_entry(block: Block) -> tuple[Literal, ...]:
+    """Return the block's feasibility conditions, those over symbols alone first: they leave the fewest choices."""
+    return tuple(
+        sorted((literal for literal in block.entry if literal.predicate.static), key=lambda each: not symbolic(each))
+    )
+
+
+def symbolic(literal: Literal) -> bool:
+    """Say whether a literal is over symbols alone."""
+    return all(isinstance(parameter.sort, SymbolSort) for parameter in literal.predicate.parameters)
+
+
+def feasible(margins: Margins, literals: Iterable[Literal], allowed: Choices) -> list[Bound]:
+    """Return the bindings of the literals' roles under which all of them hold, tokens different from each other.
+
+    Raises:
+        TooMany: there are more than `MOST`.
+    """
+    found: list[Bound] = [{}]
+    for literal in literals:
+        every = (more for bound in found for more in _extended(margins, literal, bound, allowed))
+        found = list(islice(every, MOST + 1))
+        if len(found) > MOST:
+            raise TooMany
+    return found
+
+
+def completed(bounds: Iterable[Bound], allowed: Choices) -> Iterator[Bound]:
+    """Yield every way to bind the remaining roles, tokens different from each other."""
+    for bound in bounds:
+        missing = [role for role in allowed if role not in bound]
+        for values in product(*(allowed[role] for role in missing)):
+            whole = bound | dict(zip(missing, values, strict=True))
+            if different(whole.values()):
+                yield whole
+
+
+def _extended(margins: Margins, literal: Literal, bound: Bound, allowed: Choices) -> Iterator[Bound]:
+    roles = [role for role in dict.fromkeys(literal.arguments) if role in allowed and role not in bound]
+    rows: Iterable[tuple[Value, ...]]
+    if literal.positive and symbolic(literal) and len(roles) == len(literal.arguments):
+        rows = (
+            row for row in relation(literal.predicate) if all(v in allowed[r] for r, v in zip(roles, row, strict=True))
+        )
+    else:
+        rows = product(*(allowed[role] for role in roles))
+    for values in rows:
+        more = bound | dict(zip(roles, values, strict=True))
+        if different(more.values()) and margins.of(literal, more) >= 0:
+            yield more
+
+
+@lru_cache(maxsize=1024)
+def relation(predicate: Predicate) -> tuple[tuple[str, ...], ...]:
+    """Return the rows of a static predicate over symbols alone; they are the same in every task."""
+    nothing = State.of((), {})
+    symbols = [parameter.sort.symbols for parameter in predicate.parameters if isinstance(parameter.sort, SymbolSort)]
+    return tuple(row for row in product(*symbols) if float(predicate.evaluate(nothing, *row)) >= 0)
+
+
+def different(values: Iterable[Value]) -> bool:
+    """Say whether no token is there twice."""
+    tokens = [value for value in values if isinstance(value, Token)]
+    return len(set(tokens)) == len(tokens)
