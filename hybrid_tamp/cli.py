@@ -66,9 +66,7 @@ def _options(
 @app.command()
 def check(task: TaskArgument, as_json: JsonOption = False, domain: DomainOption = None) -> None:
     """Check a task file: every fault at once, each with its place and what would be right."""
-    from hybrid_tamp.symbolic.engines import check_engine
-
-    loaded = _load(task, domain, check_engine)
+    loaded = _load(task, domain, plans=True)
     summary = {
         "schema": "hybrid-tamp/check/1",
         "task": loaded.name,
@@ -98,7 +96,7 @@ def plan(
 
     # The planner's process warms up while the task file is read.
     with PlannerProcess() as process:
-        loaded = _adjusted(_load(task, domain), planner, objective, seed, time_limit, memory_limit)
+        loaded = _adjusted(_load(task, domain, plans=not planner), planner, objective, seed, time_limit, memory_limit)
         from hybrid_tamp import pipeline
         from hybrid_tamp.report.folder import RunFolder
 
@@ -109,12 +107,11 @@ def plan(
     if as_json:
         print_json(outcome.document.dump())
     elif outcome.plan is not None:
-        from hybrid_tamp.report.tables import plan_table, timeline
+        from hybrid_tamp.report.tables import plan_footer, plan_table, timeline
 
         show(plan_table(outcome.document))
         show(timeline(outcome.plan, [token.name for token in loaded.assigned]))
-        seconds = outcome.document.planner.seconds
-        typer.echo(f"{len(outcome.plan.actions)} actions, {outcome.plan.makespan:.2f} s, planned in {seconds:.2f} s")
+        typer.echo(plan_footer(outcome.document))
     if outcome.error is not None:
         explain(outcome.document.explanation, as_json)
         raise typer.Exit(outcome.error.exit_status)
@@ -157,7 +154,7 @@ def run(
     from hybrid_tamp.symbolic.planner import PlannerProcess
 
     with PlannerProcess() as process:
-        loaded = _adjusted(_load(task, domain), planner, objective, seed, time_limit, memory_limit)
+        loaded = _adjusted(_load(task, domain, plans=not planner), planner, objective, seed, time_limit, memory_limit)
         from hybrid_tamp import pipeline
         from hybrid_tamp.report.folder import RunFolder
         from hybrid_tamp.report.progress import progress_bar
@@ -269,15 +266,16 @@ def schema(
         print_json(json_schema(found))
 
 
-def _load(text: str, domain: str | None, check_planner: "Callable[[str], None] | None" = None) -> "Task":
+def _load(text: str, domain: str | None, *, plans: bool = False) -> "Task":
     """Load a task; code is imported only where the command line, not the file, names it.
 
-    The planner that the file names is checked only where it is going to be used.
+    The planner that the file names is checked only where it is the one that plans.
     """
+    from hybrid_tamp.symbolic.engines import check_engine
     from hybrid_tamp.taskfile.domains import find_task_file
     from hybrid_tamp.taskfile.loader import load_task
 
-    return load_task(find_task_file(text), _finder(domain), check_planner)
+    return load_task(find_task_file(text), _finder(domain), check_engine if plans else None)
 
 
 def _finder(name: str | None) -> "Callable[[str], Domain]":

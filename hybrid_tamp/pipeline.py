@@ -105,7 +105,13 @@ def plan(task: Task, planner: Planner | None = None) -> PlanOutcome:
 
 def _outcome(task: Task, planned: Planned) -> PlanOutcome:
     answer = planned.answer
-    entry = PlannerEntry(name=answer.engine, seconds=answer.seconds)
+    entry = PlannerEntry(
+        name=answer.engine,
+        seconds=answer.seconds,
+        way=planned.way,
+        proven_shortest=planned.proven,
+        stages=dict(planned.stages),
+    )
     if planned.plan is not None:
         document = plan_document(task, status="solved", planner=entry, plan=planned.plan, explanation=None)
         return PlanOutcome(task, document, planned.plan, None)

@@ -15,14 +15,20 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
 
-def static_facts(task: Task) -> frozenset[Atom]:
-    """Return the feasibility facts of the task: atoms of static predicates over different tokens."""
+def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[Atom]:
+    """Return the feasibility facts of the task: atoms of static predicates over different tokens.
+
+    Args:
+        task: the task.
+        known: those of a larger task with the same tokens in the same state, where some may be known already.
+    """
+    known = known or StaticFacts(task)
     found: set[Atom] = set()
     for predicate in task.domain.predicates:
         if predicate.static and _of_symbols_alone(predicate):
             found.update(_relation(predicate))
         elif predicate.static:
-            found.update(atom for atom, margin in margins(task, task.state, predicate) if margin >= 0)
+            found.update(atom for atom, values in _atoms(task, predicate) if known.holds(atom, values))
     return frozenset(found)
 
 
@@ -35,17 +41,18 @@ class StaticFacts:
 
     def __contains__(self, atom: Atom) -> bool:
         """Say whether the positive atom is one of `static_facts`."""
-        if atom not in self._known:
-            self._known[atom] = self._holds(atom)
-        return self._known[atom]
-
-    def _holds(self, atom: Atom) -> bool:
         predicate = self._task.domain.predicate_by_name[atom.predicate]
         if _of_symbols_alone(predicate):
             return atom in _relation(predicate)
         values = tuple(map(self._task.value, atom.arguments))
-        fitting = all(map(_fits, values, predicate.parameters)) and _different(values)
-        return fitting and float(predicate.evaluate(self._task.state, *values)) >= 0
+        return all(map(_fits, values, predicate.parameters)) and _different(values) and self.holds(atom, values)
+
+    def holds(self, atom: Atom, values: tuple[Value, ...]) -> bool:
+        """Say whether the positive atom, which is well-typed and has these values, holds."""
+        if atom not in self._known:
+            predicate = self._task.domain.predicate_by_name[atom.predicate]
+            self._known[atom] = float(predicate.evaluate(self._task.state, *values)) >= 0
+        return self._known[atom]
 
 
 def _fits(value: Value, parameter: Parameter) -> bool:
@@ -86,11 +93,15 @@ def facts(task: Task, state: State | None = None) -> frozenset[Atom]:
 
 def margins(task: Task, state: State, predicate: Predicate) -> Iterable[tuple[Atom, float]]:
     """Yield every well-typed atom of the predicate over different tokens, with its margin."""
-    domains = [task.values_of(parameter.sort) for parameter in predicate.parameters]
-    for values in product(*domains):
+    for atom, values in _atoms(task, predicate):
+        yield atom, float(predicate.evaluate(state, *values))
+
+
+def _atoms(task: Task, predicate: Predicate) -> Iterable[tuple[Atom, tuple[Value, ...]]]:
+    """Yield every well-typed atom of the predicate over different tokens, with its arguments."""
+    for values in product(*(task.values_of(parameter.sort) for parameter in predicate.parameters)):
         if _different(values):
-            margin = float(predicate.evaluate(state, *values))
-            yield Atom(predicate.name, tuple(map(name_of, values))), margin
+            yield Atom(predicate.name, tuple(map(name_of, values))), values
 
 
 def _different(values: tuple[Value, ...]) -> bool:

@@ -41,10 +41,13 @@ class StepEntry(_Document):
 
 
 class PlannerEntry(_Document):
-    """Which engine answered, and how long it took."""
+    """Which engine answered, how long it took, and how the plan was found."""
 
     name: str
     seconds: float
+    way: str = Field("", description="how the plan was found")
+    proven_shortest: bool = Field(False, description="whether no plan has a shorter makespan")
+    stages: dict[str, float] = Field(default_factory=dict, description="what each stage took [s]")
 
 
 class NetworkEntry(_Document):
@@ -85,6 +88,7 @@ class PlanDocument(_Document):
     status: Literal["solved", "unsolvable", "unknown", "limit"]
     planner: PlannerEntry
     seed: int
+    objective: Literal["length", "makespan"] = "length"
     makespan: float | None = Field(description="[s]")
     cost: float | None = Field(description="number of PDDL actions")
     actions: list[str] = Field(description="the PDDL plan, a line each")
@@ -170,6 +174,7 @@ def plan_document(
         status=status,
         planner=planner,
         seed=task.seed,
+        objective="makespan" if task.objective == "makespan" else "length",
         makespan=plan.makespan if plan else None,
         cost=float(len(plan.actions)) if plan else None,
         actions=list(plan.actions) if plan else [],

@@ -30,6 +30,15 @@ def plan_table(document: PlanDocument) -> RenderableType:
     return table
 
 
+def plan_footer(document: PlanDocument) -> str:
+    """Return in one line how long a plan is, and how it was found."""
+    planner = document.planner
+    said = f"{len(document.actions)} actions, {document.makespan:.2f} s, planned in {planner.seconds:.2f} s"
+    if document.objective == "makespan":
+        said += f" ({planner.way}; {'' if planner.proven_shortest else 'not '}proven the shortest in time)"
+    return said
+
+
 def allocation(entry: InstanceEntry) -> str:
     """Return one instance with its tokens and targets, e.g. ``ROLLING-1: hand=h, object=drum -> region=goal``."""
     slots = ", ".join(f"{slot}={token}" for slot, token in entry.slots.items())

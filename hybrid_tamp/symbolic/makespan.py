@@ -2,23 +2,28 @@
 
 A sequential planner has no reason to spread work over hands. An *episode* of a token is what it does from leaving
 RESTING until it rests again; a token that equals another in classes, properties and shape, and that no goal atom
-names, can take over an episode of the other. Episodes are rebound one by one, in the plan's order, to whichever token
-gives the earliest end, until nothing improves or the time is up. Every candidate is applied action by action, so that
-what depends on where a token is (its workspace, say) is respected.
+names, can take over an episode of the other. Episodes are rebound one by one, in their order, to a token that gives
+an earlier end, and tokens change places as a whole, until nothing improves or the time is up. Every candidate is
+applied action by action, so that what depends on where a token is (its workspace, say) is respected.
 """
 
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.symbolic.application import applicable
 from hybrid_tamp.symbolic.decoder import UndecodableError, decode
-from hybrid_tamp.symbolic.operators import Fact, PlannedAction, ground
+from hybrid_tamp.symbolic.estimates import Estimates
+from hybrid_tamp.symbolic.operators import PlannedAction
 from hybrid_tamp.symbolic.pddl import action_line
 from hybrid_tamp.symbolic.problem import Compilation
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+
+__all__ = ["applicable", "interchangeable", "shortened"]
 
 Use = tuple[int, int]
 """Action and parameter at which a token is named."""
@@ -46,7 +51,13 @@ def _kind(token: Token) -> tuple[object, ...]:
     return (tuple(c.name for c in token.classes), tuple(sorted(token.properties.items())), token.shape)
 
 
-def shortened(compilation: Compilation, plan: TaskPlan, actions: Sequence[PlannedAction], seconds: float) -> TaskPlan:
+def shortened(
+    compilation: Compilation,
+    plan: TaskPlan,
+    actions: Sequence[PlannedAction],
+    seconds: float,
+    estimates: Estimates | None = None,
+) -> TaskPlan:
     """Return the plan, or one with rebound tokens that ends earlier.
 
     Args:
@@ -54,20 +65,32 @@ def shortened(compilation: Compilation, plan: TaskPlan, actions: Sequence[Planne
         plan: the plan as it is scheduled.
         actions: its actions.
         seconds: how long to try [s].
+        estimates: those of the task, where others have made some already.
     """
     until = time.monotonic() + seconds
+    estimates = estimates or Estimates(compilation.task)
     best, chosen = plan, list(actions)
     improved = True
     while improved:
         improved = False
-        for index in range(len(_episodes(compilation, chosen))):
-            for candidate in _rebound(compilation, chosen, index):
-                if time.monotonic() > until:
-                    return best
-                shorter = _scheduled(compilation, candidate)
-                if shorter is not None and shorter.makespan < best.makespan - 1e-6:
-                    best, chosen, improved = shorter, candidate, True
+        for candidate in _neighbours(compilation, chosen):
+            if time.monotonic() > until:
+                return best
+            shorter = _scheduled(compilation, candidate, estimates)
+            if shorter is not None and shorter.makespan < best.makespan - 1e-6:
+                best, chosen, improved = shorter, candidate, True
+                break
     return best
+
+
+def _neighbours(compilation: Compilation, actions: Sequence[PlannedAction]) -> Iterator[list[PlannedAction]]:
+    """Yield the actions with one episode given to another token, and with two tokens in each other's place."""
+    for episode in _episodes(compilation, actions):
+        yield from _rebound(compilation, actions, episode)
+    for group in interchangeable(compilation.task):
+        for one, other in combinations(map(compilation.name, group), 2):
+            swap = {one: other, other: one}
+            yield [(name, *(swap.get(argument, argument) for argument in rest)) for name, *rest in actions]
 
 
 def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> list[Episode]:
@@ -90,9 +113,10 @@ def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> lis
     return found
 
 
-def _rebound(compilation: Compilation, actions: Sequence[PlannedAction], index: int) -> Iterator[list[PlannedAction]]:
+def _rebound(
+    compilation: Compilation, actions: Sequence[PlannedAction], episode: Episode
+) -> Iterator[list[PlannedAction]]:
     """Yield the actions with one episode given to each other token of its group."""
-    episode = _episodes(compilation, actions)[index]
     for group in interchangeable(compilation.task):
         others = [compilation.name(name) for name in group]
         if episode.token not in others:
@@ -105,24 +129,11 @@ def _rebound(compilation: Compilation, actions: Sequence[PlannedAction], index: 
                 yield [tuple(action) for action in changed]
 
 
-def _scheduled(compilation: Compilation, actions: Sequence[PlannedAction]) -> TaskPlan | None:
+def _scheduled(compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates) -> TaskPlan | None:
     """Return the schedule of actions that can be applied one after the other and reach the goal, else None."""
     if not applicable(compilation, actions):
         return None
     try:
-        return schedule(compilation.task, decode(compilation, actions), tuple(map(action_line, actions)))
+        return schedule(compilation.task, decode(compilation, actions), tuple(map(action_line, actions)), estimates)
     except (UndecodableError, InfeasibleScheduleError):
         return None  # this candidate is none; the plan as it was still stands
-
-
-def applicable(compilation: Compilation, actions: Sequence[PlannedAction]) -> bool:
-    """Say whether every action can be applied in turn and the goal holds after the last."""
-    operators = {operator.name: operator for operator in compilation.problem.domain.operators}
-    facts: set[Fact] = set(compilation.problem.init)
-    for name, *arguments in actions:
-        operator = operators[name]
-        binding = dict(zip((variable for variable, _ in operator.parameters), arguments, strict=True))
-        if not all(ground(fact, binding) in facts for fact in operator.precondition):
-            return False
-        facts = operator.effects(binding, facts)
-    return set(compilation.problem.goal) <= facts

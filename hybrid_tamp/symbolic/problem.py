@@ -7,7 +7,7 @@ from itertools import pairwise, permutations
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.affordance import TOKEN
-from hybrid_tamp.model.facts import facts, static_facts
+from hybrid_tamp.model.facts import StaticFacts, facts, static_facts
 from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -19,12 +19,23 @@ from hybrid_tamp.symbolic.vocabulary import COUNT, NONE, locked_targets, no_valu
 
 @dataclass(frozen=True, eq=False)
 class Compilation:
-    """A task compiled: its planning problem, with the way back to the user's names."""
+    """A task compiled, with the way back to the user's names; what takes long is done when it is asked for.
+
+    Attributes:
+        task: the task.
+        encoded: its domain, encoded.
+        tokens: names of its tokens.
+        counts: how many instances could read one token at once.
+        goal: what is wanted in the end.
+        feasible: its facts of feasibility, or those of a larger task of which it is a part.
+    """
 
     task: Task
     encoded: EncodedDomain
     tokens: Naming
-    problem: PlanningProblem
+    counts: int
+    goal: tuple[Fact, ...]
+    feasible: StaticFacts
 
     def name(self, user: str) -> str:
         """Return the PDDL name of a token or symbol."""
@@ -35,36 +46,63 @@ class Compilation:
         return self.tokens.user(pddl) if self.tokens.knows(pddl) else self.encoded.vocabulary.names.user(pddl)
 
     @cached_property
-    def fact_set(self) -> frozenset[Fact]:
-        """The initial facts."""
-        return frozenset(self.problem.init)
+    def problem(self) -> PlanningProblem:
+        """The planning problem: for many tokens it has very many facts of feasibility."""
+        vocabulary, writer = self.encoded.vocabulary, _Writer(self.task, self.encoded, self.tokens, self.counts)
+        tokens = sorted(self.task.tokens, key=lambda token: token.name)
+        return PlanningProblem(
+            name=legal(self.task.name),
+            domain=self.encoded.planning,
+            objects=(
+                *((self.tokens.pddl(token.name), vocabulary.token_type(token)) for token in tokens),
+                *((f"n{i}", vocabulary.word(COUNT)) for i in range(1, self.counts + 1)),
+            ),
+            init=tuple(sorted({*writer.changing(), *writer.lasting(self.feasible)})),
+            goal=self.goal,
+            comments=self.tokens.changed,
+        )
+
+    @cached_property
+    def changing(self) -> frozenset[Fact]:
+        """The initial facts but those of feasibility and difference, for which ask `always`."""
+        return frozenset(_Writer(self.task, self.encoded, self.tokens, self.counts).changing())
+
+    def always(self, fact: Fact) -> bool:
+        """Say whether a fact of feasibility or difference, which nothing ever changes, holds."""
+        predicate, *names = fact
+        if predicate == "distinct":
+            return len(set(names)) > 1
+        if predicate not in self._static:
+            return False
+        known, positive = self._static[predicate]
+        return (Atom(known.name, tuple(map(self.user, names))) in self.feasible) == positive
+
+    @cached_property
+    def _static(self) -> dict[str, tuple[Predicate, bool]]:
+        """Static predicates and their opposites by their names in the planning domain."""
+        vocabulary = self.encoded.vocabulary
+        static = {vocabulary.word(p.name): (p, True) for p in self.task.domain.predicates if p.static}
+        return static | {vocabulary.word(opposite(p)): (p, False) for p in vocabulary.denied}
 
 
-def compile_task(task: Task) -> Compilation:
+def compile_task(task: Task, whole: Compilation | None = None) -> Compilation:
     """Compile a task to STRIPS.
+
+    Args:
+        task: the task.
+        whole: the compiled task of which this one is a part, with the same tokens in the same state: it has encoded
+            the domain already, and decided facts of feasibility.
 
     Raises:
         InputError: the goal denies a predicate that changes, which STRIPS goals cannot.
     """
-    encoded = encode_domain(task.domain)
-    vocabulary = encoded.vocabulary
+    encoded = whole.encoded if whole else encode_domain(task.domain)
     own = {name for name, _ in encoded.planning.predicates}
     counts = _counts(task)
-    taken = vocabulary.names.all | own | {f"n{i}" for i in range(1, counts + 1)}
+    taken = encoded.vocabulary.names.all | own | {f"n{i}" for i in range(1, counts + 1)}
     tokens = Naming((token.name for token in task.tokens), taken)
-    writer = _Writer(task, encoded, tokens, counts)
-    problem = PlanningProblem(
-        name=legal(task.name),
-        domain=encoded.planning,
-        objects=(
-            *((tokens.pddl(t.name), vocabulary.token_type(t)) for t in sorted(task.tokens, key=lambda t: t.name)),
-            *((f"n{i}", vocabulary.word(COUNT)) for i in range(1, counts + 1)),
-        ),
-        init=tuple(sorted(set(writer.init()))),
-        goal=tuple(sorted(set(writer.goal()))),
-        comments=tokens.changed,
-    )
-    return Compilation(task, encoded, tokens, problem)
+    goal = tuple(sorted(set(_Writer(task, encoded, tokens, counts).goal())))
+    return Compilation(task, encoded, tokens, counts, goal, whole.feasible if whole else StaticFacts(task))
 
 
 def _counts(task: Task) -> int:
@@ -94,14 +132,20 @@ class _Writer:
     def fact(self, atom: Atom) -> Fact:
         return (self.vocabulary.word(atom.predicate), *map(self.name, atom.arguments))
 
-    def init(self) -> Iterator[Fact]:
-        """Yield the initial facts, of those predicates that the domain has."""
-        static, changing = static_facts(self.task), facts(self.task)
-        yield from map(self.fact, static | changing)
+    def changing(self) -> Iterator[Fact]:
+        """Yield the initial facts but those of feasibility and difference, of those predicates that the domain has."""
+        changing = facts(self.task)
+        yield from map(self.fact, changing)
         yield from self._guards()
         yield from self._no_values(changing)
-        yield from self._denials(static)
         yield from (fact for fact in self._assignment() if fact[0] in self.used)
+
+    def lasting(self, feasible: StaticFacts) -> Iterator[Fact]:
+        """Yield the facts of feasibility and difference."""
+        static = static_facts(self.task, feasible)
+        yield from map(self.fact, static)
+        yield from self._denials(static)
+        yield from self._distinct()
 
     def _guards(self) -> Iterator[Fact]:
         for token in self.task.tokens:
@@ -148,7 +192,6 @@ class _Writer:
             yield ("readers", name, none)
         steps = [none, *(f"n{i}" for i in range(1, self.counts + 1))]
         yield from (("next", one, more) for one, more in pairwise(steps))
-        yield from self._distinct()
 
     def _distinct(self) -> Iterator[Fact]:
         if "distinct" in self.used:

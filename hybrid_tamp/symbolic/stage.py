@@ -1,32 +1,30 @@
-"""The whole symbolic stage: compile, ask the planner, decode, schedule, and judge before anyone sees the plan."""
+"""The whole symbolic stage: every way to a plan that is worth a try, and of the lawful plans the best.
 
-import logging
-from dataclasses import dataclass
-from typing import Protocol
+A *way* yields candidates, each judged by the law already: the whole task at once, independent goals apart, the same
+plan with interchangeable tokens rebound. For the number of actions the first lawful plan is taken; for the makespan
+all ways are tried while there is time, and the shortest plan wins.
+"""
 
-from hybrid_tamp.model.law import check_law
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+
 from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.model.task import Limits, Task
-from hybrid_tamp.symbolic.decoder import UndecodableError, decode
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.apart import GoalsApart
 from hybrid_tamp.symbolic.makespan import shortened
-from hybrid_tamp.symbolic.operators import PlannedAction, PlanningProblem
-from hybrid_tamp.symbolic.pddl import action_line
 from hybrid_tamp.symbolic.planner import PlannerAnswer
-from hybrid_tamp.symbolic.problem import Compilation, compile_task
-from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+from hybrid_tamp.symbolic.search import Candidate, Planner, Search
 
-SHORTENING = 20.0
-"""How long a shorter plan is looked for when the objective is the makespan [s]."""
+__all__ = ["Planned", "Planner", "plan_task"]
 
-_LOG = logging.getLogger(__name__)
+SHORTENING = 15.0
+"""How long shorter plans are looked for when the objective is the makespan [s]."""
 
+WHOLE = "the whole task at once"
+REBOUND = "interchangeable tokens rebound"
 
-class Planner(Protocol):
-    """Whatever answers a planning problem; `symbolic.planner.PlannerProcess` does."""
-
-    def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
-        """Return the engine's answer."""
-        ...
+_DECOMPOSING = ("fast-downward", "symk", "enhsp", "pyperplan")
+"""Engines that end where a part has no plan, and whose plans are not expected to be the shortest in actions."""
 
 
 @dataclass(frozen=True)
@@ -34,16 +32,20 @@ class Planned:
     """What came of asking a planner.
 
     Attributes:
-        compilation: the compiled task.
-        answer: the engine's own answer.
+        answer: the engine's own answer; where there is a plan, with the actions of that plan.
         plan: the checked timeline, or None.
         refusal: why the engine's plan was refused, or empty.
+        way: how the plan was found.
+        proven: whether no plan has a shorter makespan.
+        stages: seconds that each stage took.
     """
 
-    compilation: Compilation
     answer: PlannerAnswer
     plan: TaskPlan | None
     refusal: str = ""
+    way: str = ""
+    proven: bool = False
+    stages: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def status(self) -> str:
@@ -56,7 +58,9 @@ class Planned:
 
 
 def plan_task(task: Task, planner: Planner) -> Planned:
-    """Return a plan that the law checker and unified-planning's validator both passed, or why there is none.
+    """Return a plan that the law checker passed, or why there is none.
+
+    Every action of it comes from plans that unified-planning's validator passed.
 
     Args:
         task: the task.
@@ -66,23 +70,91 @@ def plan_task(task: Task, planner: Planner) -> Planned:
         InputError: the engine is not installed or not known, or the goal cannot be compiled.
         LimitReached: the engine ran into the time or memory limit.
     """
-    compilation = compile_task(task)
-    answer = planner.solve(compilation.problem, task.planner, task.limits)
-    if answer.status != "solved":
-        return Planned(compilation, answer, None)
-    plan, refusal = _judged(compilation, answer.actions)
-    if refusal:
-        _LOG.warning("the plan of %s was refused: %s", answer.engine, refusal)
-    return Planned(compilation, answer, plan, refusal)
+    stage = _Stage(Search(task, planner))
+    best = stage.best()
+    search = stage.search
+    if best is not None:
+        answer = PlannerAnswer("solved", best.actions, search.elapsed, task.planner, validated=True)
+        return Planned(answer, best.plan, "", best.way, best.proven, dict(search.stages))
+    assert stage.answer is not None, "the way of the whole task asks the planner, or raises"
+    refusal = search.refusals[-1] if search.refusals and stage.answer.status == "solved" else ""
+    return Planned(stage.answer, None, refusal, stages=dict(search.stages))
 
 
-def _judged(compilation: Compilation, actions: tuple[PlannedAction, ...]) -> tuple[TaskPlan | None, str]:
-    try:
-        instances = decode(compilation, actions)
-        plan = schedule(compilation.task, instances, tuple(map(action_line, actions)))
-    except (UndecodableError, InfeasibleScheduleError) as error:
-        return None, str(error)
-    if compilation.task.objective == "makespan":
-        plan = shortened(compilation, plan, actions, SHORTENING)
-    violations = check_law(compilation.task, plan)
-    return (None, "; ".join(map(str, violations))) if violations else (plan, "")
+Way = Callable[[Candidate | None], Iterator[Candidate]]
+"""Takes the best plan so far and yields lawful plans that may be better."""
+
+
+class _Stage:
+    """The ways to a plan of one task.
+
+    Attributes:
+        search: what they share.
+        answer: the planner's answer to the whole task, once it was asked for.
+    """
+
+    def __init__(self, search: Search) -> None:
+        self.search = search
+        self.task = search.task
+        self.answer: PlannerAnswer | None = None
+        with search.stage("compiling"):
+            self.apart = GoalsApart(search, SHORTENING)
+
+    def best(self) -> Candidate | None:
+        """Return the best plan of all ways that are tried, or None."""
+        if self.task.objective != "makespan":
+            return next(self._first_come(), None)
+        best: Candidate | None = None
+        for way in self._ways():
+            for candidate in way(best):
+                if best is None or candidate.plan.makespan < best.plan.makespan - 1e-6:
+                    best = candidate
+                if best.proven or self.search.elapsed > SHORTENING:
+                    return best
+        return best
+
+    def _first_come(self) -> Iterator[Candidate]:
+        if self.task.planner in _DECOMPOSING and self.apart.worthwhile:
+            yield from self._apart(None)
+        yield from self._whole(None)
+
+    def _ways(self) -> list[Way]:
+        """Return the ways to a short makespan, the most promising first; each is told the best plan so far.
+
+        Further ways are put in here; what they yield has been judged by `Search.judged` or `Search.candidate`.
+        """
+        apart = [self._apart] if self.task.planner in _DECOMPOSING else []
+        return [*apart, self._whole, self._rebound]
+
+    def _apart(self, best: Candidate | None) -> Iterator[Candidate]:
+        """Plan the goals apart, with several numbers of helpers."""
+        candidates = self.apart.candidates()
+        while True:
+            with self.search.stage("compiling"):
+                found = next(candidates, None)
+            if found is None:
+                return
+            yield found
+
+    def _whole(self, best: Candidate | None) -> Iterator[Candidate]:
+        """Ask for a plan of the whole task, unless its parts have one."""
+        if best is not None:
+            return
+        with self.search.stage("compiling"):
+            problem = self.search.compilation.problem
+        self.answer = self.search.ask(problem)
+        if self.answer.status == "solved":
+            found = self.search.candidate(WHOLE, self.answer.actions)
+            if found is not None:
+                yield found
+
+    def _rebound(self, best: Candidate | None) -> Iterator[Candidate]:
+        """Rebind interchangeable tokens of the best plan."""
+        if best is not None:
+            seconds, compilation = SHORTENING - self.search.elapsed, self.search.compilation
+            with self.search.stage("scheduling"):
+                shorter = shortened(compilation, best.plan, best.actions, seconds, self.search.estimates)
+            if shorter is not best.plan:
+                found = self.search.judged(Candidate(f"{best.way}, {REBOUND}", shorter))
+                if found is not None:
+                    yield found

@@ -1,0 +1,144 @@
+"""Independent goals planned apart and merged; what is judged is the plan of the whole task."""
+
+from collections.abc import Iterator
+from itertools import permutations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import rolling_task
+from validation import val_accepts
+
+from hybrid_tamp.model.facts import facts, static_facts
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.task import Limits, Task
+from hybrid_tamp.symbolic.apart import APART
+from hybrid_tamp.symbolic.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
+from hybrid_tamp.symbolic.matching import cheapest_matching
+from hybrid_tamp.symbolic.operators import PlanningProblem
+from hybrid_tamp.symbolic.planner import PlannerAnswer, PlannerProcess
+from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.stage import WHOLE, Planned, plan_task
+
+
+class Counting:
+    """A planner that remembers what it was asked."""
+
+    def __init__(self, planner: PlannerProcess) -> None:
+        self.planner = planner
+        self.asked: list[PlanningProblem] = []
+
+    def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
+        self.asked.append(problem)
+        return self.planner.solve(problem, engine, limits)
+
+
+@pytest.fixture
+def planner() -> Iterator[Counting]:
+    with PlannerProcess() as process:
+        yield Counting(process)
+
+
+def accepted(folder: Path, task: Task, planned: Planned) -> bool:
+    """Say whether the law checker and VAL accept the plan of the whole task."""
+    assert planned.plan is not None
+    lawful = check_law(task, planned.plan) == []
+    return lawful and val_accepts(folder, compile_task(task).problem, planned.answer.actions)
+
+
+def test_three_boxes_take_as_long_as_one_and_one_search_does_for_all(planner: Counting, tmp_path: Path) -> None:
+    one = plan_task(random_tumbling(7, 2, 1), planner)
+    assert (one.way, len(planner.asked)) == (WHOLE, 1)
+    task = random_tumbling(7, 6, 3)
+    three = plan_task(task, planner)
+    assert three.way.startswith(APART)
+    assert len(planner.asked) == 2
+    assert accepted(tmp_path, task, three)
+    assert one.plan is not None
+    assert three.plan is not None
+    assert three.plan.makespan <= 1.1 * one.plan.makespan
+    assert len(three.plan.actions) == 3 * len(one.plan.actions)
+
+
+def test_hands_serve_one_box_after_the_other_where_they_are_few(planner: Counting, tmp_path: Path) -> None:
+    task = random_tumbling(3, 2, 2)
+    planned = plan_task(task, planner)
+    assert planned.way.startswith(APART)
+    assert accepted(tmp_path, task, planned)
+
+
+def test_more_hands_make_one_box_quicker(planner: Counting) -> None:
+    two, four = (
+        plan_task(random_tumbling(7, hands, 1).replaced(objective="makespan"), planner).plan for hands in (2, 4)
+    )
+    assert two is not None
+    assert four is not None
+    assert four.makespan < 0.85 * two.makespan
+
+
+def test_drums_roll_apart_each_to_its_region(planner: Counting, tmp_path: Path) -> None:
+    places = [(0.0, 0.6 * row) for row in range(3)]
+    regions = [(0.7, 0.6 * row) for row in range(3)]
+    task = rolling_task(1, places, regions, [(0, 0), (1, 1), (2, 2)]).replaced(objective="makespan")
+    planned = plan_task(task, planner)
+    assert planned.way.startswith(APART)
+    assert accepted(tmp_path, task, planned)
+
+
+def test_what_has_no_plan_is_proven_with_the_whole_task(planner: Counting) -> None:
+    planned = plan_task(random_tumbling(3, 1, 2), planner)
+    assert (planned.status, planned.plan) == ("unsolvable", None)
+    (asked,) = planner.asked
+    assert asked == compile_task(random_tumbling(3, 1, 2)).problem
+
+
+def test_an_optimal_engine_is_asked_for_the_whole_task(planner: Counting) -> None:
+    task = rolling_task(2, [(0, 0), (0, 0.6)], [(0.7, 0), (0.7, 0.6)], [(0, 0), (1, 1)])
+    planned = plan_task(task.replaced(planner="symk-opt"), planner)
+    assert planned.way == WHOLE
+    assert plan_task(task, planner).way.startswith(APART)
+
+
+def test_goals_that_share_a_token_belong_together() -> None:
+    task = rolling_task(2, [(0, 0), (0, 0.6)], [(0.7, 0), (0.7, 0.6)], [(0, 0), (1, 1), (0, 1)])
+    one, other = goal_groups(task, facts(task))
+    assert one.goal == (Atom("inside", ("drum 0", "region 0")), Atom("inside", ("drum 0", "region 1")))
+    assert (one.tokens, one.places) == (("drum 0",), ("region 0", "region 1"))
+    assert other.tokens == ("drum 1",)
+    assert [token.name for token in helpers(task)] == ["hand 0", "hand 1"]
+    assert goal_groups(task, set(task.goal)) == []
+
+
+def test_how_many_helpers_a_group_can_need() -> None:
+    task = random_tumbling(3, 4, 2)
+    (group, _) = goal_groups(task, facts(task))
+    assert least_helpers(task, group, facts(task)) == 2
+    assert most_helpers(task) == 4
+
+
+def test_a_part_says_what_the_whole_says() -> None:
+    task = random_tumbling(3, 4, 2)
+    group = goal_groups(task, facts(task))[0]
+    part = own_task(task, group, ["hand 2"], [])
+    assert {token.name for token in part.tokens} == {"box 1", "hand 2"}
+    names = {token.name for token in task.tokens} - {token.name for token in part.tokens}
+    for mine, theirs in ((static_facts(part), static_facts(task)), (facts(part), facts(task))):
+        assert mine == {atom for atom in theirs if not names & set(atom.arguments)}
+
+
+@given(st.integers(1, 4), st.integers(1, 5), st.integers(0, 2**32 - 1))
+def test_no_matching_is_cheaper(rows: int, columns: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    costs = rng.integers(0, 5, (rows, columns)).astype(float)
+    costs[rng.uniform(size=costs.shape) < 0.3] = np.inf
+    totals = [sum(costs[row, column] for row, column in enumerate(each)) for each in permutations(range(columns), rows)]
+    matched = cheapest_matching(costs)
+    if matched is None:
+        assert not np.isfinite(min(totals, default=np.inf))
+    else:
+        assert len(set(matched)) == rows
+        assert sum(costs[row, column] for row, column in enumerate(matched)) == min(totals)
