@@ -105,15 +105,23 @@ def overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
 
 
 def overlaps(bodies: Sequence[ConvexBody]) -> Iterator[tuple[int, int, FloatArray]]:
-    """Yield the pairs (earlier, later) of bodies that share space, with a way by which the later one gets clear."""
-    centres = np.array([body.position for body in bodies]).reshape(-1, 3)
-    reaches = np.array([body.reach for body in bodies])
+    """Yield every body that shares space with an earlier one: (earlier, later, way by which the later one gets clear).
+
+    Of a heap each body is told once, with one other: all pairs of it would be as many as nobody reads.
+    """
+    corners = np.array([_corners(body) for body in bodies]).reshape(-1, 2, 3)
     for later, body in enumerate(bodies):
-        gaps = np.linalg.norm(centres[:later] - body.position, axis=-1) - reaches[:later] - body.reach
-        for earlier in np.flatnonzero(gaps < 0):
-            way = overlap(bodies[int(earlier)], body)
-            if way is not None:
-                yield int(earlier), later, way
+        lower, upper = corners[later]
+        near = np.all((corners[:later, 0] < upper) & (corners[:later, 1] > lower), axis=-1)
+        found = ((int(earlier), overlap(bodies[int(earlier)], body)) for earlier in np.flatnonzero(near))
+        first = next(((earlier, way) for earlier, way in found if way is not None), None)
+        if first is not None:
+            yield first[0], later, first[1]
+
+
+def _corners(body: ConvexBody) -> FloatArray:
+    """Return the lower and the upper corner ``(2, 3)`` [m] of the smallest upright box about a body."""
+    return np.array([[body.support(sign * axis)[i] for i, axis in enumerate(np.eye(3))] for sign in (-1.0, 1.0)])
 
 
 def _directions(one: ConvexBody, other: ConvexBody) -> Iterator[FloatArray]:

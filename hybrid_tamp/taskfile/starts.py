@@ -54,12 +54,7 @@ def _check_floor(token: Token, body: ConvexBody, faults: Faults) -> None:
 def _check_overlaps(bodies: list[tuple[Token, ConvexBody]], faults: Faults) -> None:
     # Of a hand inside a thing it is the hand that is to be moved: it comes later.
     ordered = sorted(bodies, key=lambda body: is_capability(body[0]))
-    told: set[int] = set()
     for earlier, later, way in overlaps([body for _, body in ordered]):
-        if later in told:
-            # In a heap every body overlaps many; one is enough to say that it must go elsewhere.
-            continue
-        told.add(later)
         one, other = ordered[earlier][0], ordered[later][0]
         wanted = f"{subject(_path(other))} must put it clear of the other tokens"
         came = f"a place inside token {shown(one.name)}, whose position is on line {faults.mark(_path(one)).line}"

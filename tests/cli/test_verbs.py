@@ -283,3 +283,17 @@ def test_wrong_words_are_one_document_too(command: Command) -> None:
     done = command("plan", ROLL, "--json", "--bad")
     assert done.returncode == 30
     assert json.loads(done.stdout)["schema"] == "hybrid-tamp/error/1"
+
+
+@pytest.mark.parametrize("words", [["check"], ["plan"]])
+def test_a_planner_that_is_none_is_a_fault_of_the_file_with_its_place(
+    command: Command, tmp_path: Path, words: list[str]
+) -> None:
+    wrong = tmp_path / "task.yaml"
+    wrong.write_text(ROLL.read_text() + "planner: fast-dawnward\n")
+    done = command(*words, wrong)
+    assert done.returncode == 30
+    assert f"{wrong}:{len(ROLL.read_text().splitlines()) + 1}:10: a planning engine is wanted" in done.stderr
+    assert "did you mean 'fast-downward'?" in done.stderr
+    if words == ["plan"]:
+        assert command("plan", wrong, "--planner", "fast-downward").returncode == 0

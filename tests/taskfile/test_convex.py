@@ -60,9 +60,11 @@ def test_two_bodies_at_one_place_overlap() -> None:
         assert overlap(body(shape, (1, 2, 3)), body(shape, (1, 2, 3))) is not None
 
 
-def test_every_pair_comes_once() -> None:
+def test_each_body_that_overlaps_an_earlier_one_comes_once() -> None:
     row = [body(CUBE, (0.15 * number, 0, 0)) for number in range(4)]
     assert [(earlier, later) for earlier, later, _ in overlaps(row)] == [(0, 1), (1, 2), (2, 3)]
+    heap = [body(CUBE, (0.01 * number, 0, 0)) for number in range(4)]
+    assert [(earlier, later) for earlier, later, _ in overlaps(heap)] == [(0, 1), (0, 2), (0, 3)]
 
 
 def random_shape(rng: np.random.Generator) -> tuple[Shape, int]:
