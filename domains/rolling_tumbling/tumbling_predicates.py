@@ -153,6 +153,7 @@ ALIGNED = Predicate(
     reads={"hand": ("orientation",), "object": ("orientation",)},
     static=True,
     description="the axis of {hand}, whose wrist is stiff, is level and lies in the {face} face of {object}",
+    denial="the axis of {hand}, whose wrist is stiff, is not level or not along the {face} face of {object}",
 )
 ON_SIDE = Predicate(
     "on_side",
@@ -164,6 +165,7 @@ ON_SIDE = Predicate(
     reads={"hand": ("orientation",), "object": ("position", "orientation")},
     static=True,
     description="{face} of {object}, when it is {posture}, looks to the side where {hand} starts",
+    denial="the {face} face of {object}, when it is {posture}, does not look to the side where {hand} starts",
 )
 """Hands stay on their side of a box: two that change sides at once would meet above it."""
 STRONG_ENOUGH = Predicate(
@@ -175,6 +177,7 @@ STRONG_ENOUGH = Predicate(
     reads={"object": ("orientation",)},
     static=True,
     description="{hand} is strong enough to bear its share of {object}",
+    denial="{object} is too heavy for {hand} to bear its share of it",
     share=_share,
 )
 WITHIN_REACH = Predicate(
@@ -186,6 +189,7 @@ WITHIN_REACH = Predicate(
     reads={"object": ("position", "orientation")},
     static=True,
     description="{hand} reaches the places beside and above {object}",
+    denial="{object} is too far for {hand}, whose workspace does not reach the places beside and above it",
 )
 LOW_ENOUGH = Predicate(
     "low_enough",
@@ -196,6 +200,7 @@ LOW_ENOUGH = Predicate(
     reads={"object": ("orientation",)},
     static=True,
     description=f"{{object}} is at most {SLENDERNESS} times as high as its base where {{hand}} tumbles it",
+    denial=f"{{object}} has an edge of more than {SLENDERNESS} times the other one across the axis of {{hand}}",
 )
 
 

@@ -34,11 +34,14 @@ class _Shared:
 
 def failing(margins: Margins, block: Block, literals: Iterable[Literal], allowed: Choices) -> list[Reason]:
     """Return a reason for every condition that too few tokens meet, whatever the other conditions are."""
-    return [
-        _reason(margins, block, shared, ranked)
-        for shared in _grouped(block, literals)
-        if (ranked := _ranked(margins, shared, allowed)) and ranked[-1][0] < 0
-    ]
+    found = []
+    for shared in _grouped(block, literals):
+        ranked = _ranked(margins, shared, allowed)
+        # As many tokens must meet it as there are slots.
+        best = ranked[: max(1, len(shared.slots))]
+        if best and best[-1][0] < 0:
+            found.append(_reason(margins, block, shared, best, len(ranked)))
+    return found
 
 
 def best_choice(margins: Margins, literals: tuple[Literal, ...], allowed: Choices) -> tuple[Literal, Bound, float]:
@@ -68,7 +71,7 @@ def _grouped(block: Block, literals: Iterable[Literal]) -> Iterator[_Shared]:
 
 
 def _ranked(margins: Margins, shared: _Shared, allowed: Choices) -> list[tuple[float, Bound]]:
-    """Return the best margins, one for each of the slots, of different tokens in them; fewer if there are no more."""
+    """Return the best margin of each token that could be in one of the slots, the largest first."""
     best: dict[Value, tuple[float, Bound]] = {}
     for literal, slot in zip(shared.literals, shared.slots or ("",) * len(shared.literals), strict=False):
         roles = [role for role in dict.fromkeys(literal.arguments) if role in allowed]
@@ -79,10 +82,12 @@ def _ranked(margins: Margins, shared: _Shared, allowed: Choices) -> list[tuple[f
             margin, bearer = margins.of(literal, bound), bound.get(slot, "")
             if bearer not in best or margin > best[bearer][0]:
                 best[bearer] = (margin, bound)
-    return sorted(best.values(), key=lambda one: -one[0])[: max(1, len(shared.slots))]
+    return sorted(best.values(), key=lambda one: -one[0])
 
 
-def _reason(margins: Margins, block: Block, shared: _Shared, ranked: list[tuple[float, Bound]]) -> Reason:
+def _reason(
+    margins: Margins, block: Block, shared: _Shared, ranked: list[tuple[float, Bound]], candidates: int
+) -> Reason:
     margin, bound = ranked[-1]
     *_, literal = _literals(shared, ranked)
     predicate, atom = literal.predicate, literal.ground(bound)
@@ -96,7 +101,7 @@ def _reason(margins: Margins, block: Block, shared: _Shared, ranked: list[tuple[
     if meeting:
         message += f"; {len(shared.slots)} at once must meet it, and only {', '.join(meeting)} does"
     if predicate.share is not None:
-        message += f": {_pooled(margins.task, shared, ranked)}"
+        message += f": {_pooled(margins.task, shared, ranked, candidates)}"
     return about(block, "not_feasible", message, str(atom), margin, predicate.unit)
 
 
@@ -105,7 +110,7 @@ def amount(number: float, unit: str) -> str:
     return f"{number:.4g}" if unit == "1" else f"{number:.4g} {unit}"
 
 
-def _pooled(task: Task, shared: _Shared, ranked: list[tuple[float, Bound]]) -> str:
+def _pooled(task: Task, shared: _Shared, ranked: list[tuple[float, Bound]], candidates: int) -> str:
     """Say what is wanted and what is there and, where no token bears its share, how many would do together."""
     literal, places = shared.literals[0], max(1, len(shared.slots))
     unit = literal.predicate.unit
@@ -115,7 +120,8 @@ def _pooled(task: Task, shared: _Shared, ranked: list[tuple[float, Bound]]) -> s
     said = f"it takes {amount(wanted, unit)}"
     if places > 1:
         said += f" from each of {places}" + (f", {amount(places * wanted, unit)} together" if short else "")
-    said += f", and there is {', '.join(f'{amount(has, unit)} from {name}' for name, _, has in shares)}"
+    said += f", and the best {len(shares)} of {candidates} have " if candidates > len(shares) else ", and there is "
+    said += ", ".join(f"{amount(has, unit)} ({name})" for name, _, has in shares)
     if places > 1 and short:
         said += f", {amount(sum_there, unit)} together"
     name, need, has = shares[-1]

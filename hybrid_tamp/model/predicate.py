@@ -51,6 +51,7 @@ class Predicate:
             setting a value replaces the old one.
         maintained: its atoms live only as long as the block instance whose exit set them: they are held by
             that block's hold and void once its tokens leave.
+        denial: what is wrong where it does not hold, as a sentence like ``description``; else that it is not so.
         share: of a load that several tokens bear together, ``share(state, *values)`` to what the first value has to
             bear and what it can bear [unit], for one state; the margin is their difference. None for other predicates.
         description: what it says, as a sentence over the parameters' names in braces,
@@ -67,6 +68,7 @@ class Predicate:
     functional: str | None = None
     maintained: bool = False
     description: str = ""
+    denial: str = ""
     share: Callable[..., tuple[float, float]] | None = None
 
     def __call__(self, *arguments: str) -> "Literal":
@@ -88,10 +90,11 @@ class Predicate:
 
     def sentence(self, names: tuple[str, ...], positive: bool = True) -> str:
         """Say the atom in words, e.g. ``drum is within goal``."""
-        if not self.description:
+        template = self.denial if self.denial and not positive else self.description
+        if not template:
             return str(Atom(self.name, names, positive))
-        said = self.description.format(**{p.name: n for p, n in zip(self.parameters, names, strict=True)})
-        return said if positive else f"it is not so that {said}"
+        said = template.format(**{p.name: n for p, n in zip(self.parameters, names, strict=True)})
+        return said if positive or self.denial else f"it is not so that {said}"
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,9 @@ def test_too_heavy_for_two_and_no_block_takes_more(name: str) -> None:
     assert reason.unit == "N"
     assert reason.margin == pytest.approx(300.0 - needed)
     assert f"it takes {needed:.4g} N from each of 2, {2 * needed:.4g} N together" in reason.message
-    assert "there is 300 N from hand-1, 300 N from hand-2, 600 N together" in reason.message
+    assert "300 N (hand-1), 300 N (hand-2), 600 N together" in reason.message
+    assert "box is too heavy for hand-2" in reason.message
+    assert ("the best 2 of 4 have" in reason.message) == (name == "tumble_four_hands")
     assert "pooled, 4 like hand-2 would bear it, 2 in each place" in reason.message
     assert "no block of rolling_tumbling takes more than 2 at once" in reason.message
 
@@ -75,7 +77,8 @@ def test_strong_enough_but_too_far() -> None:
     reason = only(explain(task("tumble_two_hands", ("[0, 0, 0.18]", "[2.5, 0, 0.18]"))))
     assert reason.atom == "within_reach(hand-2, box)"
     assert reason.margin == pytest.approx(-0.697)
-    assert "reaches the places beside and above box (within_reach fails by 0.697 m)" in reason.message
+    assert "(within_reach fails by 0.697 m)" in reason.message
+    assert "box is too far for hand-2, whose workspace does not reach" in reason.message
 
 
 def test_no_hand_on_the_other_side() -> None:
