@@ -3,13 +3,14 @@
 Where there are too few tokens for all groups at once, they serve in waves.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import numpy as np
 
 from hybrid_tamp.model.facts import StaticFacts
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.groups import Group, Helpers, Signature
@@ -47,8 +48,8 @@ class Share:
 class Allocation:
     """Gives the helpers of a task to its groups."""
 
-    def __init__(self, task: Task, groups: Sequence[Group], feasible: StaticFacts) -> None:
-        self._views: Mapping[Group, Helpers] = {group: Helpers(task, group, feasible) for group in groups}
+    def __init__(self, task: Task, groups: Sequence[Group], holding: Collection[Atom], feasible: StaticFacts) -> None:
+        self._views: Mapping[Group, Helpers] = {group: Helpers(task, group, holding, feasible) for group in groups}
 
     def choices(self, group: Group, count: int) -> Iterator[tuple[str, ...]]:
         """Yield helpers that a group could have, the closest first, of different kinds each time."""

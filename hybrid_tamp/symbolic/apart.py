@@ -39,7 +39,7 @@ class GoalsApart:
         self._task = search.task
         self._holding = facts(search.task)
         self._groups = goal_groups(search.task, self._holding)
-        self._allocation = Allocation(search.task, self._groups, search.compilation.feasible)
+        self._allocation = Allocation(search.task, self._groups, self._holding, search.compilation.feasible)
         self._templates = Templates(search, seconds)
         self._places = [token.name for token in search.task.tokens if token.place]
 

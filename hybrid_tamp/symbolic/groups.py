@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hybrid_tamp.model.facts import StaticFacts, facts, static_facts
+from hybrid_tamp.model.facts import StaticFacts, static_facts
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
@@ -129,9 +129,18 @@ def own_task(task: Task, group: Group, chosen: Iterable[str], places: Collection
 class Helpers:
     """The helpers as one group sees them: how close they are, and what can be known of them."""
 
-    def __init__(self, task: Task, group: Group, feasible: StaticFacts) -> None:
+    def __init__(self, task: Task, group: Group, holding: Collection[Atom], feasible: StaticFacts) -> None:
+        """Look at the helpers of a task.
+
+        Args:
+            task: the task.
+            group: the group.
+            holding: the atoms that hold in the beginning.
+            feasible: the facts of feasibility.
+        """
         self._task = task
         self._group = group
+        self._holding = holding
         self._feasible = feasible
         self._signatures: dict[str, Signature] = {}
 
@@ -162,10 +171,11 @@ class Helpers:
         own = own_task(self._task, self._group, (helper.name,), self._group.places)
         labels = {name: f"#{i}" for i, name in enumerate((*self._group.tokens, *self._group.places))}
         labels[helper.name] = "#helper"
+        others = self._task.token_by_name.keys() - labels.keys()
         known = [
             (atom.predicate, tuple(labels.get(name, name) for name in atom.arguments))
-            for atom in (*static_facts(own, self._feasible), *facts(own))
-            if helper.name in atom.arguments
+            for atom in (*static_facts(own, self._feasible), *self._holding)
+            if helper.name in atom.arguments and others.isdisjoint(atom.arguments)
         ]
         block = self._task.assignment.get(helper.name, self._task.domain.resting)
         return Signature(tuple(c.name for c in helper.classes), block, tuple(sorted(known)))
