@@ -4,12 +4,13 @@ import logging
 import sys
 from collections.abc import Callable
 from enum import Enum
+from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from hybrid_tamp.console import explain, print_json, report_error, say, show
+from hybrid_tamp.console import explain, output_failed, print_json, report_error, say, show
 from hybrid_tamp.errors import HybridTampError, InputError, Issue
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 app = typer.Typer(
     name="hybrid-tamp",
     help="Plan a manipulation task, export its PDDL, run it in physics, or learn why it cannot be done.",
-    no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -55,9 +55,18 @@ class Document(str, Enum):
     result = "result"
 
 
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"hybrid-tamp {metadata.version('hybrid-tamp')}")
+        raise typer.Exit
+
+
 @app.callback()
 def _options(
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log what is done to standard error")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", help="print the version", is_eager=True, callback=_version)
+    ] = False,
 ) -> None:
     level = logging.INFO if verbose else logging.WARNING
     logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s", stream=sys.stderr)
@@ -318,7 +327,11 @@ def main(arguments: list[str] | None = None) -> int:
     # UsageError of whichever click typer brings.
     usage_error = cast(type[Exception], typer.BadParameter.__mro__[1])
     try:
+        if not words:
+            words = ["--help"]
         status = app(args=words, prog_name="hybrid-tamp", standalone_mode=False)
+        if sys.stdout is not None:  # None where it was closed before we began
+            sys.stdout.flush()
     except HybridTampError as error:
         report_error(error, "--json" in words)
         return error.exit_status
@@ -330,10 +343,13 @@ def main(arguments: list[str] | None = None) -> int:
     except (KeyboardInterrupt, typer.Abort):
         typer.echo("interrupted", err=True)
         return 130
-    except BrokenPipeError:
-        # The reader of our output went away, e.g. `| head`; nothing is left to say to it.
-        sys.stderr.close()
-        return 0
+    except OSError as error:
+        return output_failed(error)
+    except SystemExit as end:
+        # That is what typer makes of a reader that went away, e.g. `| head`.
+        if not isinstance(end.__context__, BrokenPipeError):
+            raise
+        return output_failed(end.__context__)
     return int(status or 0)
 
 

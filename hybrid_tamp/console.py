@@ -1,6 +1,8 @@
 """What the command line prints: text for people, one JSON document for programs."""
 
 import json
+import os
+import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +11,7 @@ import typer
 from hybrid_tamp.errors import HybridTampError, InputError, Issue
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from rich.console import Console, RenderableType
 
     from hybrid_tamp.report.documents import ExplanationEntry
 
@@ -29,20 +31,43 @@ def print_json(document: dict[str, Any]) -> None:
 
 def show(renderable: "RenderableType") -> None:
     """Print a table or a text of rich."""
+    _console().print(renderable)
+
+
+def _console(stderr: bool = False) -> "Console":
     from rich.console import Console
 
-    Console(highlight=False, markup=False).print(renderable)
+    class Plain(Console):
+        def on_broken_pipe(self) -> None:
+            # Rich would end the process with status 1; whoever reads only the head of a table did nothing wrong.
+            raise
+
+    return Plain(stderr=stderr, highlight=False, markup=False)
+
+
+def output_failed(error: OSError) -> int:
+    """Return the exit status after standard output could not be written.
+
+    Raises:
+        OSError: it was not about standard output.
+    """
+    if error.filename is not None:
+        raise error
+    # Else the interpreter would try again as it ends.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if isinstance(error, BrokenPipeError):
+        return 0  # the reader went away, e.g. `| head`
+    typer.echo(f"standard output cannot be written: {error.strerror}", err=True)
+    return 1
 
 
 def explain(explanation: "ExplanationEntry | None", as_json: bool) -> None:
     """Say why there is no plan, on standard error."""
     if explanation is None or as_json:
         return
-    from rich.console import Console
-
     from hybrid_tamp.report.tables import explanation_text
 
-    Console(stderr=True, highlight=False, markup=False).print(explanation_text(explanation))
+    _console(stderr=True).print(explanation_text(explanation))
 
 
 def report_error(error: HybridTampError, as_json: bool) -> None:
