@@ -1,17 +1,19 @@
 """Plan actions back to block instances: which tokens entered which instance at which reassignment.
 
 Fills are order, not time: they only say who enters when their block begins. Each `begin` is one reassignment; the
-`leave` actions after it belong to the same instant.
+`leave` actions after it belong to the same instant. A chain begins with its first block; the reassignments inside it
+follow before the next `begin`.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from hybrid_tamp.model.plan import BlockInstance, split_mode
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.operators import PlannedAction
 from hybrid_tamp.symbolic.problem import Compilation
+from hybrid_tamp.symbolic.series import Link
 
 
 class UndecodableError(ValueError):
@@ -53,6 +55,24 @@ class _Decoding:
     where: dict[str, OrderedInstance] = field(default_factory=dict)
     numbers: Counter[str] = field(default_factory=Counter)
     reassignment: int = 0
+    coming: list[tuple[Link, Mapping[str, str]]] = field(default_factory=list)
+
+    def enter(self, links: Sequence[Link], named: Mapping[str, str]) -> None:
+        """Begin what one step stands for: its first block now, the others when the reassignment is complete."""
+        self._begin(links[0], named)
+        self.coming += [(link, named) for link in links[1:]]
+
+    def go_through(self) -> None:
+        """Go through the chains that have been entered, each junction a reassignment of its own."""
+        for link, named in self.coming:
+            self.reassignment += 1
+            self._begin(link, named)
+        self.coming.clear()
+
+    def _begin(self, link: Link, named: Mapping[str, str]) -> None:
+        roles = {own: named.get(role, role) for own, role in link.roles.items()}
+        slots = {slot.name: roles[slot.name] for slot in link.block.slots}
+        self.start(link.block.name, slots, {target.name: roles[target.name] for target in link.block.targets})
 
     def start(self, block: str, slots: dict[str, str], targets: dict[str, str]) -> None:
         """Begin an instance at the current reassignment; its tokens leave where they were."""
@@ -77,7 +97,7 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
     Raises:
         UndecodableError: an action is not one of the compilation's, or a block begins with an empty slot.
     """
-    task = compilation.task
+    task, chains = compilation.task, compilation.encoded.chains
     decoding = _Decoding(task)
     for token in task.assigned:
         block = task.domain.block_by_name[task.assignment.get(token.name, task.domain.resting)]
@@ -87,7 +107,7 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
         meaning = compilation.encoded.meanings.get(name)
         if meaning is None:
             raise UndecodableError(f"there is no action {name}")
-        block = task.domain.block_by_name[meaning.block]
+        block = chains.domain.block_by_name[meaning.block]
         roles = {role: compilation.user(arguments[index]) for role, index in meaning.roles.items()}
         anchor = roles[block.anchor]
         if meaning.kind == "fill":
@@ -97,7 +117,8 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
         if set(slots) != {slot.name for slot in block.slots}:
             raise UndecodableError(f"{block.name} of {anchor} begins with an empty slot")
         if meaning.kind == "begin":
+            decoding.go_through()
             decoding.reassignment += 1
-        ordered = {slot.name: slots[slot.name] for slot in block.slots}
-        decoding.start(block.name, ordered, {target.name: roles[target.name] for target in block.targets})
+        decoding.enter(chains.expanded(block.name), {**roles, **slots})
+    decoding.go_through()
     return decoding.instances

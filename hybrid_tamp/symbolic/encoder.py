@@ -19,7 +19,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.beginning import Beginning
+from hybrid_tamp.symbolic.chains import Chains, chained
 from hybrid_tamp.symbolic.filling import Filling
 from hybrid_tamp.symbolic.leaving import Leaving
 from hybrid_tamp.symbolic.naming import legal
@@ -30,26 +32,39 @@ from hybrid_tamp.symbolic.vocabulary import Vocabulary
 
 @dataclass(frozen=True, eq=False)
 class EncodedDomain:
-    """The planning domain of a domain, with the meaning of each operator by its name."""
+    """The planning domain of a domain, with the meaning of each operator by its name.
+
+    The vocabulary's domain has each chain as one block; `chains` leads back to the blocks.
+    """
 
     vocabulary: Vocabulary
     planning: PlanningDomain
     meanings: dict[str, Meaning]
+    chains: Chains
+
+
+def encode_task(task: Task) -> EncodedDomain:
+    """Compile the domain of a task with its chains; they depend on the goal and the initial assignment, if at all."""
+    return _encoded(chained(task))
 
 
 def encode_domain(domain: Domain) -> EncodedDomain:
-    """Compile a domain's blocks and network; the result depends on nothing else."""
-    vocabulary = Vocabulary(domain)
+    """Compile a domain's blocks and network, without chains; the result depends on nothing else."""
+    return _encoded(Chains(domain))
+
+
+def _encoded(chains: Chains) -> EncodedDomain:
+    vocabulary = Vocabulary(chains.domain)
     built = list(_operators(vocabulary))
     planning = PlanningDomain(
-        name=legal(domain.name),
+        name=legal(chains.domain.name),
         types=vocabulary.types,
         constants=vocabulary.constants,
         predicates=_used(vocabulary, [operator for operator, _ in built]),
         operators=tuple(operator for operator, _ in built),
-        comments=vocabulary.names.changed,
+        comments=(*vocabulary.names.changed, *chains.comments),
     )
-    return EncodedDomain(vocabulary, planning, {operator.name: meaning for operator, meaning in built})
+    return EncodedDomain(vocabulary, planning, {operator.name: meaning for operator, meaning in built}, chains)
 
 
 def _used(vocabulary: Vocabulary, operators: list[Operator]) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:

@@ -11,7 +11,7 @@ from hybrid_tamp.model.facts import StaticFacts, facts, static_facts
 from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.symbolic.encoder import EncodedDomain, encode_domain
+from hybrid_tamp.symbolic.encoder import EncodedDomain, encode_domain, encode_task
 from hybrid_tamp.symbolic.naming import Naming, legal
 from hybrid_tamp.symbolic.operators import Fact, PlanningProblem
 from hybrid_tamp.symbolic.vocabulary import COUNT, NONE, locked_targets, no_value, opposite
@@ -85,18 +85,19 @@ class Compilation:
         return static | {vocabulary.word(opposite(p)): (p, False) for p in vocabulary.denied}
 
 
-def compile_task(task: Task, whole: Compilation | None = None) -> Compilation:
+def compile_task(task: Task, whole: Compilation | None = None, chains: bool = True) -> Compilation:
     """Compile a task to STRIPS.
 
     Args:
         task: the task.
         whole: the compiled task of which this one is a part, with the same tokens in the same state: it has encoded
             the domain already, and decided facts of feasibility.
+        chains: whether blocks in series are one step.
 
     Raises:
         InputError: the goal denies a predicate that changes, which STRIPS goals cannot.
     """
-    encoded = whole.encoded if whole else encode_domain(task.domain)
+    encoded = whole.encoded if whole else encode_task(task) if chains else encode_domain(task.domain)
     own = {name for name, _ in encoded.planning.predicates}
     counts = _counts(task)
     taken = encoded.vocabulary.names.all | own | {f"n{i}" for i in range(1, counts + 1)}
@@ -209,7 +210,7 @@ class _Writer:
             yield from self._at_ease(token)
 
     def _at_ease(self, token: Token) -> Iterator[Fact]:
-        blocks = self.task.domain.blocks
+        blocks = self.vocabulary.domain.blocks
         anchored = [block for block in blocks if token.is_member(block.slot(block.anchor).object_class)]
         if any(block.others for block in anchored):
             yield ("unclaimed", self.tokens.pddl(token.name))

@@ -6,8 +6,9 @@ operator fits, or its conditions do not hold, the action is written all the same
 
 from collections.abc import Iterator
 
+from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
-from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.folding import folded
 from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, ground
 from hybrid_tamp.symbolic.passing import Meaning
 from hybrid_tamp.symbolic.problem import Compilation
@@ -19,13 +20,19 @@ def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
     """Return the actions that make the timeline's reassignments, in the order of its instants.
 
     A timeline in which a token is nowhere, or in two places, is no sequence of reassignments; each such token gives
-    an action that does not exist.
+    an action that does not exist. So does a block of a chain that is not gone through as a whole: to judge plans that
+    stop there, compile the task without chains.
     """
     torn = [token.name for token in compilation.task.assigned if not _tiles(plan, token.name)]
+    domain = compilation.encoded.vocabulary.domain
+    plan = folded(compilation.encoded.chains, plan)
+    inside = [i for i in plan.instances if i.block not in domain.block_by_name]
+    if inside:
+        return [(NO_ACTION,) for _ in inside]
     facts = set(compilation.problem.init)
     operators = {operator.name: operator for operator in compilation.problem.domain.operators}
     actions: list[PlannedAction] = [(NO_ACTION,) for _ in torn]
-    for wanted in _reassignments(compilation.task, plan):
+    for wanted in _reassignments(domain, plan):
         action = _concrete(compilation, operators, wanted, facts)
         actions.append(action)
         if action[0] in operators:
@@ -47,11 +54,11 @@ _Wanted = tuple[str, str, str, tuple[str, str] | None, frozenset[str], dict[str,
 """kind, block, slot, (block, slot) before, slots of the source that move along, roles."""
 
 
-def _reassignments(task: Task, plan: TaskPlan) -> Iterator[_Wanted]:
+def _reassignments(domain: Domain, plan: TaskPlan) -> Iterator[_Wanted]:
     for time in plan.instants:
         starting = [i for i in plan.instances if at(i.start, time) and time > plan.instants[0]]
-        for group in _in_order(task, plan, _groups(plan, starting)):
-            yield from _group(task, plan, group)
+        for group in _in_order(plan, _groups(plan, starting)):
+            yield from _group(domain, plan, group)
 
 
 def _before(plan: TaskPlan, instance: BlockInstance, token: str) -> tuple[BlockInstance, str] | None:
@@ -73,19 +80,19 @@ def _groups(plan: TaskPlan, starting: list[BlockInstance]) -> list[list[BlockIns
     return [group for _, group in groups]
 
 
-def _in_order(task: Task, plan: TaskPlan, groups: list[list[BlockInstance]]) -> list[list[BlockInstance]]:
+def _in_order(plan: TaskPlan, groups: list[list[BlockInstance]]) -> list[list[BlockInstance]]:
     """Among reassignments of one instant, those that free a target come before those that change or read it."""
     ordered: list[list[BlockInstance]] = []
     waiting = list(groups)
     while waiting:
-        free = [g for g in waiting if not any(_frees(task, plan, other, g) for other in waiting if other is not g)]
+        free = [g for g in waiting if not any(_frees(plan, other, g) for other in waiting if other is not g)]
         chosen = (free or waiting)[0]
         waiting.remove(chosen)
         ordered.append(chosen)
     return ordered
 
 
-def _frees(task: Task, plan: TaskPlan, first: list[BlockInstance], second: list[BlockInstance]) -> bool:
+def _frees(plan: TaskPlan, first: list[BlockInstance], second: list[BlockInstance]) -> bool:
     """Say whether `first` ends an instance in conflict with one that `second` starts."""
     ended = [b[0] for i in first for token in i.slots.values() if (b := _before(plan, i, token))]
     return any(
@@ -95,8 +102,8 @@ def _frees(task: Task, plan: TaskPlan, first: list[BlockInstance], second: list[
     )
 
 
-def _group(task: Task, plan: TaskPlan, group: list[BlockInstance]) -> Iterator[_Wanted]:
-    blocks = task.domain.block_by_name
+def _group(domain: Domain, plan: TaskPlan, group: list[BlockInstance]) -> Iterator[_Wanted]:
+    blocks = domain.block_by_name
     several = [i for i in group if len(blocks[i.block].slots) > 1]
     single = [i for i in group if i not in several]
     anchored: list[BlockInstance] = []
@@ -115,7 +122,7 @@ def _group(task: Task, plan: TaskPlan, group: list[BlockInstance]) -> Iterator[_
             anchored.append(instance)
             yield _wanted("begin", instance, blocks[instance.block].anchor, source, frozenset())
     leaving = [(_before(plan, i, next(iter(i.slots.values()))), i) for i in single if i not in anchored]
-    order = {slot.name: n for block in task.domain.blocks for n, slot in enumerate(block.slots)}
+    order = {slot.name: n for block in domain.blocks for n, slot in enumerate(block.slots)}
     for source, instance in sorted(leaving, key=lambda pair: order[pair[0][1]] if pair[0] else 0):
         yield _wanted("leave", instance, blocks[instance.block].anchor, source, frozenset())
 

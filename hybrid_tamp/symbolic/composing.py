@@ -1,0 +1,189 @@
+"""Composing blocks in series, one after the other: deletes before adds, and what nobody undoes still holds.
+
+All roles of the whole are roles of one of its blocks. So a chain has no more parameters than its dearest block, and
+no token has two of them.
+"""
+
+from collections.abc import Iterable, Mapping
+
+from hybrid_tamp.model.affordance import TOKEN, is_place
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
+from hybrid_tamp.symbolic.series import Link, Series, Sort
+
+
+def beginning(block: Block, taken: Iterable[str] = ()) -> Series:
+    """Return the series of one block.
+
+    Args:
+        block: the block.
+        taken: names that no role may have: the symbols in conditions of blocks to come.
+    """
+    roles: dict[str, str] = {}
+    for role in block.roles:
+        roles[role] = unused(role, {*taken, *roles.values()})
+    link = Link(block, roles)
+    sorts = {roles[role]: sort for role, sort in block.roles.items()}
+    held = [literal for literal in link.entry if _lasting(literal) and not _undone(literal, link.exit, sorts)]
+    known = (*held, *filter(_positive, link.exit))
+    return Series((link,), sorts, link.entry, link.exit, tuple(dict.fromkeys(known)))
+
+
+def unused(name: str, taken: Iterable[str]) -> str:
+    """Return the name, with a number if it is taken."""
+    number, chosen, others = 2, name, set(taken)
+    while chosen in others:
+        number, chosen = number + 1, f"{name} {number}"
+    return chosen
+
+
+def _positive(literal: Literal) -> bool:
+    return literal.positive
+
+
+def _lasting(literal: Literal) -> bool:
+    """Say whether an entry condition still holds after the block, if nothing undoes it."""
+    return literal.positive and not literal.predicate.static and not literal.predicate.maintained
+
+
+def followed(series: Series, block: Block, slots: Mapping[str, str], taken: Iterable[str] = ()) -> Series | None:
+    """Return the series with one more block, or None where the two cannot be one step.
+
+    What the last block's exit does not bring about, the next one's entry must not ask for, except feasibility, and
+    that only while nobody can stay before it: who stays in a block that holds could otherwise never be sure to go on.
+
+    Args:
+        series: the series so far.
+        block: the next block.
+        slots: its slots to those of the series' last block.
+        taken: names that no role may have.
+    """
+    roles = _determined(series, block, {slot: series.last.roles[before] for slot, before in slots.items()})
+    fresh = [target.name for target in block.targets if target.name not in roles]
+    if fresh and not set(series.sorts) <= set(roles.values()):
+        return None  # as many parameters as both together: two steps cost less
+    for target in fresh:
+        roles[target] = unused(target, {*taken, *series.sorts, *roles.values()})
+    link = Link(block, roles)
+    sorts = _narrowed(series, link, fresh)
+    asked = [literal for literal in link.entry if literal not in series.known]
+    new = [literal for literal in asked if literal not in series.entry]
+    if sorts is None or _twice(link) or not all(literal.predicate.static for literal in asked):
+        return None
+    if (new or sorts != series.sorts) and any(earlier.block.hold for earlier in series.links):
+        return None
+    exits = _composed(series, link, sorts)
+    if exits is None:
+        return None
+    known = [literal for literal in series.known if _lasting(literal) and not _undone(literal, link.exit, sorts)]
+    known += filter(_positive, link.exit)
+    return Series((*series.links, link), sorts, (*series.entry, *new), exits, tuple(dict.fromkeys(known)), series)
+
+
+def _twice(link: Link) -> bool:
+    """Say whether one token would have two roles of the block."""
+    tokens = [role for own, role in link.roles.items() if not isinstance(link.block.roles[own], SymbolSort)]
+    return len(set(tokens)) < len(tokens)
+
+
+def _determined(series: Series, block: Block, roles: Mapping[str, str]) -> dict[str, str]:
+    """Return the roles with those targets that can be but one thing, given the others.
+
+    They are the value of a functional predicate, or what the last block maintains; any other condition might hold of
+    something else, too.
+    """
+    found = dict(roles)
+    targets = {target.name for target in block.targets}
+    progress = True
+    while progress:
+        progress = False
+        for wanted in block.entry:
+            open_roles = [a for a in wanted.arguments if a in targets and a not in found]
+            if not open_roles or not wanted.positive or not _pins(wanted, open_roles):
+                continue
+            facts = [fact for fact in series.known if _agrees(fact, wanted, found, open_roles)]
+            if len(facts) == 1:
+                pairs = zip(wanted.arguments, facts[0].arguments, strict=True)
+                found.update({mine: theirs for mine, theirs in pairs if mine in open_roles})
+                progress = True
+    return found
+
+
+def _pins(wanted: Literal, open_roles: list[str]) -> bool:
+    index = wanted.predicate.functional_index
+    return wanted.predicate.maintained or (index is not None and open_roles == [wanted.arguments[index]])
+
+
+def _agrees(fact: Literal, wanted: Literal, roles: Mapping[str, str], open_roles: list[str]) -> bool:
+    return fact.predicate is wanted.predicate and all(
+        mine in open_roles or roles.get(mine, mine) == theirs
+        for mine, theirs in zip(wanted.arguments, fact.arguments, strict=True)
+    )
+
+
+def _narrowed(series: Series, link: Link, fresh: Iterable[str]) -> dict[str, Sort] | None:
+    """Return the classes of the whole's roles with those that the link asks for; None if no class says both."""
+    sorts = {**series.sorts, **{link.roles[target]: link.block.roles[target] for target in fresh}}
+    for own, role in link.roles.items():
+        asked = link.block.roles[own]
+        if role not in sorts:
+            continue  # a symbol
+        if within(asked, sorts[role]):
+            sorts[role] = asked
+        elif not within(sorts[role], asked):
+            return None
+    return sorts
+
+
+def within(one: Sort, other: Sort) -> bool:
+    """Say whether everything of one class or sort is of the other."""
+    if isinstance(one, SymbolSort) or isinstance(other, SymbolSort):
+        return one is other
+    return issubclass(one, other) or (other is TOKEN and not is_place(one))
+
+
+def _composed(series: Series, link: Link, sorts: Mapping[str, Sort]) -> tuple[Literal, ...] | None:
+    """Return what both bring about, one after the other; None where that depends on whether two symbols are one."""
+    kept: list[Literal] = []
+    for literal in series.exit:
+        if literal.predicate.maintained:
+            continue  # void when its tokens leave
+        later = [each for each in link.exit if each.predicate is literal.predicate and _meets(each, literal, sorts)]
+        if any(key(each) != key(literal) and _matters(each, literal) for each in later):
+            return None
+        if not any(key(each) == key(literal) for each in later):
+            kept.append(literal)
+    return tuple(dict.fromkeys((*kept, *link.exit)))
+
+
+def _matters(one: Literal, other: Literal) -> bool:
+    return one.predicate.functional_index is not None or one.positive != other.positive
+
+
+def key(literal: Literal) -> tuple[str, ...]:
+    """Return the arguments but the functional one: literals with the same key replace each other."""
+    index = literal.predicate.functional_index
+    return literal.arguments if index is None else (*literal.arguments[:index], *literal.arguments[index + 1 :])
+
+
+def _undone(fact: Literal, exits: Iterable[Literal], sorts: Mapping[str, Sort]) -> bool:
+    """Say whether exit conditions may take the fact away."""
+    return any(
+        each.predicate is fact.predicate
+        and (not each.positive or each.predicate.functional_index is not None)
+        and _meets(each, fact, sorts)
+        for each in exits
+    )
+
+
+def _meets(one: Literal, other: Literal, sorts: Mapping[str, Sort]) -> bool:
+    """Say whether two literals over the whole's roles may speak of the same, their functional values aside."""
+    return all(
+        mine == theirs or ANY in (mine, theirs) or _may_be(mine, theirs, sorts)
+        for mine, theirs in zip(key(one), key(other), strict=True)
+    )
+
+
+def _may_be(one: str, other: str, sorts: Mapping[str, Sort]) -> bool:
+    """Say whether two different arguments may be one symbol; two roles are never one token."""
+    return any(isinstance(sorts.get(argument), SymbolSort) for argument in (one, other))

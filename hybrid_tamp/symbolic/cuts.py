@@ -1,0 +1,180 @@
+"""Where a series of blocks must be cut: where a plan of the task may need to stop, or others to act, inside.
+
+A chain that is compiled as one step is gone through at the instant at which it begins, before anything else happens.
+That loses no plan if, at each junction of its blocks,
+
+* what holds there and no longer at the end is in no other block's entry conditions nor, if one may stay there, in
+  the goal; and nothing that is still to come would be undone by another block;
+* who may stay there may also go on: that needs nothing new (`composing`) and comes to a block that holds;
+* what is read and what is changed under readers' eyes is the same all along.
+
+A token in the chain is in no slot of another block, so conditions that speak of slots on both sides do not meet.
+"""
+
+from collections.abc import Iterator
+
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.composing import key, within
+from hybrid_tamp.symbolic.conditions import Conditions
+from hybrid_tamp.symbolic.series import Link, Series, Sort, renamed
+from hybrid_tamp.symbolic.vocabulary import Vocabulary
+
+
+class Cuts:
+    """Says for one task which series need no cut."""
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        self.domain: Domain = task.domain
+        self.conditions = Conditions(Vocabulary(task.domain))
+
+    def uncut(self, series: Series) -> bool:
+        """Say whether no plan is lost if nobody ever stops or acts inside the series."""
+        inside = {link.block.name for link in series.links}
+        # Other tokens may go through the whole itself.
+        others = [*(b for b in self.domain.blocks if b.name not in inside), series.block("the whole")]
+        return (
+            self._encodable(series)
+            and len({self._footprint(link) for link in series.links}) == 1
+            and self._comes_to_stay(series)
+            and not any(self._needed(series, junction, others) for junction in series.junctions)
+            and not self._overruled(series, others)
+        )
+
+    def _encodable(self, series: Series) -> bool:
+        """Say whether every way into and out of the whole has its operators, if it has several slots."""
+        first, last = series.links[0], series.last
+        if len(first.block.slots) == 1:
+            return True
+        ways = [
+            end for slot in last.block.slots for end in self.domain.network.destinations((last.block.name, slot.name))
+        ]
+        returns = any(block == first.block.name for block, _ in ways)
+        alone = all(len(self.domain.block_by_name[block].slots) == 1 for block, _ in ways)
+        return not returns and (alone or last.roles[last.block.anchor] == series.anchor)
+
+    def _footprint(self, link: Link) -> tuple[frozenset[str], frozenset[str]]:
+        """Return the targets that are locked, and the slots whose tokens are changed while others may want to read."""
+        locked = frozenset(link.roles[target.name] for target in self.conditions.locked(link.block))
+        slots = [slot.name for slot in link.block.slots if self.conditions.changes(link.block, slot.name)]
+        return locked, frozenset(link.roles[slot] for slot in slots)
+
+    def _comes_to_stay(self, series: Series) -> bool:
+        """Say whether one may stay at the end of the series, or could not before either."""
+        if series.last.block.hold or not any(link.block.hold for link in series.links):
+            return True
+        _, changed = self._footprint(series.last)
+        return not changed and all(self._may_rest(series, slot.name) for slot in series.last.block.slots)
+
+    def _may_rest(self, series: Series, slot: str) -> bool:
+        """Say whether the token in a slot of the last block may go and rest, whatever else is so."""
+        block, resting = series.last.block, self.domain.resting_block
+        role = series.last.roles[slot]
+        wanted = [renamed(literal, {resting.anchor: role}) for literal in resting.entry]
+        return (
+            self.domain.network.allows((block.name, slot), (resting.name, resting.anchor))
+            and within(series.sorts[role], resting.slot(resting.anchor).object_class)
+            and all(literal in series.known for literal in wanted)
+            and not resting.exit
+            and not resting.targets
+        )
+
+    # -- what holds inside only ---------------------------------------------------------------------------------
+
+    def _needed(self, series: Series, junction: Series, others: list[Block]) -> bool:
+        """Say whether something that holds at the junction, but not at the end, is wanted."""
+        lost = list(_lost(series, junction))
+        wanted = junction.last.block.hold and any(self._is_goal(series, fact) for fact in lost)
+        return wanted or any(
+            fact.predicate is literal.predicate and literal.positive and self._meet(series, fact, block, literal)
+            for fact in lost
+            for block in others
+            for literal in block.entry
+        )
+
+    def _is_goal(self, series: Series, fact: Literal) -> bool:
+        return any(
+            atom.predicate == fact.predicate.name and self._could_be(series, fact, atom) for atom in self.task.goal
+        )
+
+    def _could_be(self, series: Series, fact: Literal, atom: Atom) -> bool:
+        return all(
+            mine in (ANY, name) or (mine in series.sorts and self._is_of(name, series.sorts[mine]))
+            for mine, name in zip(fact.arguments, atom.arguments, strict=True)
+        )
+
+    def _is_of(self, name: str, sort: Sort) -> bool:
+        if isinstance(sort, SymbolSort):
+            return name in sort.symbols
+        return name in self.task.token_by_name and self.task.token_by_name[name].is_member(sort)
+
+    # -- what another block would undo ----------------------------------------------------------------------------
+
+    def _overruled(self, series: Series, others: list[Block]) -> bool:
+        """Say whether another block may undo what the series brings about after its first block."""
+        coming = [literal for link in series.links[1:] for literal in link.exit if literal in series.exit]
+        return any(
+            fact.positive and fact.predicate is undone.predicate and self._meet(series, fact, block, undone)
+            for fact in coming
+            for block in others
+            for undone in _undoing(block)
+        )
+
+    def _meet(self, series: Series, mine: Literal, block: Block, theirs: Literal) -> bool:
+        """Say whether a literal of the series and one of another block may speak of the same at one time."""
+        slots = {slot.name for slot in block.slots}
+        for one, other in zip(mine.arguments, theirs.arguments, strict=True):
+            apart = one in series.slots and other in slots
+            overlapping = self._overlap(series.sorts.get(one, one), block.roles.get(other, other))
+            if ANY not in (one, other) and (apart or not overlapping):
+                return False
+        return True
+
+    def _overlap(self, one: Sort | str, other: Sort | str) -> bool:
+        """Say whether two classes, sorts or symbols may be of the same."""
+        if isinstance(one, str) or isinstance(other, str):
+            ours = {one} if isinstance(one, str) else set(getattr(one, "symbols", ()))
+            theirs = {other} if isinstance(other, str) else set(getattr(other, "symbols", ()))
+            return bool(ours & theirs)
+        if isinstance(one, SymbolSort) or isinstance(other, SymbolSort):
+            return one is other
+        return self.domain.relations.can_share_token(one, other)
+
+
+def _lost(series: Series, junction: Series) -> Iterator[Literal]:
+    """Yield what may hold at the junction and does not at the end; `ANY` stands for a value that is not known."""
+    for literal in junction.last.exit:
+        if literal.predicate.maintained and literal.positive and literal not in series.exit:
+            yield literal
+    for link in series.links[len(junction.links) :]:
+        for literal in link.exit:
+            if not literal.predicate.maintained:
+                yield from (fact for fact in _there(junction, literal) if fact not in series.exit)
+
+
+def _there(junction: Series, literal: Literal) -> Iterator[Literal]:
+    """Yield what may hold at the junction of that which an exit condition takes away."""
+    same = [each for each in junction.exit if each.predicate is literal.predicate and key(each) == key(literal)]
+    index = literal.predicate.functional_index
+    if index is None:
+        if not literal.positive and not any(not each.positive for each in same):
+            yield ~literal
+        return
+    held = [each for each in junction.known if each.predicate is literal.predicate and key(each) == key(literal)]
+    if held or same:
+        yield from held  # if there is none, then it has been cleared
+        return
+    yield Literal(literal.predicate, (*literal.arguments[:index], ANY, *literal.arguments[index + 1 :]))
+
+
+def _undoing(block: Block) -> Iterator[Literal]:
+    """Yield what the block takes away; `ANY` stands for the old value of a functional predicate."""
+    for literal in block.exit:
+        index = literal.predicate.functional_index
+        if index is not None:
+            yield Literal(literal.predicate, (*literal.arguments[:index], ANY, *literal.arguments[index + 1 :]))
+        elif not literal.positive:
+            yield ~literal

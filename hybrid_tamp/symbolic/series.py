@@ -1,0 +1,130 @@
+"""Blocks in series as one: what the whole asks for, what it brings about, and what its links are.
+
+The whole has roles of its own; each link says what its block's roles are called in it.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.block import Block, Duration, Slot, Target
+from hybrid_tamp.model.predicate import Literal, SymbolSort
+
+Sort = type[ObjectClass] | SymbolSort
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """One block of a chain.
+
+    Attributes:
+        block: the block.
+        roles: its roles to the roles of the whole, or to the symbols that they must be.
+    """
+
+    block: Block
+    roles: Mapping[str, str]
+
+    @property
+    def entry(self) -> tuple[Literal, ...]:
+        """The block's entry conditions over roles of the whole."""
+        return tuple(renamed(literal, self.roles) for literal in self.block.entry)
+
+    @property
+    def exit(self) -> tuple[Literal, ...]:
+        """The block's exit conditions over roles of the whole."""
+        return tuple(renamed(literal, self.roles) for literal in self.block.exit)
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Blocks that follow each other, as far as they are composed.
+
+    Attributes:
+        links: the blocks, first to last.
+        sorts: roles of the whole, slots first, to their classes or sorts.
+        entry: what the whole asks for.
+        exit: what it brings about, once its last block has come to its exit.
+        known: changing conditions that hold then, whoever brought them about.
+        before: the series without its last block, None if there is but one.
+    """
+
+    links: tuple[Link, ...]
+    sorts: Mapping[str, Sort]
+    entry: tuple[Literal, ...]
+    exit: tuple[Literal, ...]
+    known: tuple[Literal, ...]
+    before: "Series | None" = None
+
+    @property
+    def last(self) -> Link:
+        """The last link."""
+        return self.links[-1]
+
+    @property
+    def slots(self) -> frozenset[str]:
+        """The roles of the whole that are slots."""
+        return frozenset(self.links[0].roles[slot.name] for slot in self.links[0].block.slots)
+
+    @property
+    def anchor(self) -> str:
+        """The anchor of the whole: that of its first block."""
+        return self.links[0].roles[self.links[0].block.anchor]
+
+    @property
+    def junctions(self) -> Iterator["Series"]:
+        """The shorter series that it contains, longest first: as far as one has come between two of its blocks."""
+        junction = self.before
+        while junction is not None:
+            yield junction
+            junction = junction.before
+
+    def block(self, name: str) -> Block:
+        """Return the whole as one block."""
+        first, blocks = self.links[0].block, [link.block for link in self.links]
+        shortest = sum(block.duration.minimum for block in blocks)
+        return Block(
+            name=name,
+            slots=tuple(Slot(role, sort) for role, sort in self._tokens() if role in self.slots),
+            anchor=self.anchor,
+            # Its links are scheduled, never the whole.
+            duration=Duration(shortest, sum(block.duration.maximum for block in blocks), lambda *_: shortest),
+            targets=tuple(
+                Target(role, sort, _united(_read(link, role) for link in self.links))
+                for role, sort in self.sorts.items()
+                if role not in self.slots
+            ),
+            entry=self.entry,
+            exit=self.exit,
+            writes={
+                role: _united(link.block.writes.get(own, ()) for link in self.links for own in _called(link, role))
+                for role in sorted(self.slots)
+            },
+            keeps=tuple(dict.fromkeys(predicate for block in blocks for predicate in block.keeps)),
+            hold=self.last.block.hold,
+            description=f"{first.name} and what follows it, up to {self.last.block.name}",
+        )
+
+    def _tokens(self) -> Iterator[tuple[str, type[ObjectClass]]]:
+        for role, sort in self.sorts.items():
+            if not isinstance(sort, SymbolSort):
+                yield role, sort
+
+
+def _read(link: Link, role: str) -> tuple[str, ...]:
+    """Return what the link's block reads of a target of the whole."""
+    targets = {target.name: target.reads for target in link.block.targets}
+    return _united(targets.get(own, ()) for own in _called(link, role))
+
+
+def _called(link: Link, role: str) -> Iterator[str]:
+    return (own for own, name in link.roles.items() if name == role)
+
+
+def _united(names: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(name for some in names for name in some))
+
+
+def renamed(literal: Literal, roles: Mapping[str, str]) -> Literal:
+    """Return the literal over other roles; symbols and `ANY` stay."""
+    return replace(literal, arguments=tuple(roles.get(argument, argument) for argument in literal.arguments))
