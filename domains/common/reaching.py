@@ -86,6 +86,9 @@ def reaching(goal: ReachGoal, mode: str | None = None) -> Block:
 
         return policy
 
+    def outcome(binding: Binding, state: State) -> State:
+        return state.replace({(cast(Token, binding["hand"]).name, "position"): goal.position(binding, state)})
+
     return Block(
         name="REACHING" if mode is None else f"REACHING:{mode}",
         slots=(Slot("hand", StaticEndEffector),),
@@ -99,6 +102,7 @@ def reaching(goal: ReachGoal, mode: str | None = None) -> Block:
         hold=True,
         policy=make_policy,
         system=_system,
+        outcome=outcome,
         description="the hand moves on a curve to its place beside the object and holds there",
     )
 

@@ -132,6 +132,13 @@ def _system(binding: Binding, state: State, commands: Commands, dt: float) -> St
     )
 
 
+def _outcome(binding: Binding, state: State) -> State:
+    """The object lies in the middle of the region, the hand behind it as it was."""
+    hand, thing, region = _roles(binding)
+    rolled = (state[region, "position"] - state[thing, "position"]) * np.array([1.0, 1.0, 0.0])
+    return state.replace({(token.name, "position"): state[token, "position"] + rolled for token in (hand, thing)})
+
+
 ROLLING = Block(
     name="ROLLING",
     slots=(Slot("hand", StaticEndEffector), Slot("object", Rollable)),
@@ -154,5 +161,6 @@ ROLLING = Block(
     duration=Duration(0.2, 40.0, _expected),
     policy=_policy,
     system=_system,
+    outcome=_outcome,
     description="the hand pushes the object from behind until it rests within the region",
 )

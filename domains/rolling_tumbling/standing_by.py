@@ -91,6 +91,11 @@ def _system(binding: Binding, state: State, commands: Commands, dt: float) -> St
     return free_motion(state, hand, force_on(hand, state, commands), dt)
 
 
+def _arrived(binding: Binding, state: State) -> State:
+    """The hand is at the end of the curve."""
+    return state.replace({(cast(Token, binding["hand"]).name, "position"): _curve(binding, state).points[..., -1, :]})
+
+
 REACH_BESIDE = Block(
     name="REACHING:beside",
     slots=(Slot("hand", StaticEndEffector),),
@@ -112,6 +117,7 @@ REACH_BESIDE = Block(
     hold=True,
     policy=_follow,
     system=_system,
+    outcome=_arrived,
     description="the hand goes round the box to its place at a face and holds there",
 )
 REACH_AWAY = Block(
@@ -128,5 +134,6 @@ REACH_AWAY = Block(
     hold=True,
     policy=_follow,
     system=_system,
+    outcome=_arrived,
     description="the hand lets go of the box and leaves it room to come down",
 )

@@ -32,7 +32,7 @@ from .tumbling_predicates import (
     TIPS,
     WITHIN_REACH,
 )
-from .turning import CLOSING, Roles, make_turning, turning_system, turning_time
+from .turning import CLOSING, Roles, after_turning, make_turning, turning_system, turning_time
 
 _GRAVITY = 9.81
 _LEAN_SQUEEZE = 25.0
@@ -99,6 +99,7 @@ def _tipping(mode: str, relation: Predicate, squeeze: Hyperparameter, descriptio
         hold=True,
         policy=make_turning,
         system=turning_system,
+        outcome=after_turning,
         description=description,
     )
 

@@ -14,7 +14,7 @@ from hybrid_tamp.model.block import Binding, Commands, Hyperparameters, Policy
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
-from hybrid_tamp.motion.poses import integrate, quaternion_from_axis_angle, rotate
+from hybrid_tamp.motion.poses import integrate, quaternion_from_axis_angle, quaternion_multiply, rotate
 
 from ..common.servos import STIFFNESS, damping, force_on
 from .faces import NORMALS, edge_between
@@ -102,6 +102,22 @@ def _gap(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
     """Return the distance ``(...)`` [m] between a hand's surface and the plane of a face."""
     offset = in_body(state, thing, state[hand, "position"] - state[thing, "position"])
     return np.asarray(dot(offset, NORMALS[face]) - half_extent(thing, face) - hand["radius"])
+
+
+def after_turning(binding: Binding, state: State) -> State:
+    """Return the state ``(...)`` after the turn: box and hands as one body about the edge, the hands at their faces."""
+    roles = Roles.of(binding)
+    thing = roles.thing
+    pivot, axis = edge_position(state, thing, *roles.edge), edge_axis(state, thing, *roles.edge)
+    turn = quaternion_from_axis_angle(axis, roles.wanted - tilt(state, thing, *roles.edge))
+    changes: dict[tuple[str, str], FloatArray] = {
+        (thing.name, "position"): pivot + rotate(turn, state[thing, "position"] - pivot),
+        (thing.name, "orientation"): quaternion_multiply(turn, state[thing, "orientation"]),
+    }
+    for hand, face in zip(roles.hands, roles.faces, strict=True):
+        gap = _gap(state, hand, thing, face)[..., None] * normal(state, thing, face)
+        changes[hand.name, "position"] = pivot + rotate(turn, state[hand, "position"] - gap - pivot)
+    return state.replace(changes)
 
 
 def turning_system(binding: Binding, state: State, commands: Commands, dt: float) -> State:

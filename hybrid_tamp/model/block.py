@@ -108,6 +108,10 @@ class Duration:
     expected: Callable[[Binding, State, Hyperparameters], float]
 
 
+Outcome = Callable[[Binding, State], State]
+"""``outcome(binding, state)``: where the tokens in the slots are going to be when the exit conditions hold; pure."""
+
+
 def _rest(binding: Binding, state: State, commands: Commands, dt: float) -> State:
     return state
 
@@ -134,6 +138,7 @@ class Block:
         policy: maker of the feedback law, or None where no token has basic actions.
         system: the forward model.
         performance: how good one execution was (higher is better), or None.
+        outcome: estimate of where its tokens are in the end, for schedules, or None where they stay where they are.
         description: what it does, one line.
     """
 
@@ -151,6 +156,7 @@ class Block:
     policy: PolicyMaker | None = None
     system: ContinuousSystem = _rest
     performance: Callable[[Binding, State, State, Hyperparameters], FloatArray] | None = None
+    outcome: Outcome | None = None
     description: str = ""
 
     def __repr__(self) -> str:

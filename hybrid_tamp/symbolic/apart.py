@@ -12,9 +12,8 @@ from hybrid_tamp.model.facts import facts
 from hybrid_tamp.symbolic.allocation import Allocation, Demand, Share
 from hybrid_tamp.symbolic.application import applicable
 from hybrid_tamp.symbolic.decoder import UndecodableError, decode
-from hybrid_tamp.symbolic.groups import Group, goal_groups, helpers, least_helpers, most_helpers, own_task
+from hybrid_tamp.symbolic.groups import Group, goal_groups, helpers, least_helpers, most_helpers
 from hybrid_tamp.symbolic.operators import PlannedAction
-from hybrid_tamp.symbolic.problem import compile_task
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 from hybrid_tamp.symbolic.search import Candidate, Search
 from hybrid_tamp.symbolic.templates import Templates
@@ -128,14 +127,10 @@ class GoalsApart:
 
     def _makespan(self, share: Share) -> float:
         """Return how long a group takes by itself [s]."""
-        actions = self._plan(share)
-        places = self._places
-        whole = self._search.compilation
-        own = compile_task(own_task(self._task, share.group, share.helpers, places), whole)
-        names = {whole.name(token.name): own.name(token.name) for token in own.task.tokens}
-        mine = [(name, *(names.get(argument, argument) for argument in rest)) for name, *rest in actions or ()]
+        compilation = self._search.compilation
         try:
             with self._search.stage("scheduling"):
-                return schedule(own.task, decode(own, mine)).makespan if mine else float("inf")
+                instances = decode(compilation, self._plan(share) or ())
+                return schedule(self._task, instances, (), self._search.estimates).makespan
         except (UndecodableError, InfeasibleScheduleError):
             return float("inf")

@@ -1,4 +1,8 @@
-"""How long the instances of a plan are going to last, from the states in which they are expected to begin."""
+"""How long the instances of a plan are going to last, from the states in which they are expected to begin.
+
+A plan is followed instance by instance: each puts its tokens where its block's `outcome` says that they are in the
+end, or, where a block says nothing, at the middle of the place that its exit conditions name.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -6,16 +10,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid_tamp.model.block import Binding, Block
 from hybrid_tamp.model.predicate import Literal
-from hybrid_tamp.model.state import State
+from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decoder import OrderedInstance
 
 TICK = 1e-3
 """Times are whole ticks [s]: sums of floats would turn a cycle of length zero into an endless one."""
 
-Moves = Mapping[str, str]
-"""Thing to the place where it has been brought."""
+_POSE = ("position", "orientation")
+_DIGITS = 6
+
+Poses = Mapping[tuple[str, str], FloatArray]
+"""(token, property) to its value."""
 
 
 @dataclass(frozen=True)
@@ -25,10 +33,12 @@ class Estimate:
     Attributes:
         seconds: how long it lasts, or takes to its exit where it holds [s].
         guesses: initial guesses of its hyperparameters.
+        outcome: what it changes of its tokens' poses.
     """
 
     seconds: float
     guesses: Mapping[str, float]
+    outcome: Poses
 
 
 class Estimates:
@@ -40,56 +50,62 @@ class Estimates:
 
     def of(self, instances: Sequence[OrderedInstance]) -> list[Estimate]:
         """Return the estimate of each instance of a plan; they are in the order in which they begin."""
-        brought = [(instance, moves) for instance in instances if (moves := self._moves(instance))]
-        return [self._estimate(instance, _before(brought, instance)) for instance in instances]
+        state, found = self.task.state, []
+        coming: list[tuple[int, Poses]] = []
+        for instance in instances:
+            ready = [poses for event, poses in coming if event <= instance.begin]
+            coming = [(event, poses) for event, poses in coming if event > instance.begin]
+            state = state.replace({key: value for poses in ready for key, value in poses.items()}) if ready else state
+            found.append(self._estimate(instance, state))
+            if found[-1].outcome:
+                coming.append((self._event(instance), found[-1].outcome))
+        return found
 
-    def _estimate(self, instance: OrderedInstance, moves: Moves) -> Estimate:
+    def _event(self, instance: OrderedInstance) -> int:
+        """Return the first reassignment before which an instance has come to its exit; what it holds may be read."""
+        if self.task.domain.block_by_name[instance.block].hold:
+            return instance.begin + 1
+        return instance.begin + 1 if instance.end is None else instance.end
+
+    def _estimate(self, instance: OrderedInstance, state: State) -> Estimate:
         roles = {**instance.slots, **instance.targets}
-        key = (instance.block, tuple(roles.items()), tuple(sorted(moves.items())))
+        tokens = [name for name in roles.values() if name in self.task.token_by_name]
+        poses = [state[name, p].round(_DIGITS).tobytes() for name in tokens for p in _properties(state, name)]
+        key = (instance.block, tuple(roles.items()), *poses)
         if key not in self._known:
-            self._known[key] = self._made(instance.block, roles, moves)
+            self._known[key] = self._made(self.task.domain.block_by_name[instance.block], roles, state)
         return self._known[key]
 
-    def _made(self, name: str, roles: Mapping[str, str], moves: Moves) -> Estimate:
-        block, binding, state = self.task.domain.block_by_name[name], self.task.bind(roles), self._state(moves)
+    def _made(self, block: Block, roles: Mapping[str, str], state: State) -> Estimate:
+        binding = self.task.bind(roles)
         guesses = block.guesses(binding, state)
         expected = block.duration.expected(binding, state, guesses)
         bounded = float(np.clip(expected, block.duration.minimum, block.duration.maximum))
         # Whole ticks here already, so that every time that is built from it agrees with the network's.
         seconds = round(math.ceil(bounded / TICK - 1e-6) * TICK, 6)
-        return Estimate(seconds, {name: float(value) for name, value in guesses.items()})
+        values = {name: float(value) for name, value in guesses.items()}
+        return Estimate(seconds, values, self._outcome(block, roles, binding, state))
 
-    def _state(self, moves: Moves) -> State:
-        """Return the initial state with things at the middle of the places where they have been brought."""
-        state = self.task.state
-        changes = {
-            (thing, "position"): np.concatenate(
-                [state[place, "position"][..., :2], state[thing, "position"][..., 2:]], axis=-1
-            )
-            for thing, place in moves.items()
-        }
-        return state.replace(changes) if changes else state
+    def _outcome(self, block: Block, roles: Mapping[str, str], binding: Binding, state: State) -> Poses:
+        if block.outcome is None:
+            placed = [self._placed(literal, roles, state) for literal in block.exit]
+            return {key: value for each in placed for key, value in each.items()}
+        after = block.outcome(binding, state)
+        tokens = [roles[slot.name] for slot in block.slots]
+        return {(name, p): after[name, p].copy() for name in tokens for p in _properties(state, name)}
 
-    def _moves(self, instance: OrderedInstance) -> Moves:
-        """Return what the exit conditions of an instance say has come to which place."""
-        roles = {**instance.slots, **instance.targets}
-        exits = self.task.domain.block_by_name[instance.block].exit
-        pairs = (self._pair(literal, roles) for literal in exits)
-        return dict(pair for pair in pairs if pair is not None)
-
-    def _pair(self, literal: Literal, roles: Mapping[str, str]) -> tuple[str, str] | None:
+    def _placed(self, literal: Literal, roles: Mapping[str, str], state: State) -> Poses:
+        """Return the pose of a thing at the middle of the place where an exit condition says that it is."""
         index = literal.predicate.functional_index
         if not literal.positive or index is None or len(literal.arguments) != 2:
-            return None
+            return {}
         thing, place = (roles.get(literal.arguments[i], "") for i in (1 - index, index))
         tokens = self.task.token_by_name
-        return (thing, place) if thing in tokens and place in tokens and tokens[place].place else None
+        if thing not in tokens or place not in tokens or not tokens[place].place:
+            return {}
+        there, here = state[place, "position"], state[thing, "position"]
+        return {(thing, "position"): np.concatenate([there[..., :2], here[..., 2:]], axis=-1)}
 
 
-def _before(brought: Sequence[tuple[OrderedInstance, Moves]], instance: OrderedInstance) -> Moves:
-    """Return where things have been brought by the instances that end before this one begins."""
-    found: dict[str, str] = {}
-    for earlier, moves in brought:
-        if earlier.end is not None and earlier.end <= instance.begin:
-            found.update(moves)
-    return found
+def _properties(state: State, name: str) -> list[str]:
+    return [p for p in _POSE if (name, p) in state.layout.slices]
