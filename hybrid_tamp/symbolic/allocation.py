@@ -51,11 +51,15 @@ class Allocation:
     def __init__(self, task: Task, groups: Sequence[Group], holding: Collection[Atom], feasible: StaticFacts) -> None:
         self._views: Mapping[Group, Helpers] = {group: Helpers(task, group, holding, feasible) for group in groups}
 
+    def considered(self, group: Group, count: int) -> tuple[str, ...]:
+        """Return the helpers from which so many are chosen for a group, the closest first."""
+        return tuple(self._views[group].closest[: _near(count)])
+
     def choices(self, group: Group, count: int) -> Iterator[tuple[str, ...]]:
         """Yield helpers that a group could have, the closest first, of different kinds each time."""
         view = self._views[group]
         kinds: dict[Signature, list[str]] = {}
-        for name in view.closest[: _near(count)]:
+        for name in self.considered(group, count):
             kinds.setdefault(view.signature(name), []).append(name)
         useful = [kind for kind in kinds if not any(map(kind.less_than, kinds))]
         found: list[tuple[float, tuple[str, ...]]] = []
@@ -110,7 +114,7 @@ class Allocation:
     def _costs(self, demand: Demand, names: Sequence[str], near: bool) -> FloatArray:
         """Return the distances ``(kinds, names)`` [m] of the helpers, infinite for one of another kind, or not near."""
         view, costs = self._views[demand.group], np.full((len(demand.kinds), len(names)), np.inf)
-        looked_at = view.closest[: _near(len(demand.kinds))] if near else view.closest
+        looked_at = self.considered(demand.group, len(demand.kinds)) if near else view.closest
         for name in looked_at:
             for row, kind in enumerate(demand.kinds):
                 if view.signature(name) == kind:

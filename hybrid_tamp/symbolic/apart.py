@@ -40,6 +40,7 @@ class GoalsApart:
         self._groups = goal_groups(search.task, self._holding)
         self._allocation = Allocation(search.task, self._groups, self._holding, search.compilation.feasible)
         self._templates = Templates(search, seconds)
+        self._hopeless = False
         self._places = [token.name for token in search.task.tokens if token.place]
 
     @property
@@ -56,15 +57,12 @@ class GoalsApart:
         """
         at_once, least, most = self._counts()
         found = False
-        for count in range(at_once, least - 1, -1):
+        for count in (*range(at_once, least - 1, -1), *range(at_once + 1, most + 1)):
+            if self._hopeless or (found and count > at_once):
+                return
             for candidate in self._with(count):
                 found = True
                 yield candidate
-        for count in range(at_once + 1, most + 1):
-            if not found:
-                for candidate in self._with(count):
-                    found = True
-                    yield candidate
 
     def _counts(self) -> tuple[int, int, int]:
         """Return how many helpers a group can have at once with all others, and the least and the most of use."""
@@ -86,9 +84,16 @@ class GoalsApart:
                 yield found
 
     def _demands(self, count: int) -> list[Demand] | None:
-        demands = [self._demand(group, count) for group in self._groups]
-        found = [demand for demand in demands if demand is not None]
-        return found if len(found) == len(demands) else None
+        demands: list[Demand] = []
+        for group in self._groups:
+            demand = self._demand(group, count)
+            if demand is None:
+                # What all of them together cannot do, none of them can: then every further try would be in vain.
+                together = self._allocation.considered(group, most_helpers(self._task))
+                self._hopeless = self._plan(Share(group, together)) is None
+                return None
+            demands.append(demand)
+        return demands
 
     def _demand(self, group: Group, count: int) -> Demand | None:
         """Return the closest helpers with whose like the group's goal can be reached, as a demand."""

@@ -6,7 +6,7 @@ all ways are tried while there is time, and the shortest plan wins.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
@@ -78,7 +78,7 @@ def plan_task(task: Task, planner: Planner) -> Planned:
         return Planned(answer, best.plan, "", best.way, best.proven, dict(search.stages))
     assert stage.answer is not None, "the way of the whole task asks the planner, or raises"
     refusal = search.refusals[-1] if search.refusals and stage.answer.status == "solved" else ""
-    return Planned(stage.answer, None, refusal, stages=dict(search.stages))
+    return Planned(replace(stage.answer, seconds=search.elapsed), None, refusal, stages=dict(search.stages))
 
 
 Way = Callable[[Candidate | None], Iterator[Candidate]]

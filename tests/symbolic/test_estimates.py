@@ -1,0 +1,57 @@
+"""What schedules expect of blocks, against the blocks' own forward models."""
+
+import numpy as np
+import pytest
+from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
+from scenes import reach_and_roll, rolling_task
+
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.physics.prediction import predict
+from hybrid_tamp.symbolic.decoder import decode
+from hybrid_tamp.symbolic.estimates import Estimates
+from hybrid_tamp.symbolic.planner import PlannerProcess
+from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.schedule import schedule
+from hybrid_tamp.symbolic.stage import plan_task
+
+TASKS = {"two hands": random_tumbling(7, 2, 1), "four hands": random_tumbling(7, 4, 1), "a drum": rolling_task()}
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_tokens_come_to_where_their_blocks_say_and_when(name: str) -> None:
+    task: Task = TASKS[name]
+    with PlannerProcess() as planner:
+        plan = plan_task(task, planner).plan
+    assert plan is not None
+    run = predict(task, plan)
+    assert run.failure is None
+    for instance in run.plan.instances:
+        block = task.domain.block_by_name[instance.block]
+        if block.outcome is None:
+            continue
+        expected = block.outcome(task.bind(instance.roles), run.at(instance.start))
+        for token in instance.slots.values():
+            np.testing.assert_allclose(expected[token, "position"], run.at(instance.end)[token, "position"], atol=0.04)
+    assert 0.7 * plan.makespan < run.plan.makespan < 1.05 * plan.makespan
+
+
+def test_a_second_reach_starts_where_the_first_roll_ended() -> None:
+    task = rolling_task(regions=[(0.7, 0), (1.4, 0)], goal=[(0, 1)])
+    actions = reach_and_roll("hand-0", "drum-0", "region-0")
+    actions += reach_and_roll("hand-0", "drum-0", "region-1", "region-0")
+    instances = decode(compile_task(task), actions)
+    first, second = (
+        each
+        for instance, each in zip(instances, Estimates(task).of(instances), strict=True)
+        if instance.block == "REACHING:behind"
+    )
+    assert second.seconds < first.seconds
+    assert second.outcome["hand 0", "position"][0] == pytest.approx(first.outcome["hand 0", "position"][0] + 0.7)
+
+
+def test_an_estimate_is_made_once() -> None:
+    task = rolling_task()
+    instances = decode(compile_task(task), reach_and_roll("hand-0", "drum-0", "region-0"))
+    estimates = Estimates(task)
+    assert all(one is other for one, other in zip(estimates.of(instances), estimates.of(instances), strict=True))
+    assert schedule(task, instances, (), estimates) == schedule(task, instances)
