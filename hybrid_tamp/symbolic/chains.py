@@ -53,7 +53,7 @@ def chained(task: Task) -> Chains:
         return Chains(task.domain)
     cuts = Cuts(task)
     found = [series for run in _runs(followers) for series in _cut(cuts, run, followers) if len(series.links) > 1]
-    return _with_chains(task.domain, found)
+    return _with_chains(task, found)
 
 
 def _followers(task: Task) -> Iterator[tuple[str, Follower]]:
@@ -109,18 +109,26 @@ def _cut(cuts: Cuts, run: list[str], followers: Mapping[str, Follower]) -> Itera
         blocks = blocks[len(chain.links) :]
 
 
-def _with_chains(domain: Domain, chains: Collection[Series]) -> Chains:
-    names = _names(domain, chains)
-    by_first = {series.links[0].block.name: name for name, series in names.items()}
-    inner = {link.block.name for series in chains for link in series.links[1:]}
+def _with_chains(task: Task, chains: Collection[Series]) -> Chains:
+    domain, names = task.domain, _names(task.domain, chains)
+    inside = {link.block.name for series in chains for link in series.links}
+    asking = [*(block.entry for block in domain.blocks if block.name not in inside), *(s.entry for s in chains)]
+    wanted = {literal.predicate.name for entry in asking for literal in entry} | {atom.predicate for atom in task.goal}
+    wholes = {series.links[0].block.name: _lean(series, name, wanted) for name, series in names.items()}
     blocks = tuple(
-        names[by_first[block.name]].block(by_first[block.name]) if block.name in by_first else block
-        for block in domain.blocks
-        if block.name not in inner
+        wholes.get(block.name, block) for block in domain.blocks if block.name in wholes or block.name not in inside
     )
     network = ReassignmentNetwork(_edges(domain, names))
     links = {name: series.links for name, series in names.items()}
     return Chains(replace(domain, blocks=blocks, network=network), links) if chains else Chains(domain)
+
+
+def _lean(series: Series, name: str, wanted: Collection[str]) -> Block:
+    """Return the whole without effects of its inner blocks that nobody asks for: planners would look into each."""
+    whole = series.block(name)
+    kept = [each for each in whole.exit if each in series.last.exit or each.predicate.name in wanted]
+    left_out = [each.predicate for each in whole.exit if each not in kept]
+    return replace(whole, exit=tuple(kept), keeps=tuple(dict.fromkeys((*whole.keeps, *left_out))))
 
 
 def _names(domain: Domain, chains: Iterable[Series]) -> dict[str, Series]:

@@ -19,7 +19,7 @@ from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.composing import key, within
 from hybrid_tamp.symbolic.conditions import Conditions
-from hybrid_tamp.symbolic.series import Link, Series, Sort, renamed
+from hybrid_tamp.symbolic.series import Link, Series, Sort, renamed, undone_by
 from hybrid_tamp.symbolic.vocabulary import Vocabulary
 
 
@@ -120,7 +120,7 @@ class Cuts:
             fact.positive and fact.predicate is undone.predicate and self._meet(series, fact, block, undone)
             for fact in coming
             for block in others
-            for undone in _undoing(block)
+            for undone in undone_by(block)
         )
 
     def _meet(self, series: Series, mine: Literal, block: Block, theirs: Literal) -> bool:
@@ -157,24 +157,14 @@ def _lost(series: Series, junction: Series) -> Iterator[Literal]:
 
 def _there(junction: Series, literal: Literal) -> Iterator[Literal]:
     """Yield what may hold at the junction of that which an exit condition takes away."""
-    same = [each for each in junction.exit if each.predicate is literal.predicate and key(each) == key(literal)]
     index = literal.predicate.functional_index
     if index is None:
-        if not literal.positive and not any(not each.positive for each in same):
+        if not literal.positive and (literal not in junction.exit or ~literal in junction.exit):
             yield ~literal
         return
+    same = [each for each in junction.exit if each.predicate is literal.predicate and key(each) == key(literal)]
     held = [each for each in junction.known if each.predicate is literal.predicate and key(each) == key(literal)]
     if held or same:
         yield from held  # if there is none, then it has been cleared
         return
     yield Literal(literal.predicate, (*literal.arguments[:index], ANY, *literal.arguments[index + 1 :]))
-
-
-def _undoing(block: Block) -> Iterator[Literal]:
-    """Yield what the block takes away; `ANY` stands for the old value of a functional predicate."""
-    for literal in block.exit:
-        index = literal.predicate.functional_index
-        if index is not None:
-            yield Literal(literal.predicate, (*literal.arguments[:index], ANY, *literal.arguments[index + 1 :]))
-        elif not literal.positive:
-            yield ~literal

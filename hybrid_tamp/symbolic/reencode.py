@@ -12,6 +12,7 @@ from hybrid_tamp.symbolic.folding import folded
 from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, ground
 from hybrid_tamp.symbolic.passing import Meaning
 from hybrid_tamp.symbolic.problem import Compilation
+from hybrid_tamp.symbolic.series import undone_by
 
 NO_ACTION = "no-such-reassignment"
 
@@ -57,7 +58,7 @@ _Wanted = tuple[str, str, str, tuple[str, str] | None, frozenset[str], dict[str,
 def _reassignments(domain: Domain, plan: TaskPlan) -> Iterator[_Wanted]:
     for time in plan.instants:
         starting = [i for i in plan.instances if at(i.start, time) and time > plan.instants[0]]
-        for group in _in_order(plan, _groups(plan, starting)):
+        for group in _in_order(domain, plan, _groups(plan, starting)):
             yield from _group(domain, plan, group)
 
 
@@ -80,16 +81,27 @@ def _groups(plan: TaskPlan, starting: list[BlockInstance]) -> list[list[BlockIns
     return [group for _, group in groups]
 
 
-def _in_order(plan: TaskPlan, groups: list[list[BlockInstance]]) -> list[list[BlockInstance]]:
-    """Among reassignments of one instant, those that free a target come before those that change or read it."""
+def _in_order(domain: Domain, plan: TaskPlan, groups: list[list[BlockInstance]]) -> list[list[BlockInstance]]:
+    """Among reassignments of one instant, those that free or need something come before those that change it."""
+
+    def first(one: list[BlockInstance], other: list[BlockInstance]) -> bool:
+        return _frees(plan, one, other) or _needs(domain, one, other)
+
     ordered: list[list[BlockInstance]] = []
     waiting = list(groups)
     while waiting:
-        free = [g for g in waiting if not any(_frees(plan, other, g) for other in waiting if other is not g)]
+        free = [g for g in waiting if not any(first(other, g) for other in waiting if other is not g)]
         chosen = (free or waiting)[0]
         waiting.remove(chosen)
         ordered.append(chosen)
     return ordered
+
+
+def _needs(domain: Domain, first: list[BlockInstance], second: list[BlockInstance]) -> bool:
+    """Say whether `first` starts an instance whose entry conditions may not hold when `second` has started."""
+    entries = [e.ground(i.roles) for i in first for e in domain.block_by_name[i.block].entry]
+    taken = [e.ground(i.roles) for i in second for e in undone_by(domain.block_by_name[i.block])]
+    return any(each.matches(entry) for each in taken for entry in entries)
 
 
 def _frees(plan: TaskPlan, first: list[BlockInstance], second: list[BlockInstance]) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
-from hybrid_tamp.model.predicate import Literal, SymbolSort
+from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
 
 Sort = type[ObjectClass] | SymbolSort
 
@@ -128,3 +128,13 @@ def _united(names: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
 def renamed(literal: Literal, roles: Mapping[str, str]) -> Literal:
     """Return the literal over other roles; symbols and `ANY` stay."""
     return replace(literal, arguments=tuple(roles.get(argument, argument) for argument in literal.arguments))
+
+
+def undone_by(block: Block) -> Iterator[Literal]:
+    """Yield what the block takes away; `ANY` stands for the old value of a functional predicate."""
+    for literal in block.exit:
+        index = literal.predicate.functional_index
+        if index is not None:
+            yield Literal(literal.predicate, (*literal.arguments[:index], ANY, *literal.arguments[index + 1 :]))
+        elif not literal.positive:
+            yield ~literal

@@ -1,0 +1,40 @@
+"""What tests of chains share: solve, decode, schedule and judge, there and back."""
+
+from pathlib import Path
+
+from exhaustive import shortest_plan
+from validation import val_accepts
+
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.decoder import decode
+from hybrid_tamp.symbolic.operators import PlannedAction
+from hybrid_tamp.symbolic.problem import Compilation, compile_task
+from hybrid_tamp.symbolic.reencode import reencode
+from hybrid_tamp.symbolic.schedule import schedule
+
+
+def chains(of: Task) -> list[str]:
+    """Return the chains of a task, in words."""
+    return [blocks for _, blocks in compile_task(of).encoded.chains.comments]
+
+
+def timeline(plan: TaskPlan, token: str) -> list[str]:
+    return [instance.block for instance, _ in plan.timeline(token)]
+
+
+def lawful(folder: Path, compilation: Compilation, actions: list[PlannedAction]) -> TaskPlan:
+    """Return the plan of the actions, which VAL and the law checker must accept, there and back."""
+    assert val_accepts(folder, compilation.problem, actions)
+    plan = schedule(compilation.task, decode(compilation, actions))
+    assert check_law(compilation.task, plan) == []
+    assert val_accepts(folder, compilation.problem, reencode(compilation, plan))
+    return plan
+
+
+def solved(folder: Path, of: Task) -> TaskPlan:
+    compilation = compile_task(of)
+    actions = shortest_plan(compilation.problem)
+    assert actions is not None
+    return lawful(folder, compilation, actions)
