@@ -145,7 +145,8 @@ def test_chains_lose_no_plan_and_make_none_up(tmp_path_factory: pytest.TempPathF
     except OverflowError:
         return
     try:
-        if actions:
+        # A token that starts in a block has its exit conditions still before it, which operators do not know.
+        if actions and not of.assignment:
             lawful(tmp_path_factory.mktemp("random"), compilation, actions)
     except InfeasibleScheduleError:
         pass  # blocks without a hold that meet again: so it is without chains
