@@ -110,11 +110,19 @@ class Search:
             InputError: the engine is not installed or not known.
             LimitReached: the engine ran into the time or memory limit.
         """
-        left = self.task.limits.time - self.elapsed
-        if left <= 0:
-            raise LimitReached(f"the planner reached its time limit of {self.task.limits.time:g} s", limit="time")
-        with self.stage("planner"):
-            return self.planner.solve(problem, self.task.planner, replace(self.task.limits, time=min(left, seconds)))
+        limits = self.task.limits
+        left = limits.time - self.elapsed
+        try:
+            if left <= 0:
+                raise LimitReached("no time is left", limit="time")
+            with self.stage("planner"):
+                return self.planner.solve(problem, self.task.planner, replace(limits, time=min(left, seconds)))
+        except LimitReached as reached:
+            if reached.limit != "time" or self.elapsed < limits.time:
+                raise
+            # It was told what was left of the limit; people know the limit.
+            message = f"the planner reached its time limit of {limits.time:g} s"
+            raise LimitReached(message, limit="time") from reached
 
     def candidate(self, way: str, actions: Sequence[PlannedAction]) -> Candidate | None:
         """Return the actions of the whole task as a lawful plan, or None, and note why it is refused."""

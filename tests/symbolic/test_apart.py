@@ -1,5 +1,6 @@
 """Independent goals planned apart and merged; what is judged is the plan of the whole task."""
 
+import time
 from collections.abc import Iterator
 from itertools import permutations
 from pathlib import Path
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from scenes import rolling_task
 from validation import val_accepts
 
+from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.predicate import Atom
@@ -101,6 +103,23 @@ def test_an_optimal_engine_is_asked_for_the_whole_task(planner: Counting) -> Non
     planned = plan_task(task.replaced(planner="symk-opt"), planner)
     assert planned.way == WHOLE
     assert plan_task(task, planner).way.startswith(APART)
+
+
+class Slow:
+    """A planner that takes all the time that it is given."""
+
+    def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
+        time.sleep(limits.time)
+        raise LimitReached(f"{limits.time:g} s are over", limit="time")
+
+
+@pytest.mark.parametrize("boxes", [1, 2])
+def test_the_time_limit_is_that_of_the_task_however_many_parts_there_are(boxes: int) -> None:
+    task = random_tumbling(3, 2 * boxes, boxes).replaced(limits=Limits(time=1.5))
+    began = time.monotonic()
+    with pytest.raises(LimitReached, match=r"time limit of 1\.5 s"):
+        plan_task(task, Slow())
+    assert time.monotonic() - began < 10.0
 
 
 def test_goals_that_share_a_token_belong_together() -> None:

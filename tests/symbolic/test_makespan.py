@@ -20,6 +20,18 @@ def test_a_second_hand_takes_over_and_both_drums_roll_at_once() -> None:
     assert {i.slots["hand"] for i in shorter.instances if i.block == "ROLLING"} == {"hand 0", "hand 1"}
 
 
+def test_two_hands_change_places_where_each_is_nearer_to_the_others_drum() -> None:
+    state = TASK.state.replace({("hand 0", "position"): (0.2, 0.5, 0.3), ("hand 1", "position"): (0.2, -0.4, 0.3)})
+    task = TASK.replaced(state=state)
+    actions = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand-1", "drum-1", "region-1")
+    compilation = compile_task(task)
+    plan = schedule(task, decode(compilation, actions))
+    shorter = shortened(compilation, plan, actions, 5.0)
+    assert shorter.makespan < plan.makespan
+    hands = {i.slots["object"]: i.slots["hand"] for i in shorter.instances if i.block == "ROLLING"}
+    assert hands == {"drum 0": "hand 1", "drum 1": "hand 0"}
+
+
 def test_no_time_no_change() -> None:
     compilation = compile_task(TASK)
     plan = schedule(TASK, decode(compilation, ONE_HAND))
