@@ -25,6 +25,7 @@ from .tumbling_geometry import (
 _ROOM = 0.055
 """Room [m] between the box and the surface of a hand that passes: another hand may hold the box meanwhile."""
 _ROUNDING = 0.05
+_TOUCHING = 0.005
 _SAMPLES = 8
 _BLOCKED = 100.0
 _AWAY = 5.5
@@ -75,6 +76,18 @@ def curve_to_face(start: State, hand: Token, thing: Token, face: str) -> Curve:
 def curve_away(start: State, hand: Token, thing: Token) -> Curve:
     """Return the curve that takes a hand off the face where it is and aside, beyond where the box may come down."""
     return _each(start, lambda state: _away(state, hand, thing))
+
+
+def off_the_face(start: State, hand: Token, thing: Token) -> FloatArray:
+    """Return the direction ``(..., 3)`` straight off the face that the hand touches; zero where it touches none."""
+    rows = [State(start.layout, row) for row in start.values.reshape(-1, start.values.shape[-1])]
+    return np.array([_outward(state, hand, thing) for state in rows]).reshape(*start.values.shape[:-1], 3)
+
+
+def _outward(state: State, hand: Token, thing: Token) -> FloatArray:
+    face, distance = _face_beside(state, hand, thing)
+    touching = distance < hand["radius"] + _TOUCHING
+    return rotate(state[thing, "orientation"], NORMALS[face]) if touching else np.zeros(3)
 
 
 def _each(start: State, make: Callable[[State], list[FloatArray]]) -> Curve:

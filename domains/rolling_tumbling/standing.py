@@ -14,7 +14,7 @@ from .tumbling_geometry import hand_axis, in_body, lowest_point, nominal_tilt, n
 
 SLENDERNESS = 1.6
 """Largest ratio of a box's edges that the method has been shown to tumble."""
-_FLAT_TOLERANCE = np.radians(5.0)
+FLAT_TOLERANCE = np.radians(5.0)
 # Less than the angle past the balance, so that leaning one way and leaning the other never both hold.
 _TIPPED_TOLERANCE = np.radians(5.0)
 _TWIST_TOLERANCE = np.radians(5.0)
@@ -29,13 +29,13 @@ def standing(state: State, thing: Token, posture: str) -> FloatArray:
     It is the least of how well the orientation fits and, scaled to an angle, how close to the floor the box is.
     """
     contact = 1.0 - np.abs(lowest_point(state, thing)) / _FLOOR_TOLERANCE
-    return np.asarray(np.minimum(_fit(state, thing, posture), _FLAT_TOLERANCE * contact))
+    return np.asarray(np.minimum(_fit(state, thing, posture), FLAT_TOLERANCE * contact))
 
 
 def _fit(state: State, thing: Token, posture: str) -> FloatArray:
     faces = faces_of(posture)
     if len(faces) == 1:
-        return np.asarray(_FLAT_TOLERANCE - np.arccos(np.clip(-normal(state, thing, faces[0])[..., 2], -1.0, 1.0)))
+        return np.asarray(FLAT_TOLERANCE - np.arccos(np.clip(-normal(state, thing, faces[0])[..., 2], -1.0, 1.0)))
     angle = tilt(state, thing, *faces) - nominal_tilt(thing, posture, *faces)
     # Both faces beside the edge must look down: their common axis is level.
     level = np.cross(NORMALS[faces[0]], NORMALS[faces[1]])
@@ -69,10 +69,10 @@ def start_complaint(thing: Token, state: State, tokens: Iterable[Token]) -> str 
 
 def _unsupported(thing: Token, state: State) -> str:
     nearest = max(POSTURES.symbols, key=lambda posture: float(_fit(state, thing, posture)))
-    off = _FLAT_TOLERANCE - float(_fit(state, thing, nearest))
+    off = FLAT_TOLERANCE - float(_fit(state, thing, nearest))
     height = float(lowest_point(state, thing))
     said = []
-    if off > _FLAT_TOLERANCE:
+    if off > FLAT_TOLERANCE:
         said.append(f"it is {np.degrees(off):.3g} degrees off {nearest!r}, the nearest of its postures")
     if abs(height) > _FLOOR_TOLERANCE:
         said.append(f"its lowest point is {height:.3g} m above the floor")

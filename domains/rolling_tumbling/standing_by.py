@@ -21,28 +21,35 @@ from hybrid_tamp.model.block import (
 )
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.minimum_jerk import minimum_jerk
+from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
 
 from ..common.classes import StaticEndEffector
-from ..common.predicates import AT_REST
+from ..common.predicates import AT_REST, REST_SPEED
 from ..common.servos import force_on, free_motion, position_servo
 from .classes import Tumblable
-from .detours import Curve, curve_away, curve_to_face
+from .detours import Curve, curve_away, curve_to_face, off_the_face
 from .faces import FACE, POSTURES
 from .tumbling_geometry import place_at
 from .tumbling_predicates import (
     ALIGNED,
     AT_FACE,
     EXPOSED,
+    FACE_TOLERANCE,
     LOW_ENOUGH,
     ON_SIDE,
     POSTURE,
     STRONG_ENOUGH,
     WITHIN_REACH,
 )
+from .turning import arrival
 
-_SETTLING = 0.15
+_SETTLING = 0.02
 _SHORTEST = 0.8
+_ASIDE = 0.02
+"""How far a hand jumps off a face that it has touched [m]; less than the room that it keeps on its way."""
+_LETTING_GO = 0.1
+"""How long that takes [s]: the hand moves away faster than a box falls."""
+_COMING_BACK = 0.5
 _SPEED = Hyperparameter("speed", "m/s", 0.1, 0.8, lambda b, s: np.asarray(0.4), "mean speed along the curve")
 
 
@@ -65,9 +72,24 @@ def _time(curve: Curve, hyperparameters: Hyperparameters) -> FloatArray:
     return np.asarray(np.maximum(curve.length / hyperparameters["speed"], _SHORTEST))
 
 
+def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how far off its face ``(..., 1)`` [m] and how fast [m/s] a hand is, beyond what its curve says.
+
+    A curve begins slowly, and a box that leans on a hand would follow it and press on it until others take it over.
+    """
+    off, back = elapsed / _LETTING_GO, (elapsed - _LETTING_GO) / _COMING_BACK
+    distance = minimum_jerk(off) - minimum_jerk(back)
+    speed = minimum_jerk_rate(off) / _LETTING_GO - minimum_jerk_rate(back) / _COMING_BACK
+    return _ASIDE * distance[..., None], _ASIDE * speed[..., None]
+
+
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+    """The curve until the hand is near enough and slow enough."""
+    curve = _curve(binding, state)
+    near = FACE_TOLERANCE if "face" in binding else np.inf
+    seconds = arrival(curve.length, _time(curve, hyperparameters), near, REST_SPEED) + _SETTLING
     # Schedules count in milliseconds.
-    return float(np.ceil(1e3 * (_time(_curve(binding, state), hyperparameters) + _SETTLING)) / 1e3)
+    return float(np.ceil(1e3 * seconds) / 1e3)
 
 
 def _follow(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
@@ -75,9 +97,12 @@ def _follow(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     curve = _curve(binding, start)
     duration = _time(curve, hyperparameters)
     planned = _place(binding, start)
+    outward = off_the_face(start, hand, cast(Token, binding["object"]))
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         position, velocity = curve.at(elapsed, duration)
+        aside, speed = _let_go(elapsed)
+        position, velocity = position + outward * aside, velocity + outward * speed
         # Hands that hold the box may still be settling it: the end of the curve goes along with its face.
         share = minimum_jerk(elapsed / duration)[..., None]
         position = position + share * (_place(binding, state) - planned)

@@ -15,11 +15,12 @@ from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 
 from ..common.classes import StaticEndEffector
-from ..common.predicates import AT_REST
+from ..common.predicates import AT_REST, REST_SPEED
 from .classes import Tumblable
 from .faces import FACE, POSTURES
 from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
-from .tumbling_geometry import nominal_tilt
+from .standing import FLAT_TOLERANCE
+from .tumbling_geometry import half_extent, nominal_tilt
 from .tumbling_predicates import (
     AT_FACE,
     FEASIBLE_TUMBLING,
@@ -32,11 +33,11 @@ from .tumbling_predicates import (
     TIPS,
     WITHIN_REACH,
 )
-from .turning import CLOSING, Roles, after_turning, make_turning, turning_system, turning_time
+from .turning import CLOSING, Roles, after_turning, arrival, make_turning, turning_system, turning_time
 
 _GRAVITY = 9.81
 _LEAN_SQUEEZE = 25.0
-_SETTLING = 0.25
+_SETTLING = 0.05
 _BODY = ("position", "orientation", "velocity", "angular_velocity")
 _KEPT = (*FEASIBLE_TUMBLING, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
 
@@ -50,10 +51,14 @@ def _light(binding: Binding, state: State) -> FloatArray:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    """Closing, the planned turn between the two postures, settling; the pose at the beginning does not matter."""
+    """Closing, the turn between the two postures until it is good enough; the pose at the beginning does not matter."""
     roles = Roles.of(binding)
     angle = roles.wanted - nominal_tilt(roles.thing, cast(str, binding["before"]), *roles.edge)
-    seconds = CLOSING + turning_time(angle, float(hyperparameters["rate"])) + _SETTLING
+    # The hands are the fastest, about as far from the edge as the box's section is wide.
+    one, other = (half_extent(roles.thing, face) for face in roles.edge)
+    width = 2.0 * float(np.hypot(one, other))
+    turn = turning_time(angle, float(hyperparameters["rate"]))
+    seconds = CLOSING + arrival(angle, turn, FLAT_TOLERANCE, REST_SPEED / width) + _SETTLING
     # Schedules count in milliseconds.
     return float(np.ceil(1e3 * seconds) / 1e3)
 

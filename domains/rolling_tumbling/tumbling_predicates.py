@@ -28,7 +28,8 @@ _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
 _FACE = Parameter("face", FACE)
 _POSTURE = Parameter("posture", POSTURES)
-_FACE_TOLERANCE = 0.06
+FACE_TOLERANCE = 0.06
+"""How far from its place at a face a hand may be [m]."""
 _ABOVE = 0.05
 _LEAST_OUTLOOK = 0.1
 _ALIGNMENT = np.sin(np.radians(6.0))
@@ -41,7 +42,7 @@ More of it makes the hands carry the weight: then the pivot edge unloads and sli
 
 def _close_to_face(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
     offset = state[hand, "position"] - place_at(state, hand, thing, face)
-    return np.asarray(_FACE_TOLERANCE - np.linalg.norm(offset, axis=-1))
+    return np.asarray(FACE_TOLERANCE - np.linalg.norm(offset, axis=-1))
 
 
 def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray:

@@ -13,11 +13,11 @@ from hybrid_tamp.physics.backend import CONTROL_PERIOD, Backend
 
 from ..common.classes import StaticEndEffector
 from ..common.servos import damping
+from . import DOMAIN
 from .classes import Tumblable
 from .faces import flat
 from .metrics import tumble_measures
 from .tumbling_geometry import half_extent, tilt
-from . import DOMAIN
 
 HANDS = ((-0.5, 0.0, 0.55), (0.5, 0.0, 0.55), (-0.85, 0.0, 0.12), (0.95, 0.0, 0.12))
 """Where hands wait [m]: each on its side, clear of the ways of the others."""

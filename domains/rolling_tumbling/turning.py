@@ -2,7 +2,9 @@
 
 Each hand follows the rigid motion of the planned tilt: its reference c is the point beside its face, turned about
 the edge by the tilt that a minimum-jerk profile asks for, and it pushes with F = K (c - x) + D (c' - v) - S n, n its
-face's outward normal and S the squeeze. Squeeze and contact are taken up in the first moment, before the box turns.
+face's outward normal and S the squeeze. Squeeze and contact are taken up in the first moment, before the box turns,
+and given up in the last one where the box comes to lie. A box whose edge slides stays behind the plan; then the hands
+turn further.
 """
 
 from dataclasses import dataclass
@@ -17,7 +19,7 @@ from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
 from hybrid_tamp.motion.poses import integrate, quaternion_from_axis_angle, quaternion_multiply, rotate
 
 from ..common.servos import STIFFNESS, damping, force_on
-from .faces import NORMALS, edge_between
+from .faces import NORMALS, edge_between, faces_of
 from .geometry import dot
 from .tumbling_geometry import edge_axis, edge_position, half_extent, in_body, nominal_tilt, normal, tilt
 
@@ -25,6 +27,17 @@ CLOSING = 0.35
 """How long the hands take to close on the box and to squeeze it [s]."""
 _GRAVITY = 9.81
 _TOUCH = 1e-4
+_PHASES = 401
+_CATCHING_UP = 0.7
+"""How much further than planned the hands turn per angle that the box is behind: its edge may have slid a little."""
+_LEAD = 0.3
+"""How much further at most [rad]."""
+_LOOSENING = (0.82, 0.94)
+"""In which part of a turn onto a face the hands loosen their grip: the box all but lies, and soon they let go."""
+_LYING = float(np.radians(0.7))
+"""How close to lying on a face a box is when they begin to, if it comes down before the plan [rad]."""
+_TOUCHING_FORCE = 1.0
+"""With how much force a hand may go on touching a box that lies [N]."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +80,30 @@ def turning_time(angle: FloatArray | float, rate: FloatArray | float) -> FloatAr
     return np.asarray(np.maximum(np.abs(angle), 0.05) / rate)
 
 
+def arrival(amount: FloatArray | float, duration: FloatArray | float, near: float, slow: float) -> FloatArray:
+    """Return when a minimum-jerk movement is as near to its end and as slow as its exit conditions ask, ``(...)`` [s].
+
+    Args:
+        amount: how far it goes, ``(...)`` [m or rad].
+        duration: how long it takes in all, ``(...)`` [s].
+        near: largest distance from the end [m or rad].
+        slow: largest speed [m/s or rad/s].
+    """
+    phase = np.linspace(0.0, 1.0, _PHASES)
+    far, time = np.abs(np.asarray(amount))[..., None], np.asarray(duration)[..., None]
+    not_yet = (far * (1.0 - minimum_jerk(phase)) > near) | (far * minimum_jerk_rate(phase) / time > slow)
+    last = np.max(np.where(not_yet, phase, 0.0), axis=-1)
+    return np.asarray(last * duration)
+
+
 def make_turning(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
     """Return the impedance policy of both hands."""
     roles = Roles.of(binding)
     thing = roles.thing
     rate, squeeze = (np.asarray(hyperparameters[name]) for name in ("rate", "squeeze"))
     pivot, axis = edge_position(start, thing, *roles.edge), edge_axis(start, thing, *roles.edge)
-    turn = roles.wanted - tilt(start, thing, *roles.edge)
+    begun = tilt(start, thing, *roles.edge)
+    turn = roles.wanted - begun
     duration = turning_time(turn, rate)
     arms = [start[hand, "position"] - pivot for hand in roles.hands]
     normals = [normal(start, thing, face) for face in roles.faces]
@@ -83,19 +113,39 @@ def make_turning(binding: Binding, start: State, hyperparameters: Hyperparameter
         closed = minimum_jerk(elapsed / CLOSING)
         closing = minimum_jerk_rate(elapsed / CLOSING) / CLOSING
         phase = (elapsed - CLOSING) / duration
-        turned = quaternion_from_axis_angle(axis, turn * minimum_jerk(phase))
+        planned = turn * minimum_jerk(phase)
+        behind = planned - (tilt(state, thing, *roles.edge) - begun)
+        turned = quaternion_from_axis_angle(axis, planned + np.clip(_CATCHING_UP * behind, -_LEAD, _LEAD))
         spin = axis * (turn * minimum_jerk_rate(phase) / duration)[..., None]
+        loose = _loose(roles, phase, tilt(state, thing, *roles.edge))
+        grip = closed * (1.0 - loose)
         commands: Commands = {}
         for hand, arm, outward, gap in zip(roles.hands, arms, normals, gaps, strict=True):
             face_normal = rotate(turned, outward)
             lever = rotate(turned, arm - outward * (gap * closed)[..., None])
             velocity = np.cross(spin, lever) - face_normal * (gap * closing)[..., None]
-            force = STIFFNESS * (pivot + lever - state[hand, "position"])
-            force = force + damping(hand["mass"]) * (velocity - state[hand, "velocity"])
-            commands[hand.name, "force"] = force - face_normal * (squeeze * closed)[..., None]
+            push = STIFFNESS * (pivot + lever - state[hand, "position"]) - face_normal * (squeeze * grip)[..., None]
+            brake = damping(hand["mass"]) * (velocity - state[hand, "velocity"])
+            commands[hand.name, "force"] = _loosened(push, face_normal, hand, 1.0 - loose) + brake
         return commands
 
     return policy
+
+
+def _loose(roles: Roles, phase: FloatArray, angle: FloatArray) -> FloatArray:
+    """Return how far the hands have loosened their grip ``(...)``, 0 to 1: by plan, or as the box comes down sooner."""
+    if len(faces_of(roles.outcome)) > 1:
+        return np.zeros_like(phase)
+    by_plan = (phase - _LOOSENING[0]) / (_LOOSENING[1] - _LOOSENING[0])
+    by_angle = 1.0 - np.abs(roles.wanted - angle) / _LYING
+    return np.asarray(minimum_jerk(np.maximum(by_plan, by_angle)))
+
+
+def _loosened(push: FloatArray, outward: FloatArray, hand: Token, grip: FloatArray) -> FloatArray:
+    """Bound how hard a hand pushes on its face by its share of the maximal force, but leave it a light touch."""
+    inward = -dot(push, outward)
+    most = _TOUCHING_FORCE + grip * hand["maximal_force"]
+    return np.asarray(push + outward * np.maximum(inward - most, 0.0)[..., None])
 
 
 def _gap(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
