@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 
 from hybrid_tamp.model.plan import BlockInstance, split_mode
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.chaining.series import Link
 from hybrid_tamp.symbolic.operators import PlannedAction
 from hybrid_tamp.symbolic.problem import Compilation
-from hybrid_tamp.symbolic.series import Link
 
 
 class UndecodableError(ValueError):

@@ -11,7 +11,7 @@ from hybrid_tamp.model.facts import StaticFacts, facts, static_facts
 from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.symbolic.encoder import EncodedDomain, encode_domain, encode_task
+from hybrid_tamp.symbolic.encoding.encoder import EncodedDomain, encode_domain, encode_task
 from hybrid_tamp.symbolic.naming import Naming, legal
 from hybrid_tamp.symbolic.operators import Fact, PlanningProblem
 from hybrid_tamp.symbolic.vocabulary import COUNT, NONE, locked_targets, no_value, opposite

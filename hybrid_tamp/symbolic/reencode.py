@@ -8,11 +8,11 @@ from collections.abc import Iterator
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
-from hybrid_tamp.symbolic.folding import folded
+from hybrid_tamp.symbolic.chaining.folding import folded
+from hybrid_tamp.symbolic.chaining.series import undone_by
+from hybrid_tamp.symbolic.encoding.passing import Meaning
 from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, ground
-from hybrid_tamp.symbolic.passing import Meaning
 from hybrid_tamp.symbolic.problem import Compilation
-from hybrid_tamp.symbolic.series import undone_by
 
 NO_ACTION = "no-such-reassignment"
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.apart import GoalsApart
+from hybrid_tamp.symbolic.apart.goals_apart import GoalsApart
 from hybrid_tamp.symbolic.makespan import shortened
 from hybrid_tamp.symbolic.planner import PlannerAnswer
 from hybrid_tamp.symbolic.search import Candidate, Planner, Search

@@ -18,9 +18,9 @@ from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Limits, Task
-from hybrid_tamp.symbolic.apart import APART, GoalsApart
-from hybrid_tamp.symbolic.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
-from hybrid_tamp.symbolic.matching import cheapest_matching
+from hybrid_tamp.symbolic.apart.goals_apart import APART, GoalsApart
+from hybrid_tamp.symbolic.apart.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
+from hybrid_tamp.symbolic.apart.matching import cheapest_matching
 from hybrid_tamp.symbolic.operators import PlanningProblem
 from hybrid_tamp.symbolic.planner import PlannerAnswer, PlannerProcess
 from hybrid_tamp.symbolic.problem import compile_task

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from hybrid_tamp.model.affordance import TOKEN, is_place
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
-from hybrid_tamp.symbolic.series import Link, Series, Sort
+from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort
 
 
 def beginning(block: Block, taken: Iterable[str] = ()) -> Series:

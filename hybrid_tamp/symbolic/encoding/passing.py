@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.network import SlotName
-from hybrid_tamp.symbolic.action_builder import ActionBuilder, Same
-from hybrid_tamp.symbolic.conditions import Conditions
+from hybrid_tamp.symbolic.encoding.action_builder import ActionBuilder, Same
+from hybrid_tamp.symbolic.encoding.conditions import Conditions
 from hybrid_tamp.symbolic.naming import legal
 from hybrid_tamp.symbolic.vocabulary import Vocabulary, remembered
 

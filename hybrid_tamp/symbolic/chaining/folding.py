@@ -5,8 +5,8 @@ from dataclasses import replace
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.symbolic.chains import Chains
-from hybrid_tamp.symbolic.series import Link
+from hybrid_tamp.symbolic.chaining.chains import Chains
+from hybrid_tamp.symbolic.chaining.series import Link
 
 
 def folded(chains: Chains, plan: TaskPlan) -> TaskPlan:
