@@ -18,8 +18,8 @@ from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.chaining.composing import key, within
-from hybrid_tamp.symbolic.conditions import Conditions
 from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort, renamed, undone_by
+from hybrid_tamp.symbolic.encoding.conditions import Conditions
 from hybrid_tamp.symbolic.vocabulary import Vocabulary
 
 
