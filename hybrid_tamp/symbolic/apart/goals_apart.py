@@ -10,13 +10,13 @@ from itertools import islice, permutations, product
 
 from hybrid_tamp.model.facts import facts
 from hybrid_tamp.symbolic.apart.allocation import Allocation, Demand, Share
+from hybrid_tamp.symbolic.apart.groups import Group, goal_groups, helpers, least_helpers, most_helpers
+from hybrid_tamp.symbolic.apart.templates import Templates
 from hybrid_tamp.symbolic.application import applicable
 from hybrid_tamp.symbolic.decoder import UndecodableError, decode
-from hybrid_tamp.symbolic.apart.groups import Group, goal_groups, helpers, least_helpers, most_helpers
 from hybrid_tamp.symbolic.operators import PlannedAction
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 from hybrid_tamp.symbolic.search import Candidate, Search
-from hybrid_tamp.symbolic.apart.templates import Templates
 
 APART = "goals planned apart"
 

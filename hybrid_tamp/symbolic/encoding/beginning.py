@@ -5,9 +5,9 @@ from itertools import combinations
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.symbolic.encoding.action_builder import ActionBuilder
+from hybrid_tamp.symbolic.encoding.passing import Meaning, Passing
 from hybrid_tamp.symbolic.naming import legal
 from hybrid_tamp.symbolic.operators import Operator
-from hybrid_tamp.symbolic.encoding.passing import Meaning, Passing
 from hybrid_tamp.symbolic.vocabulary import leaving
 
 
