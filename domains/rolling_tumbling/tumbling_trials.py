@@ -8,22 +8,29 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import quaternion_from_rpy
+from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_from_rpy, rotate
 from hybrid_tamp.physics.backend import CONTROL_PERIOD, Backend
 
 from ..common.classes import StaticEndEffector
-from ..common.servos import damping
+from ..common.servos import STIFFNESS, damping
 from . import DOMAIN
 from .classes import Tumblable
 from .faces import flat
 from .metrics import tumble_measures
-from .tumbling_geometry import half_extent, tilt
+from .tumbling_geometry import balance, edge_axis, edge_position, half_extent, normal, tilt
 
-HANDS = ((-0.5, 0.0, 0.55), (0.5, 0.0, 0.55), (-0.85, 0.0, 0.12), (0.95, 0.0, 0.12))
+HANDS = ((-0.5, 0.0, 0.55), (0.5, 0.0, 0.55), (-0.5, 0.0, 0.1), (0.6, 0.0, 0.8))
 """Where hands wait [m]: each on its side, clear of the ways of the others."""
 _ROW = 1.0
-_PUSH_SPEED = 0.1
 _PUSH_HEIGHT = 0.9
+"""Where the forced push is, as a share of the box's height."""
+_PUSH_GAP = 0.005
+_PUSH_RATE = 0.05
+"""How fast its lead grows [rad/s]."""
+_PUSH_LEAD = 0.3
+"""How far the hand's place is ahead of the box at most [rad]."""
+_PUSH_BRAKE = 3.0
+"""How much more than usual the hand is damped, so that the box is not thrown."""
 
 
 def random_box(rng: np.random.Generator, name: str) -> Token:
@@ -63,7 +70,8 @@ def random_tumbling(seed: int, hands: int = 2, boxes: int = 1, onto: str = "righ
         given[end.name, "orientation"] = quaternion_from_rpy(np.array([np.pi / 2, 0.0, 0.0]))
     tokens = (*ends, *things)
     goal = tuple(Atom("posture", (thing.name, flat(onto))) for thing in things)
-    return Task(f"tumble_{seed}", DOMAIN, tokens, State.of(tokens, given), goal, seed=seed)
+    objective = "makespan" if boxes > 1 else "length"  # several boxes at once
+    return Task(f"tumble_{seed}", DOMAIN, tokens, State.of(tokens, given), goal, seed=seed, objective=objective)
 
 
 def _hand(number: int) -> Token:
@@ -81,28 +89,33 @@ def _hand(number: int) -> Token:
 def forced_push(task: Task, backend: Backend, seconds: float = 12.0) -> dict[str, float]:
     """Push a box over with the task's first hand, which no plan would do, and return the measures of its fall.
 
-    The hand starts at the left face, high up, and moves right at a steady speed with bounded force. Beyond the balance
-    nothing holds the box: it drops onto its right face; one that stands on too smooth a floor slides instead.
+    The hand starts at the left face, high up, and pushes along the arc on which the box turns over its right edge, so
+    that its friction lifts the box rather than holds it down. Beyond the balance nothing holds the box: it drops onto
+    its right face; a low one that stands on too smooth a floor slides instead.
     """
     hand, thing = task.tokens[0], next(token for token in task.tokens if token.is_member(Tumblable))
-    centre, away = task.state[thing, "position"], half_extent(thing, "right") + hand["radius"] + 0.01
-    height = 2.0 * half_extent(thing, "top") * _PUSH_HEIGHT
-    start = np.array([centre[0] - away, centre[1], height])
+    normal_before = normal(task.state, thing, "left")
+    side = half_extent(thing, "left") + hand["radius"] + _PUSH_GAP
+    height = (2.0 * _PUSH_HEIGHT - 1.0) * half_extent(thing, "top")
+    start = task.state[thing, "position"] + normal_before * side + np.array([0.0, 0.0, height])
     state = backend.reset(task, task.state.replace({(hand.name, "position"): start}))
+    arm = start - edge_position(state, thing, "bottom", "right")
     rows = [state.values]
     for step in range(round(seconds / CONTROL_PERIOD)):
-        # Once the box is past the balance the hand follows no further.
-        pushing = float(tilt(state, thing, "bottom", "right")) < np.arctan2(*thing["half_extents"][::2])
-        state = backend.step(_push(hand, state, start, step * CONTROL_PERIOD, pushing))
+        state = backend.step(_push(hand, thing, state, arm, step * CONTROL_PERIOD))
         rows.append(state.values)
     run = State(task.state.layout, np.array(rows))
     return dict(tumble_measures(run, thing, "bottom", "right", CONTROL_PERIOD))
 
 
-def _push(hand: Token, state: State, start: FloatArray, elapsed: float, pushing: bool) -> Commands:
-    """Return the force of a hand that goes right at a steady speed, and follows the box's face up and down freely."""
-    gap = np.zeros(3) if not pushing else start + np.array([_PUSH_SPEED * elapsed, 0.0, 0.0]) - state[hand, "position"]
-    velocity = np.array([_PUSH_SPEED if pushing else 0.0, 0.0, 0.0])
-    force = 8000.0 * gap + damping(hand["mass"]) * (velocity - state[hand, "velocity"])
+def _push(hand: Token, thing: Token, state: State, arm: FloatArray, elapsed: float) -> Commands:
+    """Return the force of a hand that is led along the arc ahead of the box, but only up to the balance."""
+    angle = tilt(state, thing, "bottom", "right")
+    force = -damping(hand["mass"]) * state[hand, "velocity"]
+    if float(angle) < balance(thing, "bottom", "right"):
+        lead = min(_PUSH_LEAD, _PUSH_RATE * elapsed)
+        turn = quaternion_from_axis_angle(edge_axis(state, thing, "bottom", "right"), angle + lead)
+        place = edge_position(state, thing, "bottom", "right") + rotate(turn, arm)
+        force = STIFFNESS * (place - state[hand, "position"]) + _PUSH_BRAKE * force
     norm = float(np.linalg.norm(force))
     return {(hand.name, "force"): force * min(1.0, hand["maximal_force"] / max(norm, 1e-9))}
