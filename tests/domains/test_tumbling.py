@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Tumblable
 from hybrid_tamp_domains.rolling_tumbling.faces import (
     EDGES,
@@ -20,7 +21,6 @@ from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import edge_axis, lowest_point, nominal_tilt
 from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import POSTURE, TUMBLING_PREDICATES
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import forced_push, random_tumbling
-from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from pydantic import ValidationError
 
 from hybrid_tamp.model.block import Block

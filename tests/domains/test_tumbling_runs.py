@@ -1,0 +1,54 @@
+"""Tumbling in PyBullet: one run of each kind, judged by law, measures and contacts; campaigns are in scripts/trials."""
+
+import numpy as np
+import pytest
+from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
+from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
+from hybrid_tamp_domains.rolling_tumbling.turning import arrival
+
+from hybrid_tamp import pipeline
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
+from hybrid_tamp.physics.backend import open_backend
+from hybrid_tamp.physics.execution import execute
+from hybrid_tamp.report.measures import CONTACT, MEASURED, PLANNED, run_measures
+
+
+def measured(seed: int, hands: int) -> dict[str, float]:
+    """Plan and run a random task and return all measures; the run is lawful and every tumble is controlled."""
+    task = random_tumbling(seed, hands=hands)
+    plan = pipeline.plan(task).required()
+    with open_backend("pybullet") as physics:
+        recording = execute(task, plan, physics)
+    assert recording.success
+    assert not check_law(task, recording.plan, recording.at)
+    assert task.domain.metrics is not None
+    found = dict(task.domain.metrics(task, recording))
+    for name, (low, high) in CONTROLLED.items():
+        [value] = [value for key, value in found.items() if key.endswith(name)]
+        assert low <= value <= high, name
+    return found | dict(run_measures(plan, recording))
+
+
+def test_four_hands_are_a_fifth_faster_than_two_and_leave_the_box_in_peace() -> None:
+    two, four = measured(0, 2), measured(0, 4)
+    for duration in (PLANNED, MEASURED):
+        assert four[duration] < 0.8 * two[duration]
+    for run in (two, four):
+        assert run[CONTACT] < 5.0
+        assert run[PLANNED] == pytest.approx(run[MEASURED], rel=0.1)
+
+
+def test_a_box_whose_edge_slides_is_tipped_all_the_same() -> None:
+    """Seed 25: friction .4 and nearly a cube; its edge slides by 3 cm, and the hands have to turn further."""
+    assert measured(25, 2)[CONTACT] < 5.0
+
+
+def test_estimates_end_where_exit_conditions_hold() -> None:
+    amount, duration, near, slow = 0.5, 1.4, 0.06, 0.02
+    end = float(arrival(amount, duration, near, slow))
+    for time, holds in ((end - 0.01, False), (end + 0.01, True)):
+        left = amount * (1.0 - minimum_jerk(time / duration))
+        speed = amount * minimum_jerk_rate(time / duration) / duration
+        assert bool(left <= near and speed <= slow) == holds
+    assert np.allclose(arrival(np.array([0.1, 0.5]), duration, near, slow)[1], end)
