@@ -47,6 +47,13 @@ ObjectiveOption = Annotated[Objective | None, typer.Option("--objective", help="
 ForceOption = Annotated[bool, typer.Option("--force", help="replace another run in the output folder")]
 
 
+class Encoding(str, Enum):
+    """How blocks become planning actions."""
+
+    classical = "classical"
+    temporal = "temporal"
+
+
 class Document(str, Enum):
     """Documents whose JSON Schema can be printed."""
 
@@ -133,14 +140,20 @@ def pddl(
     as_json: JsonOption = False,
     domain: DomainOption = None,
     force: ForceOption = False,
+    encoding: Annotated[
+        Encoding, typer.Option("--encoding", help="slot by slot without time, or one durative action a block")
+    ] = Encoding.classical,
+    solve: Annotated[bool, typer.Option("--solve", help="plan the task, too, and write plan.pddl")] = False,
 ) -> None:
     """Write the task as PDDL that any planner reads."""
     loaded = _load(task, domain)
     from hybrid_tamp import pipeline
     from hybrid_tamp.report.folder import RunFolder
 
-    files = [str(path) for path in pipeline.export(loaded, RunFolder.create(output, force=force))]
-    document = {"schema": "hybrid-tamp/pddl/1", "task": loaded.name, "files": files}
+    folder = RunFolder.create(output, force=force)
+    plan = pipeline.plan(loaded).required() if solve else None
+    files = [str(path) for path in pipeline.export(loaded, folder, plan, encoding.value)]
+    document = {"schema": "hybrid-tamp/pddl/1", "task": loaded.name, "encoding": encoding.value, "files": files}
     say(document, as_json, lambda: "\n".join(files))
 
 

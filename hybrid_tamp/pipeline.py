@@ -126,15 +126,45 @@ def _outcome(task: Task, planned: Planned) -> PlanOutcome:
     return PlanOutcome(task, document, None, NoPlan(message, proven=proven, kind=planned.status))
 
 
-def export(task: Task, folder: RunFolder, actions: tuple[str, ...] | None = None) -> list[Path]:
-    """Write the PDDL of a task, and of its plan where given, for other planners."""
+def export(
+    task: Task,
+    folder: RunFolder,
+    plan: TaskPlan | None = None,
+    encoding: Literal["classical", "temporal"] = "classical",
+) -> list[Path]:
+    """Write the PDDL of a task, and of its plan where given, for other planners.
+
+    Args:
+        task: the task.
+        folder: where the files go.
+        plan: a plan of it, whatever encoding it was found in.
+        encoding: slot by slot without time, or one durative action a block.
+    """
+    if encoding == "temporal":
+        return _export_temporal(task, folder, plan)
     problem = compile_task(task).problem
     files = [
         folder.write_text("domain.pddl", domain_text(problem.domain)),
         folder.write_text("problem.pddl", problem_text(problem)),
     ]
-    if actions is not None:
-        files.append(folder.write_text("plan.pddl", "".join(f"{line}\n" for line in actions)))
+    if plan is not None:
+        files.append(folder.write_text("plan.pddl", "".join(f"{line}\n" for line in plan.actions)))
+    return files
+
+
+def _export_temporal(task: Task, folder: RunFolder, plan: TaskPlan | None) -> list[Path]:
+    from hybrid_tamp.symbolic.temporal.compilation import compile_durative
+    from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
+    from hybrid_tamp.symbolic.temporal.text import temporal_domain_text, temporal_plan_text, temporal_problem_text
+
+    compilation = compile_durative(task)
+    problem, actions = (compilation.problem, ()) if plan is None else reencode_durative(compilation, plan)
+    files = [
+        folder.write_text("domain.pddl", temporal_domain_text(problem.domain)),
+        folder.write_text("problem.pddl", temporal_problem_text(problem)),
+    ]
+    if plan is not None:
+        files.append(folder.write_text("plan.pddl", temporal_plan_text(actions)))
     return files
 
 
@@ -144,7 +174,7 @@ def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
     if outcome.task.source is not None:
         folder.write_text("task.yaml", outcome.task.source.read_text(encoding="utf-8"))
     folder.write_json("plan.json", outcome.document.dump())
-    export(outcome.task, folder, outcome.plan.actions if outcome.plan else None)
+    export(outcome.task, folder, outcome.plan)
 
 
 def run(

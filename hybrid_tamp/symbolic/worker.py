@@ -25,6 +25,8 @@ from typing import Any, BinaryIO, NoReturn
 from hybrid_tamp.symbolic.operators import Operator, PlanningDomain, PlanningProblem
 from hybrid_tamp.symbolic.processes import adopt_orphans, kill_descendants
 from hybrid_tamp.symbolic.solving import Solver
+from hybrid_tamp.symbolic.temporal.problem import decoded, decoded_steps
+from hybrid_tamp.symbolic.temporal.unified import arranged
 
 REQUEST = "request.json"
 REPLY = "reply.json"
@@ -46,7 +48,7 @@ def main(directory: Path, descriptor: int) -> None:
         asked.wait()
         request = json.loads((directory / REQUEST).read_text(encoding="utf-8"))
         _bound_java(request["memory"])
-        _write(directory / REPLY, solver.reply(decoded_problem(request["problem"]), request["engine"]))
+        _write(directory / REPLY, _reply(solver, request))
     except Exception:  # noqa: BLE001 the outermost boundary: engines raise anything, and the log shows it
         traceback.print_exc()
         sys.stderr.flush()
@@ -54,6 +56,14 @@ def main(directory: Path, descriptor: int) -> None:
     with suppress(BrokenPipeError):
         os.write(descriptor, b"!")
     follower.join()
+
+
+def _reply(solver: Solver, request: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the reply to a request: a problem to solve, or the steps of a temporal one to arrange."""
+    if "steps" not in request:
+        return solver.reply(decoded_problem(request["problem"]), request["engine"])
+    problem, steps = decoded(request["problem"]), decoded_steps(request["steps"])
+    return arranged(problem, steps, request["unit"], request["seconds"])
 
 
 def decoded_problem(data: Mapping[str, Any]) -> PlanningProblem:

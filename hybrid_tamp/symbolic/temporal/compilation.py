@@ -1,0 +1,171 @@
+"""A task as a ground temporal problem: objects, facts read off its continuous state, durations, the goal."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import permutations, product
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.facts import facts, static_facts
+from hybrid_tamp.model.predicate import Atom, Predicate, name_of
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.naming import Naming, legal
+from hybrid_tamp.symbolic.operators import Fact
+from hybrid_tamp.symbolic.temporal.encoder import TemporalEncoding, encode_durative
+from hybrid_tamp.symbolic.temporal.grounding import Run, reachable
+from hybrid_tamp.symbolic.temporal.problem import TemporalProblem, Value
+from hybrid_tamp.symbolic.temporal.words import NOBODY
+from hybrid_tamp.symbolic.vocabulary import opposite
+
+
+@dataclass(frozen=True, eq=False)
+class TemporalCompilation:
+    """A task compiled to durative actions, with the way back to the user's names.
+
+    Attributes:
+        task: the task.
+        encoding: its domain, encoded.
+        tokens: names of its tokens.
+        reached: the runs that can happen.
+        problem: the temporal problem.
+    """
+
+    task: Task
+    encoding: TemporalEncoding
+    tokens: Naming
+    reached: tuple[Run, ...]
+    problem: TemporalProblem
+
+    def name(self, user: str) -> str:
+        """Return the PDDL name of a token or symbol."""
+        return self.tokens.pddl(user) if user in self.task.token_by_name else self.encoding.vocabulary.word(user)
+
+    def user(self, pddl: str) -> str:
+        """Return the user's name of a PDDL object that names a token or symbol."""
+        return self.tokens.user(pddl) if self.tokens.knows(pddl) else self.encoding.vocabulary.names.user(pddl)
+
+    @cached_property
+    def runs(self) -> dict[str, list[Run]]:
+        """The runs of each block."""
+        found: dict[str, list[Run]] = {}
+        for run in self.reached:
+            found.setdefault(run.block, []).append(run)
+        return found
+
+
+def compile_durative(task: Task) -> TemporalCompilation:
+    """Compile a task to durative actions.
+
+    Raises:
+        InputError: the goal denies a predicate that changes.
+    """
+    encoding = encode_durative(task.domain)
+    fluents = {fluent.name for fluent in encoding.planning.fluents}
+    taken = encoding.vocabulary.names.all | encoding.names.all | fluents
+    tokens = Naming((token.name for token in task.tokens), taken)
+    runs = reachable(task)
+    writer = _Writer(task, encoding, tokens, runs)
+    ordered = sorted(task.tokens, key=lambda token: token.name)
+    problem = TemporalProblem(
+        name=legal(task.name),
+        domain=encoding.planning,
+        objects=tuple((tokens.pddl(token.name), encoding.vocabulary.token_type(token)) for token in ordered),
+        init=tuple(sorted(set(writer.init()), key=str)),
+        goal=tuple(sorted(set(writer.goal()), key=str)),
+        comments=tokens.changed,
+    )
+    return TemporalCompilation(task, encoding, tokens, runs, problem)
+
+
+class _Writer:
+    def __init__(self, task: Task, encoding: TemporalEncoding, tokens: Naming, runs: tuple[Run, ...]) -> None:
+        self.task = task
+        self.vocabulary, self.words = encoding.vocabulary, encoding.names
+        self.used = {fluent.name: fluent for fluent in encoding.planning.fluents}
+        self.tokens = tokens
+        self.runs = runs
+
+    def name(self, user: str) -> str:
+        return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.word(user)
+
+    def stated(self, atom: Atom) -> tuple[Fact, Value]:
+        """Return an atom as a fluent and its value."""
+        predicate, word = self.task.domain.predicate_by_name[atom.predicate], self.vocabulary.word(atom.predicate)
+        arguments = tuple(map(self.name, atom.arguments))
+        return ((word, *arguments), True) if predicate.static else self.words.stated(predicate, word, arguments)
+
+    def goal(self) -> Iterator[tuple[Fact, Value]]:
+        """Yield the user's goal, and that every bounded block has ended."""
+        for atom in self.task.goal:
+            if not atom.positive:
+                raise InputError([Issue("goal", f"'{atom}': a goal says what holds", remedy="ask for its opposite")])
+            yield self.stated(atom)
+        for token in self.task.assigned:
+            bounded = [s for b in self.task.domain.blocks if not b.hold for s in b.slots]
+            if any(token.is_member(slot.object_class) for slot in bounded):
+                yield (self.words("completed"), self.tokens.pddl(token.name)), True
+
+    def init(self) -> Iterator[tuple[Fact, Value]]:
+        """Yield the initial values of the fluents that the domain has."""
+        static, changing = static_facts(self.task), facts(self.task)
+        yield from map(self.stated, static | changing)
+        yield from self._nothing(changing)
+        yield from ((fact, True) for fact in self._guards())
+        yield from ((fact, True) for fact in self._denials(static))
+        yield from ((fact, value) for fact, value in self._assignment() if fact[0] in self.used)
+        lasts: dict[tuple[str, ...], float] = {}
+        for run in self.runs:
+            words = (self.words(f"lasts {run.block}"), *(self.name(value) for _, value in run.roles))
+            lasts[words] = min(run.seconds, lasts.get(words, run.seconds))
+        yield from ((words, round(1e3 * seconds)) for words, seconds in lasts.items())
+
+    def _guards(self) -> Iterator[Fact]:
+        for token in self.task.tokens:
+            for member in token.classes:
+                if member is not TOKEN:
+                    yield from self.vocabulary.guard(self.tokens.pddl(token.name), member)
+
+    def _nothing(self, changing: frozenset[Atom]) -> Iterator[tuple[Fact, Value]]:
+        """What has no value has the value 'none'."""
+        for predicate in self.task.domain.predicates:
+            key = self.words.key(predicate)
+            if predicate.static or len(key) == len(predicate.parameters):
+                continue
+            word = self.vocabulary.word(predicate.name)
+            valued = {tuple(a.arguments[i] for i in key) for a in changing if a.predicate == predicate.name}
+            kept = [self.task.values_of(predicate.parameters[i].sort) for i in key]
+            for values in product(*([self.task.assigned] if predicate.maintained else kept)):
+                names = tuple(map(name_of, values))
+                if names not in valued:
+                    yield (word, *map(self.name, names)), self.words.none(predicate)
+
+    def _denials(self, static: frozenset[Atom]) -> Iterator[Fact]:
+        for predicate in self.vocabulary.denied:
+            for values in self._tuples(predicate):
+                if Atom(predicate.name, values) not in static:
+                    yield (self.vocabulary.word(opposite(predicate)), *map(self.name, values))
+
+    def _tuples(self, predicate: Predicate) -> Iterator[tuple[str, ...]]:
+        for values in product(*(self.task.values_of(parameter.sort) for parameter in predicate.parameters)):
+            yield tuple(map(name_of, values))
+
+    def _assignment(self) -> Iterator[tuple[Fact, Value]]:
+        nobody = self.words(NOBODY)
+        for (old, before), (new, slot) in self.task.domain.network.edges:
+            blocks = self.task.domain.block_by_name
+            yield (self.words("passes"), self.words.slot(blocks[old], before), self.words.slot(blocks[new], slot)), True
+        for token in self.task.assigned:
+            name = self.tokens.pddl(token.name)
+            block = self.task.domain.block_by_name[self.task.assignment.get(token.name, self.task.domain.resting)]
+            yield (self.words("place"), name), (self.words.slot(block, block.anchor),)
+            yield (self.words("partner"), name), (nobody,)
+            yield (self.words("completed"), name), True
+            for number in range(self.words.locks):
+                yield (self.words.reads(number), name), (nobody,)
+        for name in (nobody, *(self.tokens.pddl(token.name) for token in self.task.assigned)):
+            yield (self.words("let-go"), name), True
+            yield (self.words("crew"), name), 0
+            yield (self.words("readers"), name), 0
+        names = [self.tokens.pddl(token.name) for token in self.task.tokens]
+        yield from ((("distinct", one, other), True) for one, other in permutations(names, 2))

@@ -1,0 +1,160 @@
+"""A timeline as durative actions, so that any task plan, wherever it came from, can be judged by validators.
+
+Reassignments are instants, and an action's conditions must hold before its own instant: so the actions are put a
+little apart, each by a hundredth of a second more than the one before. What a timeline does not show (where a token
+came from, old values) is found by following the fluents.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
+from hybrid_tamp.symbolic.operators import Fact, ground
+from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation
+from hybrid_tamp.symbolic.temporal.problem import DurativeAction, TemporalProblem, TimedAction, Value
+from hybrid_tamp.symbolic.temporal.sketch import actions_of
+from hybrid_tamp.symbolic.temporal.text import named
+
+_APART = 1e-2
+"""Between two actions of one instant [s]."""
+_UNKNOWN = "unknown"
+"""Stands for what no fluent tells, in a timeline that is unlawful."""
+
+
+def reencode_durative(
+    compilation: TemporalCompilation, plan: TaskPlan
+) -> tuple[TemporalProblem, tuple[TimedAction, ...]]:
+    """Return the problem, in which runs last as long as they do in the plan, and the plan's actions in its terms."""
+    problem = _lasting(compilation, plan)
+    return problem, tuple(_Following(compilation, problem, plan).actions())
+
+
+def _lasting(compilation: TemporalCompilation, plan: TaskPlan) -> TemporalProblem:
+    """Return the problem with the plan's own durations; where a run has several, with the shortest: it may hold."""
+    lasts: dict[Fact, int] = {}
+    for instance, action in actions_of(compilation, plan):
+        block = compilation.task.domain.block_by_name[instance.block]
+        fact = (_duration(compilation, action), *(compilation.name(instance.roles[role]) for role in block.roles))
+        end = instance.end if instance.reached is None else min(instance.reached, instance.end)
+        seconds = round(1e3 * (end - instance.start))
+        lasts[fact] = min(seconds, lasts.get(fact, seconds))
+    kept = [(fact, value) for fact, value in compilation.problem.init if fact not in lasts]
+    return replace(compilation.problem, init=tuple(sorted([*kept, *lasts.items()], key=str)))
+
+
+def _duration(compilation: TemporalCompilation, action: str) -> str:
+    return next(a.duration[0] for a in compilation.problem.domain.actions if a.name == action)
+
+
+@dataclass
+class _Begun:
+    """An action that has begun: what is bound of it, and when it ends [s]."""
+
+    action: DurativeAction
+    binding: dict[str, str]
+    start: float
+    end: float
+
+
+class _Following:
+    """Follows the fluents through a timeline."""
+
+    def __init__(self, compilation: TemporalCompilation, problem: TemporalProblem, plan: TaskPlan) -> None:
+        self.compilation = compilation
+        self.plan = plan
+        self.templates = {action.name: action for action in named(problem.domain).actions}
+        self.values: dict[Fact, Value] = dict(problem.init)
+        self.running: list[_Begun] = []
+
+    def actions(self) -> Iterator[TimedAction]:
+        """Yield the actions in the order of their times."""
+        begun = []
+        for number, (instance, name) in enumerate(self._ordered(), 1):
+            start = instance.start + number * _APART
+            self._finish(start)
+            begun.append(self._begin(instance, name, start))
+            self.running.append(begun[-1])
+        self._finish(float("inf"))
+        for each in begun:
+            arguments = tuple(each.binding.get(name, _UNKNOWN) for name, _ in each.action.parameters)
+            yield TimedAction(round(each.start, 6), each.action.name, arguments, round(each.end - each.start, 6))
+
+    def _begin(self, instance: BlockInstance, name: str, start: float) -> _Begun:
+        action, running = self.templates[name], self.compilation.encoding.running[name]
+        order = [parameter for parameter, _ in action.parameters]
+        binding = {
+            order[index]: self.compilation.name(instance.roles[role])
+            for role, index in running.roles.items()
+            if role in instance.roles
+        }
+        self._bind(action, binding, ("start", "throughout"))
+        self._apply(action, binding, "start")
+        lasts = self.values.get(ground(action.duration, binding), 0)
+        assert isinstance(lasts, int)
+        return _Begun(action, binding, start, start + lasts / 1e3)
+
+    def _finish(self, time: float) -> None:
+        """Let the actions end that do so before a time."""
+        for each in sorted(self.running, key=lambda each: each.end):
+            if each.end < time:
+                self._bind(each.action, each.binding, ("end",))
+                self._apply(each.action, each.binding, "end")
+                self.running.remove(each)
+
+    def _bind(self, action: DurativeAction, binding: dict[str, str], times: Sequence[str]) -> None:
+        """Bind what the values of fluents tell."""
+        for condition in action.conditions:
+            value = self.values.get(ground(condition.fact, binding))
+            if condition.when in times and isinstance(condition.value, tuple) and isinstance(value, tuple):
+                for variable, found in zip(condition.value, value, strict=True):
+                    if variable.startswith("?"):
+                        binding.setdefault(variable, found)
+
+    def _apply(self, action: DurativeAction, binding: Mapping[str, str], time: str) -> None:
+        for effect in action.effects:
+            if effect.when == time:
+                fact, value = ground(effect.fact, binding), effect.value
+                if effect.add:
+                    self.values[fact] = int(self.values.get(fact, 0)) + value  # type: ignore[arg-type, operator]
+                else:
+                    self.values[fact] = ground(("", *value), binding)[1:] if isinstance(value, tuple) else value
+
+    # -- order --------------------------------------------------------------------------------------------------
+
+    def _ordered(self) -> Iterator[tuple[BlockInstance, str]]:
+        """Yield the instances by their instants; of one instant, who leaves off reading before who changes.
+
+        Those that take tokens out of one instance stay together, the one that takes the anchor first.
+        """
+        everything = list(actions_of(self.compilation, self.plan))
+        for time in self.plan.instants:
+            waiting = [pair for pair in everything if at(pair[0].start, time)]
+            groups = self._groups(waiting)
+            yield from (pair for group in sorted(groups, key=self._changes) for pair in group)
+
+    def _groups(self, waiting: list[tuple[BlockInstance, str]]) -> list[list[tuple[BlockInstance, str]]]:
+        groups: list[tuple[set[str], list[tuple[BlockInstance, str]]]] = []
+        for pair in waiting:
+            sources = {pair[0].name, *(b.name for t in pair[0].slots.values() if (b := self._before(pair[0], t)))}
+            joined = [group for group in groups if group[0] & sources]
+            groups = [group for group in groups if group not in joined]
+            members = [member for _, group in joined for member in group]
+            groups.append((sources.union(*(names for names, _ in joined)), [*members, pair]))
+        return [sorted(group, key=self._takes_anchor, reverse=True) for _, group in groups]
+
+    def _before(self, instance: BlockInstance, token: str) -> BlockInstance | None:
+        timeline = [other for other, _ in self.plan.timeline(token)]
+        index = timeline.index(instance)
+        return timeline[index - 1] if index else None
+
+    def _takes_anchor(self, pair: tuple[BlockInstance, str]) -> bool:
+        """Say whether an instance takes an anchor out of an instance with several slots."""
+        blocks = self.compilation.task.domain.block_by_name
+        before = [(b, token) for token in pair[0].slots.values() if (b := self._before(pair[0], token))]
+        return any(len(b.slots) > 1 and b.slots[blocks[b.block].anchor] == token for b, token in before)
+
+    def _changes(self, group: list[tuple[BlockInstance, str]]) -> bool:
+        """Say whether a group has a block that others must not read meanwhile."""
+        readers = self.compilation.encoding.names("readers")
+        actions = [self.templates[name] for _, name in group]
+        return any(c.fact[0] == readers for action in actions for c in action.conditions)

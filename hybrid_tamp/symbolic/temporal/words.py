@@ -1,0 +1,80 @@
+"""The temporal encoder's own words: fluents, slots as constants, what stands for nothing; and predicates as fluents."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.predicate import Predicate
+from hybrid_tamp.symbolic.encoding.conditions import Conditions
+from hybrid_tamp.symbolic.naming import Naming
+from hybrid_tamp.symbolic.operators import Fact
+from hybrid_tamp.symbolic.temporal.problem import Value
+from hybrid_tamp.symbolic.vocabulary import Vocabulary, keeper, no_value
+
+NOBODY = "nobody"
+
+
+@dataclass(frozen=True, eq=False)
+class Words:
+    """The encoder's own words: fluents, slots as constants, and what values there are for nothing."""
+
+    vocabulary: Vocabulary
+
+    @cached_property
+    def _names(self) -> Naming:
+        domain = self.vocabulary.domain
+        words = [NOBODY, "slot", "place", "passes", "partner", "let-go", "crew", "readers", "completed"]
+        words += [f"reads {number}" for number in range(self.locks)]
+        words += [f"{block.name} {slot.name}" for block in domain.blocks for slot in block.slots]
+        words += [f"lasts {block.name}" for block in domain.blocks]
+        words += [f"no {q.name} of {p.name}" for p in domain.predicates if p.maintained for q in p.parameters]
+        return Naming(words, taken=self.vocabulary.names.all | {"distinct"})
+
+    def __call__(self, word: str) -> str:
+        """Return the PDDL name of one of the encoder's words."""
+        return self._names.pddl(word)
+
+    def reads(self, number: int) -> str:
+        """Return the fluent that says what a token's instance reads, of its targets that others may change."""
+        return self(f"reads {number}")
+
+    @property
+    def all(self) -> frozenset[str]:
+        """All PDDL names given."""
+        return self._names.all
+
+    def slot(self, block: Block, slot: str) -> str:
+        """Return the constant for a slot."""
+        return self(f"{block.name} {slot}")
+
+    @cached_property
+    def locks(self) -> int:
+        """How many targets a block has, at most, that other blocks may change."""
+        domain, conditions = self.vocabulary.domain, Conditions(self.vocabulary)
+        return max((len(conditions.locked(block)) for block in domain.blocks), default=0)
+
+    def key(self, predicate: Predicate) -> tuple[int, ...]:
+        """Return the indices of the arguments of which a predicate is a fluent; all, if it is true or is not."""
+        everything = tuple(range(len(predicate.parameters)))
+        if predicate.maintained:
+            kept = {
+                literal.arguments.index(keeper(block, literal.arguments))
+                for block in self.vocabulary.domain.blocks
+                for literal in block.exit
+                if literal.predicate is predicate and literal.positive
+            }
+            return tuple(kept) if len(kept) == 1 else everything
+        return tuple(i for i in everything if i != predicate.functional_index)
+
+    def none(self, predicate: Predicate) -> tuple[str, ...]:
+        """Return the value that says that a predicate has no value."""
+        if not predicate.maintained:
+            return (self.vocabulary.word(no_value(predicate)),)
+        rest = [q for i, q in enumerate(predicate.parameters) if i not in self.key(predicate)]
+        return tuple(self(f"no {parameter.name} of {predicate.name}") for parameter in rest)
+
+    def stated(self, predicate: Predicate, name: str, arguments: tuple[str, ...]) -> tuple[Fact, Value]:
+        """Return a predicate's atom as a fluent with its value."""
+        key = self.key(predicate)
+        values = tuple(a for i, a in enumerate(arguments) if i not in key)
+        return (name, *(arguments[i] for i in key)), values or True
