@@ -7,6 +7,8 @@ from pathlib import Path
 
 from hybrid_tamp.symbolic.operators import PlannedAction, PlanningProblem
 from hybrid_tamp.symbolic.pddl import domain_text, problem_text
+from hybrid_tamp.symbolic.temporal.problem import TemporalProblem, TimedAction
+from hybrid_tamp.symbolic.temporal.text import temporal_domain_text, temporal_plan_text, temporal_problem_text
 
 
 def val_accepts(folder: Path, problem: PlanningProblem, actions: Sequence[PlannedAction]) -> bool:
@@ -14,6 +16,14 @@ def val_accepts(folder: Path, problem: PlanningProblem, actions: Sequence[Planne
     (folder / "domain.pddl").write_text(domain_text(problem.domain))
     (folder / "problem.pddl").write_text(problem_text(problem))
     (folder / "plan.pddl").write_text("".join(f"({' '.join(action)})\n" for action in actions))
+    return val_accepts_files(folder)
+
+
+def val_accepts_temporal(folder: Path, problem: TemporalProblem, actions: Sequence[TimedAction]) -> bool:
+    """Say whether VAL accepts the temporal plan for the exported temporal problem."""
+    (folder / "domain.pddl").write_text(temporal_domain_text(problem.domain))
+    (folder / "problem.pddl").write_text(temporal_problem_text(problem))
+    (folder / "plan.pddl").write_text(temporal_plan_text(actions))
     return val_accepts_files(folder)
 
 

@@ -73,6 +73,16 @@ def test_pddl_is_written_for_other_planners_and_val_accepts_the_plan(command: Co
     assert val_accepts_files(tmp_path)
 
 
+@pytest.mark.parametrize("encoding", ["classical", "temporal"])
+def test_pddl_is_written_in_either_encoding_with_a_plan(command: Command, tmp_path: Path, encoding: str) -> None:
+    done = command("pddl", ROLL, "-o", tmp_path, "--encoding", encoding, "--solve", "--json")
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["encoding"] == encoding
+    assert (":durative-action" in (tmp_path / "domain.pddl").read_text()) == (encoding == "temporal")
+    assert val_accepts_files(tmp_path)
+    assert command("pddl", ROLL, "-o", tmp_path / "x", "--encoding", "spatial").returncode == 30
+
+
 def test_plan_writes_its_files(command: Command, tmp_path: Path) -> None:
     assert command("plan", ROLL, "-o", tmp_path / "p").returncode == 0
     assert val_accepts_files(tmp_path / "p")

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 from scenes import rolling_task
-from validation import val_accepts
+from validation import val_accepts, val_accepts_temporal
 
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
@@ -23,6 +23,8 @@ from hybrid_tamp.symbolic.planner import PlannerProcess
 from hybrid_tamp.symbolic.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.reencode import matched, reencode
 from hybrid_tamp.symbolic.schedule import schedule
+from hybrid_tamp.symbolic.temporal.compilation import compile_durative
+from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
 
 TASKS = {
     "one hand": rolling_task(),
@@ -120,6 +122,17 @@ def test_law_and_val_agree(name: str, seed: int, tmp_path: Path) -> None:
         lawful = not [v for v in check_law(task, mutant) if v.law != 6]
         accepted = val_accepts(tmp_path, compilation.problem, reencode(compilation, mutant))
         assert lawful == accepted, (check_law(task, mutant), reencode(compilation, mutant), mutant)
+
+
+@pytest.mark.parametrize("name", TASKS)
+@pytest.mark.parametrize("seed", range(4))
+def test_val_accepts_every_lawful_timeline_as_a_temporal_plan(name: str, seed: int, tmp_path: Path) -> None:
+    rng = random.Random(f"{name} {seed}")
+    actions = walk(compile_task(TASKS[name]), rng, 40)
+    task = with_goal(TASKS[name], actions)
+    plan = schedule(task, decode(compile_task(task), actions))
+    problem, timed = reencode_durative(compile_durative(task), plan)
+    assert val_accepts_temporal(tmp_path, problem, timed), timed
 
 
 @pytest.mark.parametrize("hands", [2, 4])

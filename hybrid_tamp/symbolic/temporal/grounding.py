@@ -55,7 +55,8 @@ class _Reaching:
     def __init__(self, task: Task) -> None:
         self.task = task
         start = _Cause(0.0, {})
-        self.atoms: dict[Atom, _Cause] = dict.fromkeys(static_facts(task) | facts(task), start)
+        # In an order that does not change from run to run: of causes that come equally soon the first counts.
+        self.atoms: dict[Atom, _Cause] = dict.fromkeys(sorted(static_facts(task) | facts(task)), start)
         self.places: dict[tuple[str, SlotName], _Cause] = {}
         self.known: dict[tuple[str, tuple[tuple[str, str], ...], SlotName], tuple[float, float, Estimate]] = {}
         for token in task.assigned:
