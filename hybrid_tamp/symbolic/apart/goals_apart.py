@@ -79,7 +79,7 @@ class GoalsApart:
         waves = None if demands is None else self._allocation.shares(demands)
         actions = None if waves is None else self._merged(waves)
         if actions is not None:
-            found = self._search.candidate(f"{APART}, {count} helpers each", actions)
+            found = self._search.candidate(f"{APART}, each with {count} tokens to help", actions)
             if found is not None:
                 yield found
 
