@@ -39,6 +39,8 @@ _LEAST = 3.0
 """With less time left Aries is not asked again [s]: its process alone takes one."""
 _LARGEST = 60
 """With more actions than this in a sketch Aries finds nothing in time."""
+_MOST_TOKENS = 10
+"""With more tokens in blocks than this the grounding takes all the time: 9 take some 5 s, 15 some 15 s."""
 
 
 class Durative:
@@ -64,6 +66,8 @@ class Durative:
             plan: a lawful plan.
             seconds: how long to try [s].
         """
+        if len(self.task.assigned) > _MOST_TOKENS:
+            return
         until, best = time.monotonic() + seconds, plan
         compilation = compile_durative(self.task)
         for level in range(4):
