@@ -6,7 +6,7 @@ effects: deletes (negative literals) before adds.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -79,6 +79,8 @@ class Hyperparameter:
         upper: upper bound [unit].
         guess: initial guess ``guess(binding, state)`` of shape ``(...)`` from the state at the block's beginning.
         description: one line.
+        within: ``within(binding)`` to bounds that follow from the tokens, e.g. from the length of a handle, or None;
+            they narrow the others.
     """
 
     name: str
@@ -87,10 +89,45 @@ class Hyperparameter:
     upper: float
     guess: Callable[[Binding, State], FloatArray]
     description: str = ""
+    within: Callable[[Binding], tuple[float, float]] | None = None
+
+    def bounds(self, binding: Binding) -> tuple[float, float]:
+        """Return the lower and the upper bound [unit] for these tokens."""
+        if self.within is None:
+            return self.lower, self.upper
+        low, high = self.within(binding)
+        return float(np.clip(low, self.lower, self.upper)), float(np.clip(high, self.lower, self.upper))
 
     def initial(self, binding: Binding, state: State) -> FloatArray:
         """Return the guess clipped to the bounds."""
-        return np.clip(self.guess(binding, state), self.lower, self.upper)
+        return np.clip(self.guess(binding, state), *self.bounds(binding))
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One term of a block's performance measure (paper, Secs. II-D and III-B): a figure and what it weighs.
+
+    Exactly one of `end`, `peak` and `rate` says how the figure comes about.
+
+    Attributes:
+        name: e.g. ``"contact"``.
+        unit: SI unit of the figure.
+        weight: what one `scale` of it adds to the value of a plan; negative for a cost. Tasks may change it.
+        scale: size of the figure that counts as one [unit].
+        end: ``end(binding, before, after, hyperparameters)`` from the states at the beginning and the end, ``(...)``.
+        peak: ``peak(binding, state)``, of which the largest value while the block ran counts, ``(...)``.
+        rate: ``rate(binding, state, commands)``, integrated over the time that the block ran, ``(...)`` [unit/s].
+        description: one line.
+    """
+
+    name: str
+    unit: str
+    weight: float
+    scale: float = 1.0
+    end: Callable[[Binding, State, State, Hyperparameters], FloatArray] | None = None
+    peak: Callable[[Binding, State], FloatArray] | None = None
+    rate: Callable[[Binding, State, Commands], FloatArray] | None = None
+    description: str = ""
 
 
 @dataclass(frozen=True)
@@ -137,7 +174,9 @@ class Block:
         hold: whether it goes on holding once its exit conditions hold.
         policy: maker of the feedback law, or None where no token has basic actions.
         system: the forward model.
-        performance: how good one execution was (higher is better), or None.
+        performance: how good one execution was: the weighted sum of these measures, maximised.
+        taught: ``taught(primitive)``: the block with another motor primitive (a `motion.dmp.DMP`) for its reference
+            trajectory, or None where it has none.
         outcome: estimate of where its tokens are in the end, for schedules, or None where they stay where they are.
         description: what it does, one line.
     """
@@ -155,7 +194,8 @@ class Block:
     hold: bool = False
     policy: PolicyMaker | None = None
     system: ContinuousSystem = _rest
-    performance: Callable[[Binding, State, State, Hyperparameters], FloatArray] | None = None
+    performance: tuple[Measure, ...] = ()
+    taught: Callable[[Any], "Block"] | None = None
     outcome: Outcome | None = None
     description: str = ""
 

@@ -1,7 +1,7 @@
 """A domain: classes, predicates, blocks and their network, as one value checked when it is made."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -83,3 +83,9 @@ class Domain:
     def resting_block(self) -> Block:
         """The block that takes whatever nothing manipulates; it has one slot."""
         return self.block_by_name[self.resting]
+
+    def with_blocks(self, blocks: Iterable[Block], predicates: Iterable[Predicate] = ()) -> "Domain":
+        """Return the domain with these blocks in place of those of the same names, and with further predicates."""
+        changed = {block.name: block for block in blocks}
+        mine = tuple(changed.get(block.name, block) for block in self.blocks)
+        return replace(self, blocks=mine, predicates=(*self.predicates, *predicates))

@@ -91,6 +91,18 @@ def _blocks(domain: "Domain") -> Iterator[Issue]:
         for h in block.hyperparameters:
             if not h.lower <= h.upper:
                 yield Issue(f"{block.name}.{h.name}", "lower bound <= upper bound", f"[{h.lower}, {h.upper}]")
+        yield from _measures(block)
+
+
+def _measures(block: Block) -> Iterator[Issue]:
+    names = [measure.name for measure in block.performance]
+    for name in sorted({name for name in names if names.count(name) > 1}):
+        yield Issue(f"{block.name}.{name}", "the measures of a block need different names")
+    for measure in block.performance:
+        if sum(how is not None for how in (measure.end, measure.peak, measure.rate)) != 1:
+            yield Issue(f"{block.name}.{measure.name}", "a measure has exactly one of 'end', 'peak' and 'rate'")
+        if not measure.scale > 0:
+            yield Issue(f"{block.name}.{measure.name}", "the scale of a measure is more than 0", str(measure.scale))
 
 
 def _ways(domain: "Domain", block: Block, slot: str) -> Iterator[Issue]:

@@ -31,6 +31,23 @@ class Limits:
     refinements: int = 3
 
 
+@dataclass(frozen=True)
+class MidLevel:
+    """How the hyperparameters of a plan are optimised (paper, Sec. II-D).
+
+    Attributes:
+        optimiser: ``cma`` (CMA-ES) or ``grid`` (direct sampling on a grid, as the paper did).
+        evaluations: budget of candidates that are rolled out.
+        seconds: budget of time [s].
+        refine: ``none``, or ``physics``: go on from the analytic optimum in the physics backend.
+    """
+
+    optimiser: str = "cma"
+    evaluations: int = 2000
+    seconds: float = 20.0
+    refine: str = "none"
+
+
 @dataclass(frozen=True, eq=False)
 class Task:
     """One problem of a domain.
@@ -47,6 +64,7 @@ class Task:
         limits: bounds on the work.
         seed: seed of everything random.
         objective: what a plan should be short in: ``length`` (actions) or ``makespan`` (time).
+        midlevel: how hyperparameters are optimised.
         source: the file that it came from, or None.
     """
 
@@ -61,6 +79,7 @@ class Task:
     limits: Limits = Limits()
     seed: int = 0
     objective: str = "length"
+    midlevel: MidLevel = MidLevel()
     source: Path | None = None
 
     @cached_property

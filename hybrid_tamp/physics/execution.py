@@ -16,6 +16,7 @@ import numpy as np
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.block import Commands
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
+from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
 from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
@@ -23,7 +24,6 @@ from hybrid_tamp.physics.backend import Backend
 from hybrid_tamp.physics.commands import CommandError, CommandLayout
 from hybrid_tamp.physics.events import Event, Observer
 from hybrid_tamp.physics.logbook import Logbook
-from hybrid_tamp.physics.reassignment import Reassignment, initial, reassignments
 from hybrid_tamp.physics.running import RunError, Running, entry_conditions, measure, shortfall
 
 Progress = Callable[[float, float], None]

@@ -3,7 +3,7 @@
 from typing import Any
 
 from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.physics.reassignment import initial, reassignments
+from hybrid_tamp.model.reassignment import initial, reassignments
 
 
 def two_movers(toys: Any, spots: tuple[str, str] = ("a", "b"), second: float = 0.1) -> Any:
