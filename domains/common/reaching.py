@@ -6,8 +6,6 @@ primitive learnt from a demonstrated reach (``reach.csv``) that lifts the hand, 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from importlib.resources import files
 from typing import cast
 
 import numpy as np
@@ -26,10 +24,10 @@ from hybrid_tamp.model.block import (
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.dmp import DMP
 
 from .classes import StaticEndEffector
 from .predicates import AT_REST
+from .primitives import demonstrated_reach
 from .servos import force_on, free_motion, position_servo
 
 LIFT = 0.36
@@ -53,14 +51,6 @@ class ReachGoal:
     position: Callable[[Binding, State], FloatArray]
     entry: tuple[Literal, ...]
     arrived: tuple[Literal, ...]
-
-
-@cache
-def demonstrated_reach() -> DMP:
-    """Return the primitive learnt from the demonstration that comes with the package."""
-    with files(__package__).joinpath("reach.csv").open(encoding="utf-8") as lines:
-        table = np.loadtxt(lines, delimiter=",", skiprows=1)
-    return DMP.imitate(table[:, 0], table[:, 1:], n_weights=20)
 
 
 def reaching(goal: ReachGoal, mode: str | None = None) -> Block:
