@@ -53,7 +53,7 @@ class Condition:
     @property
     def violation(self) -> FloatArray:
         """How far it is from holding, in units of its scale, shape ``(n,)``."""
-        return np.maximum(0.0, -self.margin) / self.scale
+        return np.asarray(np.maximum(0.0, -self.margin) / self.scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ class Rollout:
         """Return the weighted sum of one instance's own measures, shape ``(n,)``."""
         measures = task.domain.block_by_name[block].performance
         terms = [m.weight * self.figures[instance, m.name] / m.scale for m in measures]
-        return np.sum(terms, axis=0) + np.zeros(len(self.value))
+        return np.asarray(np.sum(terms, axis=0) + np.zeros(len(self.value)))
 
 
 class Rollouts:
@@ -174,7 +174,7 @@ class _Chain:
         read = {value for instance in event.starting for value in instance.targets.values()}
         # What a starting instance reads must have come to its exit where another one still holds it (law 5).
         ready += [self._exit_of(n) for n in self.running if n not in event.ending and self._changes(n, read)]
-        time = np.max([*ready, *before], axis=0)
+        time: IntArray = np.max([*ready, *before], axis=0)
         if event.final:
             time = np.maximum(time, self.last + round(_SETTLING / CONTROL_PERIOD))
         for name in event.ending:
@@ -202,14 +202,15 @@ class _Chain:
                 self.failed[name] = bad
                 self.broken |= bad
             self._place(simulation, stretch.after)
-        return running.begun + running.stretch.steps
+        return np.asarray(running.begun + running.stretch.steps)
 
     def _end(self, name: str, time: IntArray) -> None:
         running, simulation = self.running.pop(name), self.simulations[name]
         assert running.stretch is not None, "it has come to its exit before it ends"
         until = time - running.begun
         self._place(simulation, simulation.hold(running.start, running.chosen, running.stretch, until))
-        self.intervals[name] = (running.begun * CONTROL_PERIOD, time * CONTROL_PERIOD)
+        begun, ended = (np.asarray(steps * CONTROL_PERIOD, dtype=np.float64) for steps in (running.begun, time))
+        self.intervals[name] = (begun, ended)
 
     def _place(self, simulation: Simulation, rows: FloatArray) -> None:
         held = simulation.held

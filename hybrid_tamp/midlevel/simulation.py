@@ -104,13 +104,14 @@ class Simulation:
 
     def hold(self, start: FloatArray, chosen: Mapping[str, FloatArray], begun: Stretch, until: IntArray) -> FloatArray:
         """Return the states ``(n, m)`` after the instance has gone on holding until these steps of its own."""
-        more = until - begun.steps
+        more: IntArray = until - begun.steps
         if not self.block.moves or not more.max() > 0:
             return begun.after
         policy = self._policy(start, chosen)
-        state, held = begun.after, begun.after.copy()
+        state: FloatArray = begun.after
+        held: FloatArray = state.copy()
         for step in range(int(more.max())):
-            elapsed = (begun.steps + step) * CONTROL_PERIOD
+            elapsed = np.asarray((begun.steps + step) * CONTROL_PERIOD, dtype=np.float64)
             with np.errstate(all="ignore"):
                 after = self._step(policy, elapsed, self.state(state))[0].values
             held = np.where((step < more)[:, None] & np.isfinite(after).all(axis=1, keepdims=True), after, held)
@@ -134,7 +135,7 @@ class Simulation:
         exits = self.exits(self.state(start))
         steps = np.where((exits >= 0).all(axis=1), least, self._longest)
         figures = np.zeros((len(start), len(self.block.performance)))
-        return Stretch(start, steps.astype(np.int64), exits, figures, np.isfinite(exits).all(axis=1))
+        return Stretch(start, steps.astype(np.int64), exits, figures, np.asarray(np.isfinite(exits).all(axis=1)))
 
     def exits(self, state: State) -> FloatArray:
         """Return the margins of the exit conditions, shape ``(..., e)``."""
@@ -208,12 +209,12 @@ class _Population:
         margins = self.simulation.exits(run)  # (t, n, e)
         elapsed = (self.done + 1 + np.arange(count)) * CONTROL_PERIOD
         reached = (margins >= 0).all(axis=-1) & (elapsed >= self.simulation._shortest)[:, None]
-        finite = np.isfinite(chunk).all(axis=(0, 2))
+        finite = np.asarray(np.isfinite(chunk).all(axis=(0, 2)))
         self.done += count
         ends = self.done >= self.simulation._longest
         still = (np.abs(chunk[-1] - values[0]).max(axis=-1) < _STILL) & (self.done * CONTROL_PERIOD > _AWAKE)
         last = np.where(reached.any(axis=0), reached.argmax(axis=0), count - 1)
-        over = reached.any(axis=0) | ~finite | still | ends
+        over = np.asarray(reached.any(axis=0) | ~finite | still | ends)
         self._measure(run, commanded, np.arange(count)[:, None] <= last)
         retired = over & self.pending[self.rows]
         index, local = self.rows[retired], np.flatnonzero(retired)
