@@ -79,7 +79,10 @@ class TaskFile(_Entry):
 
     domain: Text = Field(description="name of an installed domain")
     tokens: dict[str, TokenEntry] = Field(description="every object and place by its name", min_length=1)
-    goal: list[Any] = Field(description="atoms that hold at the end: 'predicate: [tokens]'", min_length=1)
+    goal: list[Any] = Field(
+        description="atoms that hold at the end: 'predicate: [tokens]'; '*' stands for any token or symbol",
+        min_length=1,
+    )
     agents: dict[str, Annotated[list[Text], Field(min_length=1)]] = Field(
         default_factory=dict, description="named groups of capability tokens"
     )

@@ -90,7 +90,7 @@ def _load(
     faults.raise_if_any()
     assert file is not None
     assert domain is not None
-    return Task(
+    task = Task(
         name=file.name or name,
         domain=domain,
         tokens=tuple(scene.tokens),
@@ -104,6 +104,8 @@ def _load(
         objective=file.objective,
         source=path,
     )
+    _check_choices(task, faults)
+    return task
 
 
 def _check_form(data: dict[str, Any], faults: Faults) -> TaskFile | None:
@@ -133,6 +135,19 @@ def _check_planner(data: dict[str, Any], faults: Faults, check_planner: CheckPla
         check_planner(data["planner"])
     except InputError as error:
         _place(error, path, faults)
+
+
+def _check_choices(task: Task, faults: Faults) -> None:
+    """Refuse a goal that leaves nothing to choose from, or too much.
+
+    Raises:
+        InputError: it does.
+    """
+    try:
+        task.alternatives()
+    except InputError as error:
+        _place(error, ("goal",), faults)
+        faults.raise_all()
 
 
 def _place(error: InputError, path: KeyPath, faults: Faults) -> None:

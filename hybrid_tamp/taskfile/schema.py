@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.predicate import Parameter, Predicate, SymbolSort
+from hybrid_tamp.model.predicate import ANY, Parameter, Predicate, SymbolSort
 from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.forms import JsonObject, form_of
 from hybrid_tamp.taskfile.reference import reference_page
@@ -125,5 +125,7 @@ def _arguments(predicate: Predicate) -> JsonObject:
 
 def _argument(parameter: Parameter) -> JsonObject:
     if isinstance(parameter.sort, SymbolSort):
-        return {"enum": list(parameter.sort.symbols), "description": f"{parameter.name}: a {parameter.sort.name}"}
-    return {"type": "string", "description": f"{parameter.name}: a token of the class {parameter.sort.name}"}
+        symbols = [*parameter.sort.symbols, ANY]
+        return {"enum": symbols, "description": f"{parameter.name}: a {parameter.sort.name}, {ANY} for any"}
+    description = f"{parameter.name}: a token of the class {parameter.sort.name}, {ANY} for any"
+    return {"type": "string", "description": description}
