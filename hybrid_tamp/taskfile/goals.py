@@ -97,11 +97,11 @@ def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, fau
 
 def _check_choice(atom: Atom, parameter: Parameter | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
     """Refuse a wildcard for which no token could stand."""
-    if parameter is None or isinstance(parameter.sort, SymbolSort) or set(scene.outlines) != set(scene.names or ()):
+    known = scene.names is not None and set(scene.outlines) == set(scene.names) and ANY not in scene.names
+    if parameter is None or isinstance(parameter.sort, SymbolSort) or not known:
         return
-    if not any(
-        token.is_member(parameter.sort) for token in scene.outlines.values() if token.name not in atom.arguments
-    ):
+    others = [token for name, token in scene.outlines.items() if name not in atom.arguments]
+    if not any(token.is_member(parameter.sort) for token in others):
         wanted = f"{shown(ANY)} stands for a member of {parameter.sort.name}, {parameter.name} of {atom.predicate}"
         faults.at(path, wanted, "none that the atom does not name already", remedy="add such a token")
 
