@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from hybrid_tamp.affordances.explanation import explain
+from hybrid_tamp.affordances.explanation import Reason, explain
 from hybrid_tamp.errors import HybridTampError, InputError, Issue, LimitReached, NoPlan
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.law import check_law
@@ -48,15 +48,27 @@ _SAID = {
     "plan_refused": "The planner returned a plan that is wrong; it was refused.",
 }
 
+MOST_EXPLAINED = 5
+"""Of a goal with a choice, why so many alternatives cannot be reached is told."""
+
 
 @dataclass(frozen=True)
 class PlanOutcome:
-    """What came of planning: the document that is shown, and the plan where there is one."""
+    """What came of planning: the document that is shown, and the plan where there is one.
+
+    Attributes:
+        task: the task.
+        document: what is shown.
+        plan: the plan, or None.
+        error: why there is none, or None.
+        chosen: the task with the ground goal that the plan reaches; the task itself where it leaves no choice.
+    """
 
     task: Task
     document: PlanDocument
     plan: TaskPlan | None
     error: HybridTampError | None
+    chosen: Task | None = None
 
     def required(self) -> TaskPlan:
         """Return the plan.
@@ -114,16 +126,22 @@ def _outcome(task: Task, planned: Planned) -> PlanOutcome:
     )
     if planned.plan is not None:
         document = plan_document(task, status="solved", planner=entry, plan=planned.plan, explanation=None)
-        return PlanOutcome(task, document, planned.plan, None)
+        return PlanOutcome(task, document, planned.plan, None, planned.task)
     proven = planned.status == "unsolvable"
     detail = planned.refusal or ("" if proven else answer.message)
     said = " ".join(filter(None, [_SAID[planned.status], detail]))
-    reasons = [ReasonEntry(**reason.__dict__) for reason in explain(task, proven)] if not detail else []
+    reasons = [ReasonEntry(**reason.__dict__) for reason in _reasons(task, proven)] if not detail else []
     explanation = ExplanationEntry(kind=planned.status, message=said, reasons=reasons)
     status: Literal["unsolvable", "unknown"] = "unsolvable" if proven else "unknown"
     document = plan_document(task, status=status, planner=entry, plan=None, explanation=explanation)
     message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in reasons)])
     return PlanOutcome(task, document, None, NoPlan(message, proven=proven, kind=planned.status))
+
+
+def _reasons(task: Task, proven: bool) -> list[Reason]:
+    """Return why the goal cannot be reached; of a goal with a choice, why none of the nearest alternatives can."""
+    nearest = task.alternatives()[:MOST_EXPLAINED]
+    return list(dict.fromkeys(reason for each in nearest for reason in explain(each, proven)))
 
 
 def export(
@@ -139,7 +157,12 @@ def export(
         folder: where the files go.
         plan: a plan of it, whatever encoding it was found in.
         encoding: slot by slot without time, or one durative action a block.
+
+    Raises:
+        InputError: the goal leaves a choice, and there is no plan that would make it.
     """
+    if plan is not None and len(task.alternatives()) > 1:
+        task = next(each for each in task.alternatives() if not check_law(each, plan))
     if encoding == "temporal":
         return _export_temporal(task, folder, plan)
     problem = compile_task(task).problem
@@ -169,12 +192,16 @@ def _export_temporal(task: Task, folder: RunFolder, plan: TaskPlan | None) -> li
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Write a plan's document and PDDL files, and a copy of the task file, in place of another run's."""
+    """Write a plan's document and PDDL files, and a copy of the task file, in place of another run's.
+
+    A goal with a choice of which none was made has no PDDL.
+    """
     folder.clear()
     if outcome.task.source is not None:
         folder.write_text("task.yaml", outcome.task.source.read_text(encoding="utf-8"))
     folder.write_json("plan.json", outcome.document.dump())
-    export(outcome.task, folder, outcome.plan)
+    if outcome.plan is not None or len(outcome.task.alternatives()) == 1:
+        export(outcome.chosen or outcome.task, folder, outcome.plan)
 
 
 def run(
