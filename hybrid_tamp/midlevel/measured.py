@@ -61,13 +61,13 @@ def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Itera
     chosen = {name: np.asarray(value) for name, value in instance.hyperparameters.items()}
     for measure in block.performance:
         if measure.end is not None:
-            figure = measure.end(binding, recording.state(first), recording.state(last), chosen)
+            figure = float(measure.end(binding, recording.state(first), recording.state(last), chosen))
         elif measure.peak is not None:
-            figure = np.max(measure.peak(binding, run), initial=-np.inf)
+            figure = float(np.max(measure.peak(binding, run), initial=-np.inf))
         else:
             assert measure.rate is not None, "a measure has one of the three"
-            figure = np.sum(measure.rate(binding, run, commands)) * recording.timestep
-        yield measure.name, np.array([float(figure)])
+            figure = float(np.sum(measure.rate(binding, run, commands))) * recording.timestep
+        yield measure.name, np.array([figure])
 
 
 def _commands(recording: Recording, first: int, last: int) -> Commands:

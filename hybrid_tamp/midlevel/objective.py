@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable
 from typing import Protocol
 
 import numpy as np
-from hybrid_tamp.midlevel.scores import Scores
-from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace, Variable
 
 from hybrid_tamp.midlevel.rollout import Chosen, Key, Rollout
+from hybrid_tamp.midlevel.scores import Scores
+from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace, Variable
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.task import Task
 

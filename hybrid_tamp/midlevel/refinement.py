@@ -6,16 +6,16 @@ space that is searched. The optimum is never worse than the defaults, nor than e
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
-from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum, find_optimiser
-from hybrid_tamp.midlevel.relevance import Relevance, find_relevant
-from hybrid_tamp.midlevel.search_space import FloatArray
 
 from hybrid_tamp.midlevel.objective import Objective, RollOut
+from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum, find_optimiser
+from hybrid_tamp.midlevel.relevance import Relevance, find_relevant
 from hybrid_tamp.midlevel.rollout import Rollout, Rollouts
+from hybrid_tamp.midlevel.search_space import FloatArray
 from hybrid_tamp.midlevel.separate import optimised_apart
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.refined import Milestone, Performance, RefinedPlan, Shortfall, Tuned, Value
@@ -68,6 +68,7 @@ class _Refinement:
         self.objective = Objective(task, plan, roll_out)
         self.rng = np.random.default_rng(task.seed)
         self.evaluations = 0
+        self.moves: dict[str, list[str]] = {}
 
     def refined(self, compare: bool) -> RefinedPlan:
         space, settings = self.objective.space, self.task.midlevel
@@ -99,7 +100,14 @@ class _Refinement:
         except NothingFinite as error:
             raise self._not_finite(error) from error
         self.evaluations += found.evaluations
+        for (instance, measure), figures in self._sampled().items():
+            for name in found.moving(figures):
+                self.moves.setdefault(name, []).append(f"{instance}.{measure}")
         return found
+
+    def _sampled(self) -> Mapping[tuple[str, str], FloatArray]:
+        """Return the performance measures of the population that was rolled out last."""
+        return self.objective.last.figures if self.objective.last is not None else {}
 
     def _optimum(self, relevance: Relevance) -> Optimum:
         settings, space = self.task.midlevel, self.objective.space
@@ -162,7 +170,8 @@ class _Refinement:
                 status = "optimised" if variable.name in relevance.relevant else "free"
             own = None if apart is None else float(apart[index])
             bounds = (variable.lower, variable.upper, variable.default)
-            found.append(Tuned(*key, variable.unit, *bounds, float(point[index]), status, (), own))
+            moves = tuple(self.moves.get(variable.name, ()))
+            found.append(Tuned(*key, variable.unit, *bounds, float(point[index]), status, moves, own))
         return tuple(found)
 
     def _performance(self, rollout: Rollout) -> list[Performance]:

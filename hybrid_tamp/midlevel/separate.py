@@ -5,10 +5,10 @@ are equally good the middle of their interval is taken.
 """
 
 import numpy as np
-from hybrid_tamp.midlevel.optimiser import Evaluate
-from hybrid_tamp.midlevel.search_space import FloatArray
 
 from hybrid_tamp.midlevel.objective import Objective
+from hybrid_tamp.midlevel.optimiser import Evaluate
+from hybrid_tamp.midlevel.search_space import FloatArray
 
 _POINTS = 121
 _SWEEPS = 2
@@ -23,7 +23,7 @@ def optimised_apart(objective: Objective, relevant: set[str]) -> FloatArray:
         objective: of the whole plan.
         relevant: the variables that are moved; the others keep their defaults.
     """
-    point = objective.space.default.copy()
+    point: FloatArray = objective.space.default.copy()
     for instance in sorted(objective.plan.instances, key=lambda i: (i.start, i.name)):
         mine = [
             index
