@@ -1,7 +1,7 @@
-"""A toy world in which everything is known in closed form: a puck is slid along x by one block, then along y by another.
+"""A toy world in which everything is known in closed form: one block slides a puck along x, another along y.
 
-``FIRST`` slides it to x = a and likes a = 0.2; ``SECOND`` slides it to y = b, likes x = 0.8 and y = x. Together the best
-is a = b = 0.5, of value -0.18; each on its own a = b = 0.2, of value -0.36.
+``FIRST`` slides it to x = a and likes a = 0.2; ``SECOND`` slides it to y = b, likes x = 0.8 and y = x. Together the
+best is a = b = 0.5, of value -0.18; each on its own a = b = 0.2, of value -0.36.
 """
 
 from collections.abc import Sequence
