@@ -151,12 +151,12 @@ class Movement:
 
     Attributes:
         slot: the slot whose token shows it.
-        property: the varying property of that token that moves: ``position`` or ``orientation``.
+        moves: the varying property of that token that moves: ``position`` or ``orientation``.
         dimensions: 3 for the position itself [m], 1 for the travelled share of the way or of the angle.
     """
 
     slot: str
-    property: str
+    moves: str
     dimensions: int
 
 

@@ -39,7 +39,8 @@ class Profile:
         """Normalised time, share and rate of every sample ``(t,)``; the last one is at rest on the goal."""
         samples = self.trajectory.samples[:, :, 0].copy()
         samples[-1] = (1.0, 0.0, 0.0)
-        return np.arange(len(samples)) * self.trajectory.spacing, samples[:, 0], samples[:, 1]
+        time = np.asarray(np.arange(len(samples)) * self.trajectory.spacing, dtype=np.float64)
+        return time, samples[:, 0], samples[:, 1]
 
     def share(self, phase: ArrayLike) -> FloatArray:
         """Return the travelled share of the way, from 0 to 1.
@@ -49,7 +50,7 @@ class Profile:
         """
         # One table serves a whole batch, so that this is ten times as fast as `Trajectory.at`.
         time, share, _ = self._table
-        return np.asarray(np.interp(phase, time, share))
+        return np.asarray(np.interp(np.asarray(phase, dtype=np.float64), time, share))
 
     def rate(self, phase: ArrayLike) -> FloatArray:
         """Return the derivative of the share by the phase, shape ``(...)``; 0 before the beginning and after the end.
@@ -58,10 +59,10 @@ class Profile:
             phase: elapsed time over duration, shape ``(...)``.
         """
         time, _, rate = self._table
-        return np.asarray(np.interp(phase, time, rate, left=0.0))
+        return np.asarray(np.interp(np.asarray(phase, dtype=np.float64), time, rate, left=0.0))
 
     def arrival(self, amount: ArrayLike, duration: ArrayLike, near: float, slow: float) -> FloatArray:
-        """Return when a movement is, for good, as near to its end and as slow as its exit conditions ask, ``(...)`` [s].
+        """Return when a movement is, for good, as near to its end and as slow as exit conditions ask, ``(...)`` [s].
 
         Args:
             amount: how far it goes, ``(...)`` [m or rad].
