@@ -12,7 +12,7 @@ from itertools import product
 from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.token import Token, different
 
 
 def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[Atom]:
@@ -45,7 +45,7 @@ class StaticFacts:
         if _of_symbols_alone(predicate):
             return atom in _relation(predicate)
         values = tuple(map(self._task.value, atom.arguments))
-        return all(map(_fits, values, predicate.parameters)) and _different(values) and self.holds(atom, values)
+        return all(map(_fits, values, predicate.parameters)) and different(values) and self.holds(atom, values)
 
     def holds(self, atom: Atom, values: tuple[Value, ...]) -> bool:
         """Say whether the positive atom, which is well-typed and has these values, holds."""
@@ -100,13 +100,8 @@ def margins(task: Task, state: State, predicate: Predicate) -> Iterable[tuple[At
 def _atoms(task: Task, predicate: Predicate) -> Iterable[tuple[Atom, tuple[Value, ...]]]:
     """Yield every well-typed atom of the predicate over different tokens, with its arguments."""
     for values in product(*(task.values_of(parameter.sort) for parameter in predicate.parameters)):
-        if _different(values):
+        if different(values):
             yield Atom(predicate.name, tuple(map(name_of, values))), values
-
-
-def _different(values: tuple[Value, ...]) -> bool:
-    tokens = [value.name for value in values if isinstance(value, Token)]
-    return len(set(tokens)) == len(tokens)
 
 
 def _one_value_each(task: Task, holding: list[tuple[Atom, float]], index: int) -> Iterable[Atom]:
