@@ -10,10 +10,11 @@ import pytest
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.model.block import Block, Hyperparameter, Measure
+from hybrid_tamp.model.block import Binding, Block, Hyperparameter, Measure
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Atom
 from hybrid_tamp.model.task import MidLevel, Task
+from hybrid_tamp.model.token import Token
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
 from hybrid_tamp.taskfile.schema import json_schema, reference_page
 from hybrid_tamp.taskfile.yaml_nodes import parse
@@ -120,6 +121,20 @@ def test_a_fault_is_named_once_with_its_place(section: str) -> None:
     (issue,) = caught.value.issues
     assert all(word in str(issue) for word in FAULTS[section]), str(issue)
     assert issue.where == f"t:{len(ROLL.splitlines()) + 1}:{len('midlevel: ') + section.index('«') + 1}"
+
+
+def test_bounds_that_no_token_of_the_task_allows_are_refused() -> None:
+    def reach(binding: Binding) -> tuple[float, float]:
+        drum = binding["object"]
+        assert isinstance(drum, Token)
+        return 0.1, 2 * drum["radius_of_rotation"]
+
+    rolling = DOMAIN.block_by_name["ROLLING"]
+    changed = [replace(h, within=reach) if h.name == "speed" else h for h in rolling.hyperparameters]
+    domain = DOMAIN.with_blocks([replace(rolling, hyperparameters=tuple(changed))])
+    assert hyperparameter(load("{hyperparameters: {ROLLING.speed: 0.2}}", domain), "ROLLING", "speed").upper == 0.2
+    with pytest.raises(InputError, match=r"t:37:45: .* tokens of the task allow: 0.1 to 0.2; got 0.3"):
+        load("{hyperparameters: {ROLLING.speed: 0.3}}", domain)
 
 
 def test_a_domain_without_measures_says_so() -> None:
