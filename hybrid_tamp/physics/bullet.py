@@ -17,12 +17,12 @@ from types import TracebackType
 import numpy as np
 
 from hybrid_tamp.model.affordance import BODY_STATE
-from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.block import CONTROL_PERIOD, Commands
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.shape import Box, Cylinder
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.backend import CONTROL_PERIOD, FLOOR, ContactForce
+from hybrid_tamp.physics.backend import FLOOR, ContactForce
 from hybrid_tamp.physics.commands import CommandLayout
 from hybrid_tamp.physics.scene import FLOOR_FRICTION, FORCE, Body, bodies
 
