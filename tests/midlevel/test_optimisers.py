@@ -315,7 +315,13 @@ def test_grid_takes_both_ends_and_the_default() -> None:
 
 @pytest.mark.parametrize(
     ("k", "evaluations", "counts"),
-    [(1, 1000, (1000,)), (3, 1000, (10, 10, 10)), (3, 999, (10, 9, 9)), (10, 100, (2,) * 6 + (1,) * 4), (2, 0, (1, 1))],
+    [
+        (1, 1000, (1000,)),
+        (3, 1000, (10, 10, 10)),
+        (3, 999, (10, 10, 9)),
+        (10, 100, (2,) * 6 + (1,) * 4),
+        (2, 0, (1, 1)),
+    ],
 )
 def test_points_on_each_axis(k: int, evaluations: int, counts: tuple[int, ...]) -> None:
     assert axis_counts(k, evaluations) == counts
