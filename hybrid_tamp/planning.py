@@ -5,12 +5,22 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hybrid_tamp.affordances.explanation import Reason, explain
+from hybrid_tamp.affordances.tailoring import Tailoring
 from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.report.documents import ExplanationEntry, PlanDocument, PlannerEntry, ReasonEntry, plan_document
+from hybrid_tamp.report.documents import (
+    BroughtEntry,
+    ExplanationEntry,
+    NetworkEntry,
+    PlanDocument,
+    PlannerEntry,
+    ReasonEntry,
+    network_entry,
+    plan_document,
+)
 from hybrid_tamp.symbolic.planner import PlannerProcess
-from hybrid_tamp.symbolic.stage import Planned, Planner, plan_task
+from hybrid_tamp.symbolic.stage import Planned, Planner
 
 _SAID = {
     "unsolvable": "No plan exists; the planner has proven it.",
@@ -67,17 +77,27 @@ def plan(task: Task, planner: Planner | None = None) -> PlanOutcome:
         with PlannerProcess() as process:
             return plan(task, process)
     began = time.monotonic()
+    tailoring = Tailoring(task)
     try:
-        planned = plan_task(task, planner)
+        planned = tailoring.planned(planner)
     except LimitReached as limit:
         entry = PlannerEntry(name=task.planner, seconds=time.monotonic() - began)
         said = ExplanationEntry(kind=limit.limit, message=str(limit), reasons=[])
-        document = plan_document(task, status="limit", planner=entry, plan=None, explanation=said)
+        network = _network(tailoring)
+        document = plan_document(task, status="limit", planner=entry, plan=None, network=network, explanation=said)
         return PlanOutcome(task, document, None, limit)
-    return _outcome(task, planned)
+    return _outcome(task, planned, _network(tailoring))
 
 
-def _outcome(task: Task, planned: Planned) -> PlanOutcome:
+def _network(tailoring: Tailoring) -> NetworkEntry:
+    brought = [
+        BroughtEntry(token=each.token, classes=list(each.classes), blocks=list(each.blocks), why=each.why)
+        for each in tailoring.brought
+    ]
+    return network_entry(tailoring.task, tailoring.reduction.task, brought)
+
+
+def _outcome(task: Task, planned: Planned, network: NetworkEntry) -> PlanOutcome:
     answer = planned.answer
     entry = PlannerEntry(
         name=answer.engine,
@@ -87,7 +107,9 @@ def _outcome(task: Task, planned: Planned) -> PlanOutcome:
         stages=dict(planned.stages),
     )
     if planned.plan is not None:
-        document = plan_document(task, status="solved", planner=entry, plan=planned.plan, explanation=None)
+        document = plan_document(
+            task, status="solved", planner=entry, plan=planned.plan, network=network, explanation=None
+        )
         return PlanOutcome(task, document, planned.plan, None, planned.task)
     proven = planned.status == "unsolvable"
     detail = planned.refusal or ("" if proven else answer.message)
@@ -95,7 +117,7 @@ def _outcome(task: Task, planned: Planned) -> PlanOutcome:
     reasons = [ReasonEntry(**reason.__dict__) for reason in _reasons(task, proven)] if not detail else []
     explanation = ExplanationEntry(kind=planned.status, message=said, reasons=reasons)
     status: Literal["unsolvable", "unknown"] = "unsolvable" if proven else "unknown"
-    document = plan_document(task, status=status, planner=entry, plan=None, explanation=explanation)
+    document = plan_document(task, status=status, planner=entry, plan=None, network=network, explanation=explanation)
     message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in reasons)])
     return PlanOutcome(task, document, None, NoPlan(message, proven=proven, kind=planned.status))
 

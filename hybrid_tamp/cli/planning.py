@@ -18,7 +18,7 @@ from hybrid_tamp.cli.options import (
     TaskArgument,
     TimeOption,
 )
-from hybrid_tamp.console import explain, print_json, say, show
+from hybrid_tamp.console import explain, print_json, say, show, tell_network
 
 
 def check(task: TaskArgument, as_json: JsonOption = False, domain: DomainOption = None) -> None:
@@ -68,6 +68,8 @@ def plan(
         show(plan_table(outcome.document))
         show(timeline(outcome.plan, [token.name for token in loaded.assigned]))
         typer.echo(plan_footer(outcome.document))
+    if not as_json:
+        tell_network(outcome.document)
     if outcome.error is not None:
         explain(outcome.document.explanation, as_json)
         raise typer.Exit(outcome.error.exit_status)

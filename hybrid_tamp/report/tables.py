@@ -12,6 +12,8 @@ from hybrid_tamp.report.documents import ExplanationEntry, InstanceEntry, PlanDo
 
 _WIDTH = 60
 """Characters of a timeline."""
+_NAMED = 8
+"""So many of the names that were left out are said; programs are told all."""
 
 
 def plan_table(document: PlanDocument) -> RenderableType:
@@ -37,6 +39,26 @@ def plan_footer(document: PlanDocument) -> str:
     if document.objective == "makespan":
         said += f" ({planner.way}; {'' if planner.proven_shortest else 'not '}proven the shortest in time)"
     return said
+
+
+def network_text(document: PlanDocument) -> str:
+    """Return what part of the network was planned on, and what was brought in and why; empty if it was the whole."""
+    network, whole = document.network, document.network.reduced_from
+    lines = []
+    if whole is not None:
+        blocks, tokens = (
+            f"{len(network.blocks)} of {whole.blocks} blocks",
+            f"{len(network.tokens)} of {whole.tokens} tokens",
+        )
+        left_out = [*whole.blocks_left_out, *whole.tokens_left_out]
+        more = f" and {len(left_out) - _NAMED} more" if len(left_out) > _NAMED else ""
+        lines.append(f"reduced network: {blocks}, {tokens}; left out: {', '.join(left_out[:_NAMED])}{more}")
+    for brought in network.expanded_with[:_NAMED]:
+        fills = f" for {', '.join(brought.blocks)}" if brought.blocks else ""
+        lines.append(f"brought in {brought.token} ({', '.join(brought.classes)}){fills}: {brought.why}")
+    if len(network.expanded_with) > _NAMED:
+        lines.append(f"brought in {len(network.expanded_with) - _NAMED} more")
+    return "\n".join(lines)
 
 
 def allocation(entry: InstanceEntry) -> str:
