@@ -68,10 +68,11 @@ def plan(
         show(plan_table(outcome.document))
         show(timeline(outcome.plan, [token.name for token in loaded.assigned]))
         typer.echo(plan_footer(outcome.document))
+    if outcome.error is not None:
+        explain(outcome.document.explanation, as_json)
     if not as_json:
         tell_network(outcome.document)
     if outcome.error is not None:
-        explain(outcome.document.explanation, as_json)
         raise typer.Exit(outcome.error.exit_status)
 
 

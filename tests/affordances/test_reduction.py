@@ -4,11 +4,13 @@ import random
 from collections.abc import Sequence
 
 import pytest
+import serial
 from exhaustive import shortest_plan
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from random_series import RandomSeries
 from scenes import rolling_task
+from serial import Part, Tool, block, changing
 from tools import CROWBAR, HAMMER, Ball, Graspable, Lever, Lid, Nail, Striker, domain, task
 
 from hybrid_tamp import pipeline
@@ -80,6 +82,17 @@ def test_a_block_needs_a_different_token_for_each_slot_and_target() -> None:
 def test_blocks_that_nothing_can_come_to_are_left_out() -> None:
     # A hammer that cannot be grasped drives nothing, though it fills the slot.
     assert "DRIVING" not in blocks(reduced(task({"hammer": [Striker]}), ["hammer"]).task)
+
+
+@pytest.mark.parametrize(("hold", "kept"), [(False, {"RESTING"}), (True, {"RESTING", "A"})])
+def test_blocks_that_one_must_leave_and_cannot_are_left_out(hold: bool, kept: set[str]) -> None:
+    done = changing("done", Part)
+    first, second = block("A", {"part": Part}, (), [done("part")], hold=hold), block("B", {"part": Part, "tool": Tool})
+    edges = [("RESTING.token", "A.part"), ("A.part", "B.part"), ("RESTING.token", "B.tool")]
+    of = serial.domain([first, second], [done], [*edges, ("B.part", "RESTING.token"), ("B.tool", "RESTING.token")])
+    whole = serial.task(of, [("done", "part 0")], parts=1, tools=1)
+    assert blocks(reduced(whole).task) == kept
+    assert blocks(reduced(whole, ["tool 0"]).task) == {"RESTING", "A", "B"}
 
 
 def test_what_starts_in_a_block_is_kept_with_it() -> None:
