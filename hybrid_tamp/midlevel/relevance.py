@@ -41,11 +41,13 @@ class Relevance:
         effects: largest effects by the name of the variable, constants excepted.
         tolerance: effects up to these do not matter.
         evaluations: candidates that were evaluated.
+        bases: base points among them.
     """
 
     effects: Mapping[str, Effect]
     tolerance: Effect
     evaluations: int
+    bases: int = 0
 
     @property
     def relevant(self) -> tuple[str, ...]:
@@ -61,6 +63,21 @@ class Relevance:
             for name, effect in self.effects.items()
             if effect.violation <= most.violation and effect.value <= most.value
         )
+
+    def moving(self, figures: FloatArray, tolerance: float = 2e-3) -> tuple[str, ...]:
+        """Return the names of the variables that change a figure by more than this part of its spread.
+
+        Args:
+            figures: the figure of each candidate that was evaluated, shape ``(evaluations,)``; it counts where finite.
+            tolerance: as a part of the spread over the sample.
+        """
+        counted = np.isfinite(figures)
+        if not counted.any():
+            return ()
+        least = tolerance * _spread(figures[counted])
+        lines = _lines(figures, self.bases, len(self.effects))
+        ranges = [_largest_range(lines[:, i], np.isfinite(lines[:, i])) for i in range(len(self.effects))]
+        return tuple(name for name, size in zip(self.effects, ranges, strict=True) if size > max(least, SAME))
 
 
 def find_relevant(
@@ -92,7 +109,7 @@ def find_relevant(
     allowed = _allowed(scores, tolerance)
     violation, value = (_lines(figures, bases, k) for figures in (scores.violation, scores.value))
     effects = [_effect(violation[:, i], value[:, i], allowed.violation) for i in range(k)]
-    return Relevance(dict(zip(varying.names, effects, strict=True)), allowed, len(cube))
+    return Relevance(dict(zip(varying.names, effects, strict=True)), allowed, len(cube), bases)
 
 
 def _bases(default: FloatArray, n: int, rng: np.random.Generator) -> FloatArray:

@@ -12,8 +12,11 @@ import numpy as np
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.plan import split_mode
-from hybrid_tamp.model.predicate import Literal, Predicate, SymbolSort, Value
+from hybrid_tamp.model.predicate import ANY, Literal, Predicate, SymbolSort, Value
 from hybrid_tamp.model.state import FloatArray, State
+
+CONTROL_PERIOD = 1 / 240
+"""Time between two commands [s]: policies are asked, and conditions looked at, this often."""
 
 Binding = Mapping[str, Value]
 """Role (slot or target) of an instance to the token or symbol bound to it."""
@@ -145,12 +148,31 @@ class Duration:
     expected: Callable[[Binding, State, Hyperparameters], float]
 
 
+@dataclass(frozen=True)
+class Movement:
+    """What the motor primitive of a block's reference trajectory moves, and what demonstrates it.
+
+    Attributes:
+        slot: the slot whose token shows it.
+        moves: the varying property of that token that moves: ``position`` or ``orientation``.
+        dimensions: 3 for the position itself [m], 1 for the travelled share of the way or of the angle.
+    """
+
+    slot: str
+    moves: str
+    dimensions: int
+
+
 Outcome = Callable[[Binding, State], State]
 """``outcome(binding, state)``: where the tokens in the slots are going to be when the exit conditions hold; pure."""
 
 
 def _rest(binding: Binding, state: State, commands: Commands, dt: float) -> State:
     return state
+
+
+def _measurable(literals: tuple[Literal, ...]) -> tuple[Literal, ...]:
+    return tuple(literal for literal in literals if ANY not in literal.arguments)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +198,8 @@ class Block:
         system: the forward model.
         performance: how good one execution was: the weighted sum of these measures, maximised.
         taught: ``taught(primitive)``: the block with another motor primitive (a `motion.dmp.DMP`) for its reference
-            trajectory, or None where it has none.
+            trajectory, or None where it has none; all else stays as it is.
+        movement: what that primitive moves, or None.
         outcome: estimate of where its tokens are in the end, for schedules, or None where they stay where they are.
         description: what it does, one line.
     """
@@ -196,6 +219,7 @@ class Block:
     system: ContinuousSystem = _rest
     performance: tuple[Measure, ...] = ()
     taught: Callable[[Any], "Block"] | None = None
+    movement: Movement | None = None
     outcome: Outcome | None = None
     description: str = ""
 
@@ -214,9 +238,24 @@ class Block:
         return found | {target.name: target.sort for target in self.targets}
 
     @property
+    def moves(self) -> bool:
+        """Whether its continuous system changes anything."""
+        return self.system is not _rest
+
+    @property
     def others(self) -> tuple[Slot, ...]:
         """The slots other than the anchor, in order."""
         return tuple(slot for slot in self.slots if slot.name != self.anchor)
+
+    @property
+    def measured_exits(self) -> tuple[Literal, ...]:
+        """The exit conditions that have a margin: a wildcard only says which old facts are void."""
+        return _measurable(self.exit)
+
+    @property
+    def measured_entries(self) -> tuple[Literal, ...]:
+        """The entry conditions that must be measured as it starts; static facts do not change."""
+        return tuple(literal for literal in _measurable(self.entry) if not literal.predicate.static)
 
     def slot(self, name: str) -> Slot:
         """Return the slot of that name; KeyError if there is none."""

@@ -4,23 +4,17 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.report.entries import Document
+from hybrid_tamp.report.refinement import PerformanceEntry, RefinementEntry
 
 
-class _Document(BaseModel):
-    model_config = ConfigDict(extra="forbid", populate_by_name=True)
-
-    def dump(self) -> dict[str, Any]:
-        """Return plain data with the published keys."""
-        return self.model_dump(by_alias=True, mode="json")
-
-
-class InstanceEntry(_Document):
+class InstanceEntry(Document):
     """One block instance within a step."""
 
     block: str
@@ -31,7 +25,7 @@ class InstanceEntry(_Document):
     hyperparameters: dict[str, float]
 
 
-class StepEntry(_Document):
+class StepEntry(Document):
     """A stretch of time in which no token is reassigned; shows where every token is."""
 
     index: int
@@ -40,7 +34,7 @@ class StepEntry(_Document):
     blocks: list[InstanceEntry]
 
 
-class PlannerEntry(_Document):
+class PlannerEntry(Document):
     """Which engine answered, how long it took, and how the plan was found."""
 
     name: str
@@ -50,7 +44,7 @@ class PlannerEntry(_Document):
     stages: dict[str, float] = Field(default_factory=dict, description="what each stage took [s]")
 
 
-class NetworkEntry(_Document):
+class NetworkEntry(Document):
     """The network that was planned on."""
 
     blocks: list[str]
@@ -59,7 +53,7 @@ class NetworkEntry(_Document):
     expanded_with: list[str] = Field(default_factory=list)
 
 
-class ReasonEntry(_Document):
+class ReasonEntry(Document):
     """One reason why there is no plan."""
 
     goal: str
@@ -71,7 +65,7 @@ class ReasonEntry(_Document):
     unit: str = ""
 
 
-class ExplanationEntry(_Document):
+class ExplanationEntry(Document):
     """Why there is no plan."""
 
     kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, time or memory")
@@ -79,7 +73,7 @@ class ExplanationEntry(_Document):
     reasons: list[ReasonEntry]
 
 
-class PlanDocument(_Document):
+class PlanDocument(Document):
     """What `plan --json` prints and `plan.json` holds."""
 
     schema_: Literal["hybrid-tamp/plan/1"] = Field("hybrid-tamp/plan/1", alias="schema")
@@ -95,9 +89,10 @@ class PlanDocument(_Document):
     steps: list[StepEntry]
     network: NetworkEntry
     explanation: ExplanationEntry | None
+    refinement: RefinementEntry | None = Field(None, description="how hyperparameters were optimised; null if not")
 
 
-class AtomEntry(_Document):
+class AtomEntry(Document):
     """A goal atom as measured at the end."""
 
     atom: str
@@ -105,7 +100,7 @@ class AtomEntry(_Document):
     holds: bool
 
 
-class ExitEntry(_Document):
+class ExitEntry(Document):
     """An exit condition of an instance when it ended."""
 
     atom: str
@@ -114,7 +109,7 @@ class ExitEntry(_Document):
     holds: bool
 
 
-class RunEntry(_Document):
+class RunEntry(Document):
     """One block instance that ran."""
 
     instance: str
@@ -123,7 +118,7 @@ class RunEntry(_Document):
     exit: list[ExitEntry]
 
 
-class FailureEntry(_Document):
+class FailureEntry(Document):
     """Why a run stopped early."""
 
     step: int
@@ -132,7 +127,7 @@ class FailureEntry(_Document):
     margins: list[ExitEntry]
 
 
-class ResultDocument(_Document):
+class ResultDocument(Document):
     """What `run --json` prints and `result.json` holds."""
 
     schema_: Literal["hybrid-tamp/result/1"] = Field("hybrid-tamp/result/1", alias="schema")
@@ -148,6 +143,7 @@ class ResultDocument(_Document):
     backend: str
     versions: dict[str, str]
     failure: FailureEntry | None
+    performance: list[PerformanceEntry] = Field(description="performance measures, predicted and measured")
     law: list[str] = Field(description="breaches of the law of assignment by the recording; empty if none")
 
 
@@ -178,15 +174,17 @@ def plan_document(
         makespan=plan.makespan if plan else None,
         cost=float(len(plan.actions)) if plan else None,
         actions=list(plan.actions) if plan else [],
-        steps=list(_steps(plan)) if plan else [],
+        steps=steps_of(plan) if plan else [],
         network=network_entry(task.domain),
         explanation=explanation,
     )
 
 
-def _steps(plan: TaskPlan) -> Iterable[StepEntry]:
-    for step in plan.steps:
-        yield StepEntry(index=step.index, start=step.start, end=step.end, blocks=[_instance(i) for i in step.instances])
+def steps_of(plan: TaskPlan) -> list[StepEntry]:
+    """Return the stretches between reassignments, with where every token is in each."""
+    return [
+        StepEntry(index=s.index, start=s.start, end=s.end, blocks=list(map(_instance, s.instances))) for s in plan.steps
+    ]
 
 
 def _instance(instance: BlockInstance) -> InstanceEntry:
@@ -208,6 +206,7 @@ def result_document(
     metrics: Mapping[str, float],
     versions: Mapping[str, str],
     law: Iterable[str],
+    performance: Iterable[PerformanceEntry] = (),
     replans: int = 0,
 ) -> ResultDocument:
     """Return the document of one run."""
@@ -232,6 +231,7 @@ def result_document(
         )
         if failure
         else None,
+        performance=list(performance),
         law=list(law),
     )
 
