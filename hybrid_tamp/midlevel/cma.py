@@ -1,9 +1,13 @@
 """CMA-ES (Hansen and Ostermeier 2001, Evolutionary Computation 9:159-195), by the package cmaes, with restarts.
 
-It searches the unit cube of the variables, so that metres and seconds weigh the same, from the default point. cmaes
-keeps the bounds: it samples again what falls outside them. Of the scores it only uses the order within a generation;
-it is told ranks, because no single number orders (V, J) without loss over generations. Its criterion of a flat
-objective keeps its meaning: of a generation whose scores are equal but for rounding, all ranks are 0.
+It searches the unit cube of the variables, so that metres and seconds weigh the same, from the default point. Of the
+scores cmaes only uses the order within a generation; it is told ranks, because no single number orders (V, J) without
+loss over generations. Its criterion of a flat objective keeps its meaning: of a generation whose scores are equal but
+for rounding, all ranks are 0.
+
+What falls outside the cube is sampled again, as cmaes does it, in the first generations only, which are about as wide
+as the cube. Then points are folded back at its faces: sampling again would go on pushing the distribution off a face,
+and with several variables it does not arrive at an optimum in a corner (`scripts/optimisers` shows it).
 
 A run ends when its generation has shrunk to a point, or when cmaes gives it up. Then another begins at a random place
 with the population doubled (IPOP: Auger and Hansen, CEC 2005), as the optimum of the first may be a local one.
@@ -18,6 +22,9 @@ from hybrid_tamp.midlevel.optimiser import Budget, Evaluate, Optimum, Progress
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search import Search
 from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace
+
+REDRAWN = 10
+"""Generations in which points outside the cube are sampled again instead of folded back."""
 
 
 @dataclass(frozen=True)
@@ -79,12 +86,20 @@ class CMAES:
         strategy = CMA(start, self.sigma, bounds, seed=seed, population_size=population, lr_adapt=self.noisy)
         converged = False
         while not converged:
+            if strategy.generation == REDRAWN:
+                strategy.set_bounds(None)
             generation = np.array([strategy.ask() for _ in range(population)])
-            scores = search.evaluate(generation)
+            inside = folded(generation)
+            scores = search.evaluate(inside)
             if len(scores) < population or search.spent:
                 return
             strategy.tell(list(zip(generation, _costs(scores), strict=True)))
-            converged = bool(np.all(np.ptp(generation, axis=0) < self.tolerance)) or strategy.should_stop()
+            converged = bool(np.all(np.ptp(inside, axis=0) < self.tolerance)) or strategy.should_stop()
+
+
+def folded(points: FloatArray) -> FloatArray:
+    """Return points ``(..., k)`` mirrored at the faces of the unit cube until they are in it."""
+    return np.asarray(1.0 - np.abs(1.0 - np.mod(points, 2.0)))
 
 
 def _costs(scores: Scores) -> list[float]:

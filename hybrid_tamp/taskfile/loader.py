@@ -13,7 +13,7 @@ from hybrid_tamp.model.task import Limits, MidLevel, Task
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.goals import read_goal
-from hybrid_tamp.taskfile.midlevel import read_midlevel
+from hybrid_tamp.taskfile.midlevel import check_bindings, read_midlevel
 from hybrid_tamp.taskfile.places import Faults, KeyPath
 from hybrid_tamp.taskfile.primitives import teach
 from hybrid_tamp.taskfile.roles import read_agents, read_assignment
@@ -108,7 +108,9 @@ def _load(
         midlevel=MidLevel(**file.midlevel.model_dump(exclude={"weights", "hyperparameters"})),
         source=path,
     )
+    check_bindings(task, data, faults)
     _check_choices(task, faults)
+    faults.raise_if_any()
     return task
 
 
@@ -142,16 +144,11 @@ def _check_planner(data: dict[str, Any], faults: Faults, check_planner: CheckPla
 
 
 def _check_choices(task: Task, faults: Faults) -> None:
-    """Refuse a goal that leaves nothing to choose from, or too much.
-
-    Raises:
-        InputError: it does.
-    """
+    """Note that a goal leaves nothing to choose from, or too much."""
     try:
         task.alternatives()
     except InputError as error:
         _place(error, ("goal",), faults)
-        faults.raise_all()
 
 
 def _place(error: InputError, path: KeyPath, faults: Faults) -> None:

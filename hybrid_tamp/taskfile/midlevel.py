@@ -5,6 +5,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any, Literal
 
 import numpy as np
@@ -12,7 +13,13 @@ import numpy as np
 from hybrid_tamp.model.block import Binding, Block, Hyperparameter
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.task import Task
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+
+MOST_BINDINGS = 10_000
+"""So many bindings of a block are looked at."""
+MOST_SHOWN = 5
+"""So many of their bounds are shown."""
 
 Kind = Literal["weights", "hyperparameters"]
 _WORDS: Mapping[Kind, str] = {"weights": "measure", "hyperparameters": "hyperparameter"}
@@ -37,6 +44,19 @@ def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -
     changed = [_changed(block, weights, ranges, faults) for block in domain.blocks]
     new = [block for block in changed if block not in domain.blocks]
     return domain.with_blocks(new) if new and faults.sound(("midlevel",)) else domain
+
+
+def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
+    """Note bounds that leave nothing to any tokens of the task, e.g. a place beyond the end of every handle."""
+    for (block, name), (path, _) in _said(data, "hyperparameters", faults, task.domain).items():
+        part = next(each for each in task.domain.block_by_name[block].hyperparameters if each.name == name)
+        if part.within is None:
+            continue
+        ranges = list(map(part.within, islice(task.bindings(task.domain.block_by_name[block]), MOST_BINDINGS)))
+        if ranges and all(high < part.lower or low > part.upper for low, high in ranges):
+            allowed = ", ".join(list(dict.fromkeys(f"{low:g} to {high:g}" for low, high in ranges))[:MOST_SHOWN])
+            wanted = f"{path[-1]} is within what some tokens of the task allow: {allowed}"
+            faults.at(path, wanted, f"{part.lower:g} to {part.upper:g}")
 
 
 def names_of(domain: Domain, kind: Kind) -> dict[str, list[tuple[Block, str]]]:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from optimisation_problems import PROBLEMS, Problem, bare, box, ours, rosenbrock, sphere
+from optimisation_problems import PROBLEMS, Problem, bare, box, corner, ours, rosenbrock, sphere
 
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.midlevel.cma import CMAES
+from hybrid_tamp.midlevel.cma import CMAES, folded
 from hybrid_tamp.midlevel.grid import Grid, axis_counts
 from hybrid_tamp.midlevel.optimiser import (
     OPTIMISERS,
@@ -238,8 +238,22 @@ def test_one_variable(best: float) -> None:
 
 
 def test_optimum_in_a_corner() -> None:
-    optimum = search(find_optimiser("cma"), valued(lambda points: np.sum(points, axis=1)), box(6))
-    np.testing.assert_allclose(optimum.point, 5.0, atol=2e-3)
+    # Where cmaes does not arrive that samples again whatever falls outside.
+    optimum = search(CMAES(restarts=0), valued(lambda points: -corner(points)), box(6))
+    np.testing.assert_allclose(optimum.point, 5.0, atol=1e-3)
+    assert optimum.evaluations < 1500
+
+
+def test_optimum_on_some_of_the_bounds() -> None:
+    optimum = search(CMAES(restarts=0), valued(lambda points: -sphere(points - np.array([9.0, 1.0, -6.0]))), box(3))
+    np.testing.assert_allclose(optimum.point, [5.0, 1.0, -5.0], atol=3e-3)
+
+
+@given(st.lists(st.floats(-9.0, 9.0), min_size=1, max_size=5).map(np.array))
+def test_folding_mirrors_into_the_cube(points: FloatArray) -> None:
+    inside = folded(points)
+    assert np.all((inside >= 0.0) & (inside <= 1.0))
+    np.testing.assert_allclose(np.cos(np.pi * inside), np.cos(np.pi * points), atol=1e-12)
 
 
 def test_start_in_a_corner() -> None:
@@ -255,12 +269,13 @@ def test_a_restart_leaves_a_local_optimum() -> None:
 
     def found(restarts: int) -> int:
         optima = [
-            search(CMAES(restarts=restarts, sigma=0.05), valued(value), box(1, -3.0), 10_000, s) for s in range(8)
+            search(CMAES(restarts=restarts, sigma=0.05), valued(value), box(1, -3.0), 10_000, s)
+            for s in range(3000, 3004)
         ]
         return sum(optimum.value > 1.9 for optimum in optima)
 
     assert found(0) == 0
-    assert found(8) == 8
+    assert found(6) == 4
 
 
 def test_populations_double() -> None:
@@ -282,14 +297,15 @@ def test_a_flat_objective_ends_early_at_the_default() -> None:
     assert optimum.evaluations < 1000
 
 
-def test_noise_is_averaged_out() -> None:
-    def distance(noisy: bool, seed: int) -> float:
+@pytest.mark.parametrize("noisy", [False, True])
+def test_noise_is_averaged_out(noisy: bool) -> None:
+    def distance(seed: int) -> float:
         noise = np.random.default_rng(seed)
-        evaluate = valued(lambda points: -sphere(points) + noise.normal(scale=1.0, size=len(points)))
-        return float(np.linalg.norm(search(CMAES(noisy=noisy, restarts=0), evaluate, box(3, 3.0), 2000, seed).point))
+        evaluate = valued(lambda points: -sphere(points) + noise.normal(scale=0.5, size=len(points)))
+        optimum = search(find_optimiser("cma", noisy=noisy), evaluate, box(3, 3.0), 1000, seed)
+        return float(np.linalg.norm(optimum.point))
 
-    distances = {noisy: median(distance(noisy, seed) for seed in range(3000, 3005)) for noisy in (False, True)}
-    assert distances[True] < 1.5
+    assert median(distance(seed) for seed in range(3000, 3005)) < 0.7
 
 
 def test_too_small_a_population_is_refused() -> None:
@@ -315,7 +331,13 @@ def test_grid_takes_both_ends_and_the_default() -> None:
 
 @pytest.mark.parametrize(
     ("k", "evaluations", "counts"),
-    [(1, 1000, (1000,)), (3, 1000, (10, 10, 10)), (3, 999, (10, 9, 9)), (10, 100, (2,) * 6 + (1,) * 4), (2, 0, (1, 1))],
+    [
+        (1, 1000, (1000,)),
+        (3, 1000, (10, 10, 10)),
+        (3, 999, (10, 10, 9)),
+        (10, 100, (2,) * 6 + (1,) * 4),
+        (2, 0, (1, 1)),
+    ],
 )
 def test_points_on_each_axis(k: int, evaluations: int, counts: tuple[int, ...]) -> None:
     assert axis_counts(k, evaluations) == counts
