@@ -129,7 +129,7 @@ class _Way:
     @property
     def choices(self) -> tuple[str, ...]:
         """The values that the innermost field may have, where they are few."""
-        return get_args(self.field.annotation) if self.field else ()
+        return tuple(map(str, get_args(self.field.annotation))) if self.field else ()
 
     @property
     def unit(self) -> str:

@@ -93,6 +93,14 @@ def test_a_variable_that_makes_rollouts_fail_is_relevant() -> None:
     assert found.free == DUMMIES[1:]
 
 
+def test_the_value_does_not_count_where_conditions_are_violated() -> None:
+    def evaluate(points: FloatArray) -> Scores:
+        scores = sometimes(points)
+        return Scores(scores.violation, scores.value + np.where(scores.violation > 0.01, points[:, 5], 0.0))
+
+    assert find_relevant(evaluate, SPACE, np.random.default_rng(3000)).free == DUMMIES
+
+
 def test_where_no_point_meets_the_conditions_the_value_counts_everywhere() -> None:
     def evaluate(points: FloatArray) -> Scores:
         return Scores(np.full(len(points), 0.5), value(points))
