@@ -54,7 +54,7 @@ class Tailoring:
             LimitReached: all attempts together ran into the time limit, or one into the memory limit.
         """
         most = 1
-        while self._widening.outside(self.reduction):
+        while self._widening.outside(self.reduction, self._names):
             why = self._unreachable()
             planned = None if why else self._attempt(planner, share=0.5)
             if planned is not None and planned.status not in _WITHOUT:
@@ -134,6 +134,6 @@ class Tailoring:
     def _told(self, planned: Planned) -> Planned:
         """Return what came of planning, with the time of all attempts together."""
         # A shorter plan may need what was left out.
-        proven = planned.proven and not self._widening.outside(self.reduction)
+        proven = planned.proven and not self._widening.outside(self.reduction, self._names)
         answer = replace(planned.answer, seconds=self._elapsed)
         return replace(planned, answer=answer, proven=proven, stages=dict(self._stages))

@@ -63,10 +63,10 @@ class Widening:
         """The network with every object brought in: what it leaves out is in no plan, so it has one if the full has."""
         return self.reduced(self.task.token_by_name)
 
-    def outside(self, reduction: Reduction) -> list[Token]:
-        """Return the objects that a reduction leaves out and that fit somewhere in the network, in the task's order."""
+    def outside(self, reduction: Reduction, brought: Collection[str]) -> list[Token]:
+        """Return the objects that were not brought in yet and fit somewhere in the network, in the task's order."""
         # Agents' tokens are always there, and come in with the first block that they can fill.
-        inside = reduction.tokens | self._reducer.capable
+        inside = reduction.tokens | self._reducer.capable | set(brought)
         outside = self.all.tokens - inside
         return [token for token in self.task.assigned if token.name in outside]
 
@@ -86,11 +86,13 @@ class Widening:
         """Return the names of the objects that are left out and fit somewhere, the nearest first."""
         near = self._distances(reduction)
         kinds: dict[tuple[type, ...], float] = {}
-        for token in self.outside(reduction):
+        for token in self.outside(reduction, brought):
             if token.classes not in kinds:
                 fillable = self.fillable(reduction, brought, token.name)
                 kinds[token.classes] = min((near.get(block, math.inf) for block in fillable), default=math.inf)
-        found = [(kinds[token.classes], self._distance(token.name), token.name) for token in self.outside(reduction)]
+        found = [
+            (kinds[token.classes], self._distance(token.name), token.name) for token in self.outside(reduction, brought)
+        ]
         return [name for _, _, name in sorted(found)]
 
     def fillable(self, reduction: Reduction, brought: Collection[str], name: str) -> tuple[str, ...]:

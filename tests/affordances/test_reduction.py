@@ -159,6 +159,17 @@ def test_tools_that_are_needed_together_are_brought_in_one_after_the_other() -> 
     assert {"hammer", "bar", "lid"} <= set(brought(outcome))
 
 
+def test_tools_that_are_of_no_use_alone_are_brought_in_once_each() -> None:
+    done = changing("done", Part)
+    all_three = block("A", {"part": Part, "first": Tool, "second": Tool, "third": Tool}, (), [done("part")])
+    of = serial.domain([all_three], [done], serial.in_series([all_three]))
+    whole = serial.task(of, [("done", "part 0")], tools=3)
+    outcome = pipeline.plan(whole, Exhaustive())
+    assert outcome.document.status == "solved"
+    assert [each.blocks for each in outcome.document.network.expanded_with] == [[], [], ["A"]]
+    assert brought(outcome) == ["tool 0", "tool 1", "tool 2"]
+
+
 def test_without_any_tool_it_is_proven_on_the_whole_network() -> None:
     planner = Exhaustive()
     outcome = pipeline.plan(task({"a light hammer": HAMMER, "ball": [Ball]}), planner)
