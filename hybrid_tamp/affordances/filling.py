@@ -25,7 +25,14 @@ class Members:
 
     def can_fill(self, block: Block) -> bool:
         """Say whether there is a token for each slot and each target that is no symbol, a different one for each."""
-        return _choosable([self.of(sort) for sort in block.roles.values() if not isinstance(sort, SymbolSort)])
+        return _choosable(self._fitting(block))
+
+    def able(self, block: Block) -> Set[str]:
+        """Return the names of the tokens that fit a slot or a target of the block."""
+        return frozenset().union(*self._fitting(block))
+
+    def _fitting(self, block: Block) -> list[Set[str]]:
+        return [self.of(sort) for sort in block.roles.values() if not isinstance(sort, SymbolSort)]
 
 
 def _choosable(sets: Sequence[Set[str]]) -> bool:

@@ -100,13 +100,14 @@ class Reducer:
     def _there(self) -> tuple[Token, ...]:
         """The tokens that are there without being brought in."""
         names = self.needed | self.capable
-        return tuple(token for token in self._task.tokens if token.name in names or token.place)
+        return tuple(token for token in self._task.tokens if token.name in names | self._places)
 
     def reduced(self, brought: Collection[str] = (), among: Collection[Block] | None = None) -> Reduction:
         """Reduce the task to what its goal's tokens, the agents' and those that are in a block already can do together.
 
         Blocks that are left out have a slot or a target that none of these can fill, no way in, or no way out where
-        one must leave. Places are always there. Tokens that fit nowhere in what is left are left out, too.
+        one must leave, or nothing to do with the goal's tokens, not even by way of others. Places are always there.
+        Tokens that fit nowhere in what is left are left out, too.
 
         Args:
             brought: names of further tokens, brought in as tools.
@@ -116,9 +117,23 @@ class Reducer:
         members = Members([*self._there, *(self._task.token_by_name[name] for name in brought)])
         fillable = [block for block in (domain.blocks if among is None else among) if members.can_fill(block)]
         blocks = _passable(domain, fillable, {domain.resting, *self._begun.values()})
-        sorts = {sort for block in blocks if block.name != domain.resting for sort in block.roles.values()}
-        able = {name for sort in sorts if not isinstance(sort, SymbolSort) for name in members.of(sort)}
-        return Reduction(self._task, self.needed | able, tuple(blocks), tuple(fillable))
+        able = {block.name: members.able(block) for block in blocks if block.name != domain.resting}
+        related = self._related(able)
+        kept = [block for block in blocks if block.name in related or block.name not in able]
+        return Reduction(self._task, self.needed.union(*(able[name] for name in related)), tuple(kept), tuple(fillable))
+
+    def _related(self, able: Mapping[str, Set[str]]) -> list[str]:
+        """Return the blocks that have to do with the needed tokens, if only by way of others; places lead nowhere."""
+        tokens, related = set(self.needed - self._places), list[str]()
+        waiting = dict(able)
+        while found := [name for name, fit in waiting.items() if not tokens.isdisjoint(fit)]:
+            related += found
+            tokens.update(*(waiting.pop(name) - self._places for name in found))
+        return related
+
+    @cached_property
+    def _places(self) -> frozenset[str]:
+        return frozenset(token.name for token in self._task.tokens if token.place)
 
 
 def reduced(task: Task, brought: Collection[str] = ()) -> Reduction:

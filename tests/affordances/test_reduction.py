@@ -1,5 +1,6 @@
 """The network tailored to a task: what is left out, what is brought in, and that no plan is lost."""
 
+import dataclasses
 import random
 from collections.abc import Sequence
 
@@ -11,14 +12,16 @@ from hypothesis import strategies as st
 from random_series import RandomSeries
 from scenes import rolling_task
 from serial import Part, Tool, block, changing
-from tools import CROWBAR, HAMMER, Ball, Graspable, Lever, Lid, Nail, Striker, domain, task
+from tools import CROWBAR, HAMMER, Ball, Graspable, Hand, Lever, Lid, Nail, Striker, domain, task
 
 from hybrid_tamp import pipeline
 from hybrid_tamp.affordances.reduction import reduced
 from hybrid_tamp.affordances.tailoring import Tailoring
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import ANY, Atom
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.report.tables import network_text
@@ -61,15 +64,41 @@ def shuffled(of: Task, seed: int) -> Task:
 
 
 def test_blocks_that_no_token_fills_are_left_out_with_what_only_they_mention() -> None:
-    reduction = reduced(task({"hammer": HAMMER, "ball": [Ball]}), ["ball"])
-    assert blocks(reduction.task) == {"RESTING", "PUSHING"}
-    assert reduction.tokens_left_out == ("hammer",)
-    assert reduction.blocks_left_out == ("DRIVING", "GRASPING", "LEVERING")
-    assert {predicate.name for predicate in reduction.task.domain.predicates} == {"driven", "pushed"}
-    assert {"STRIKER", "GRASPABLE"}.isdisjoint(each.name for each in reduction.task.domain.classes)
+    reduction = reduced(task({"hammer": HAMMER, "ball": [Ball]}), ["hammer"])
+    assert blocks(reduction.task) == {"RESTING", "GRASPING", "DRIVING"}
+    assert reduction.tokens_left_out == ("ball",)
+    assert reduction.blocks_left_out == ("LEVERING", "PUSHING")
+    assert {predicate.name for predicate in reduction.task.domain.predicates} == {
+        "driven",
+        "bare",
+        "heavy_enough",
+        "held",
+    }
+    assert {"BALL", "LEVER", "LID"}.isdisjoint(each.name for each in reduction.task.domain.classes)
     assert reduction.task.domain.network.edges == tuple(
-        edge for edge in task({}).domain.network.edges if {edge[0][0], edge[1][0]} <= {"RESTING", "PUSHING"}
+        edge for edge in task({}).domain.network.edges if {edge[0][0], edge[1][0]} <= {"RESTING", "GRASPING", "DRIVING"}
     )
+
+
+def test_agents_that_have_nothing_to_do_with_the_goal_are_left_out_with_their_blocks() -> None:
+    drums = rolling_task(hands=1)
+    of = drums.domain
+    made = type("Gripper", (Hand,), {"name": "GRIPPER", "__module__": "tools"})
+    moving = block("MOVING", {"gripper": made}, (), [changing("moved", made)("gripper")])
+    edges = [(".".join(one), ".".join(other)) for one, other in of.network.edges]
+    wider = dataclasses.replace(
+        of,
+        classes=(*of.classes, made),
+        blocks=(*of.blocks, moving),
+        predicates=(*of.predicates, moving.exit[0].predicate),
+        network=ReassignmentNetwork([*edges, ("RESTING.token", "MOVING.gripper"), ("MOVING.gripper", "RESTING.token")]),
+    )
+    gripper = Token.make("gripper", [made], {})
+    tokens = (*drums.tokens, gripper)
+    given = {(t.name, v.name): drums.state[t, v.name] for t in drums.tokens for v in t.varying}
+    reduction = reduced(drums.replaced(domain=wider, tokens=tokens, state=State.of(tokens, given)))
+    assert reduction.tokens_left_out == ("gripper",)
+    assert blocks(reduction.task) == {"RESTING", "REACHING:behind", "ROLLING"}
 
 
 def test_a_block_needs_a_different_token_for_each_slot_and_target() -> None:
