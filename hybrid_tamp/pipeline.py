@@ -32,6 +32,7 @@ from hybrid_tamp.symbolic.pddl import domain_text, problem_text
 from hybrid_tamp.symbolic.planner import PlannerProcess
 from hybrid_tamp.symbolic.problem import compile_task
 from hybrid_tamp.symbolic.stage import Planned, Planner, plan_task
+from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import load_task
 
@@ -169,10 +170,12 @@ def _export_temporal(task: Task, folder: RunFolder, plan: TaskPlan | None) -> li
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Write a plan's document and PDDL files, and a copy of the task file, in place of another run's."""
+    """Write a plan's document and PDDL files, the task file and what it names, in place of another run's."""
+    # The task may be another run's, in this very folder.
+    text, named = (None, {}) if outcome.task.source is None else portable(outcome.task.source)
     folder.clear()
-    if outcome.task.source is not None:
-        folder.write_text("task.yaml", outcome.task.source.read_text(encoding="utf-8"))
+    for name, content in {**({} if text is None else {"task.yaml": text}), **named}.items():
+        folder.write_text(name, content)
     folder.write_json("plan.json", outcome.document.dump())
     export(outcome.task, folder, outcome.plan)
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
+from hybrid_tamp.motion.profile import Profile
 
 _SAMPLES = 201
 
@@ -27,3 +28,9 @@ def straight_movement() -> DMP:
     """
     time = np.linspace(0.0, 1.0, _SAMPLES)
     return DMP.imitate(time, minimum_jerk(time)[:, None], n_weights=20)
+
+
+@cache
+def straight_profile() -> Profile:
+    """Return how `straight_movement` goes from its beginning to its end."""
+    return Profile(straight_movement())

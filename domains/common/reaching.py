@@ -1,7 +1,8 @@
 """REACHING (paper, D5): a hand's curved reach to a place beside an object.
 
 The block is written once; a domain says where its hands reach to (`ReachGoal`). The movement is a dynamic movement
-primitive learnt from a demonstrated reach (``reach.csv``) that lifts the hand, carries it over and sets it down.
+primitive learnt from a demonstrated reach (``reach.csv``) that lifts the hand, carries it over and sets it down, or
+whatever other one it is taught.
 """
 
 from collections.abc import Callable
@@ -17,6 +18,7 @@ from hybrid_tamp.model.block import (
     Duration,
     Hyperparameter,
     Hyperparameters,
+    Movement,
     Policy,
     Slot,
     Target,
@@ -24,6 +26,7 @@ from hybrid_tamp.model.block import (
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.dmp import DMP
 
 from .classes import StaticEndEffector
 from .predicates import AT_REST
@@ -53,8 +56,14 @@ class ReachGoal:
     arrived: tuple[Literal, ...]
 
 
-def reaching(goal: ReachGoal, mode: str | None = None) -> Block:
-    """Return REACHING for one kind of goal, as one mode of it where there are several."""
+def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
+    """Return REACHING for one kind of goal.
+
+    Args:
+        goal: where the hands reach to.
+        mode: its name as one mode of several, or None.
+        primitive: the movement, in three dimensions; the demonstrated reach by default.
+    """
 
     def duration_guess(binding: Binding, state: State) -> FloatArray:
         hand = cast(Token, binding["hand"])
@@ -66,7 +75,8 @@ def reaching(goal: ReachGoal, mode: str | None = None) -> Block:
 
     def make_policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
         hand = cast(Token, binding["hand"])
-        reference = demonstrated_reach().trajectory(
+        movement = primitive or demonstrated_reach()
+        reference = movement.trajectory(
             start[hand, "position"], goal.position(binding, start), hyperparameters["duration"]
         )
 
@@ -92,6 +102,8 @@ def reaching(goal: ReachGoal, mode: str | None = None) -> Block:
         hold=True,
         policy=make_policy,
         system=_system,
+        taught=lambda other: reaching(goal, mode, other),
+        movement=Movement("hand", "position", 3),
         outcome=outcome,
         description="the hand moves on a curve to its place beside the object and holds there",
     )

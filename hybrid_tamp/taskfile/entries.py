@@ -86,6 +86,11 @@ class TaskFile(_Entry):
     assignment: dict[str, Text] = Field(
         default_factory=dict, description="token to the block in which it starts; default: the domain's resting block"
     )
+    primitives: dict[str, Text] = Field(
+        default_factory=dict,
+        description="block, or action for all its modes, to the file of the motor primitive that it is taught, as "
+        "'hybrid-tamp learn' writes it; relative to the task file",
+    )
     planner: Annotated[Text, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\[\]-]*$")] = Field(
         default=DEFAULT_PLANNER, description="name of the planning engine"
     )

@@ -14,6 +14,7 @@ from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.goals import read_goal
 from hybrid_tamp.taskfile.places import Faults, KeyPath
+from hybrid_tamp.taskfile.primitives import teach
 from hybrid_tamp.taskfile.roles import read_agents, read_assignment
 from hybrid_tamp.taskfile.starts import check_starts
 from hybrid_tamp.taskfile.tokens import check_printable, read_scene
@@ -78,7 +79,7 @@ def _load(
     document = parse(text, source)
     data, faults = document.data, document.faults
     file = _check_form(data, faults)
-    domain = _find(data, faults, find_domain)
+    domain = teach(data, faults, _find(data, faults, find_domain), path.parent if path else Path())
     scene = read_scene(data, faults, domain)
     goal = read_goal(data, faults, domain, scene)
     agents = read_agents(data, faults, scene)

@@ -10,6 +10,7 @@ from pydantic_core import ErrorDetails
 
 from hybrid_tamp.taskfile.places import Faults, KeyPath, plain, shown
 
+_TASK_FILE = "the task file"
 _MAPPING = "must be a mapping of keys to values"
 _WANTED = {
     "bool_type": "must be true or false",
@@ -47,6 +48,7 @@ def add_validation_faults(
     model: type[BaseModel],
     base: KeyPath = (),
     why: Callable[[str], str] = no_reason,
+    whole: str = _TASK_FILE,
 ) -> None:
     """Note everything that pydantic found, each at its place.
 
@@ -56,14 +58,15 @@ def add_validation_faults(
         model: what was validated against; its fields tell units, descriptions and known keys.
         base: path of the validated part within the file.
         why: words on why a missing key is needed, behind its description.
+        whole: what messages call the file itself.
     """
     for details in error.errors(include_url=False):
         way = _Way(model, details["loc"])
         path = base + way.path
         if details["type"] == "missing":
-            _add_missing(faults, way, path, details["input"], why)
+            _add_missing(faults, way, path, details["input"], why, whole)
         elif details["type"] == "extra_forbidden":
-            wanted = f"unknown key in {subject(path[:-1])}"
+            wanted = f"unknown key in {subject(path[:-1], whole)}"
             faults.at(path, wanted, shown(path[-1]), way.siblings, key=True)
         elif details["type"] == "union_tag_invalid":
             tags = [tag.strip(" '") for tag in details["ctx"]["expected_tags"].split(",")]
@@ -71,7 +74,7 @@ def add_validation_faults(
             faults.at(path, f"{subject(path)} is none of those known", shown(details["ctx"]["tag"]), tags)
         else:
             wanted = _wanted(details, way.unit)
-            faults.at(path, f"{subject(path)} {wanted}", faults.shown(path, details["input"]))
+            faults.at(path, f"{subject(path, whole)} {wanted}", faults.shown(path, details["input"]))
 
 
 def _wanted(details: ErrorDetails, unit: str) -> str:
@@ -86,13 +89,13 @@ def _wanted(details: ErrorDetails, unit: str) -> str:
     return template.format(**context) + (unit if details["type"] in _NUMBERS else "")
 
 
-def _add_missing(faults: Faults, way: "_Way", path: KeyPath, came: Any, why: Callable[[str], str]) -> None:
+def _add_missing(faults: Faults, way: "_Way", path: KeyPath, came: Any, why: Callable[[str], str], whole: str) -> None:
     last = path[-1]
     if isinstance(last, int):
         faults.at(path[:-1], f"{subject(path[:-1])} must be a list of {way.length}", shown(came))
         return
     description = ": " + way.field.description if way.field and way.field.description else ""
-    faults.at(path, f"missing key {last!r}{way.unit} in {subject(path[:-1])}{description}{why(last)}")
+    faults.at(path, f"missing key {last!r}{way.unit} in {subject(path[:-1], whole)}{description}{why(last)}")
 
 
 class _Way:
@@ -146,10 +149,10 @@ def _members(annotation: Any) -> tuple[Any, ...]:
     return tuple(member for one in get_args(annotation) if one is not NoneType for member in _members(one))
 
 
-def subject(path: KeyPath) -> str:
+def subject(path: KeyPath, whole: str = _TASK_FILE) -> str:
     """Return how messages call a part of a task file, e.g. ``pose.position[2] of token 'drum'``."""
     if not path:
-        return "the task file"
+        return whole
     if path[0] != "tokens" or len(path) == 1:
         return _dotted(path)
     token = f"token {shown(path[1])}"

@@ -1,14 +1,11 @@
 """Tumbling in PyBullet: one run of each kind, judged by law, measures and contacts; campaigns are in scripts/trials."""
 
-import numpy as np
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
-from hybrid_tamp_domains.rolling_tumbling.turning import arrival
 
 from hybrid_tamp import pipeline
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
 from hybrid_tamp.physics.backend import open_backend
 from hybrid_tamp.physics.execution import execute
 from hybrid_tamp.report.measures import CONTACT, MEASURED, PLANNED, run_measures
@@ -42,13 +39,3 @@ def test_four_hands_are_a_fifth_faster_than_two_and_leave_the_box_in_peace() -> 
 def test_a_box_whose_edge_slides_is_tipped_all_the_same() -> None:
     """Seed 25: friction .4 and nearly a cube; its edge slides by 3 cm, and the hands have to turn further."""
     assert measured(25, 2)[CONTACT] < 5.0
-
-
-def test_estimates_end_where_exit_conditions_hold() -> None:
-    amount, duration, near, slow = 0.5, 1.4, 0.06, 0.02
-    end = float(arrival(amount, duration, near, slow))
-    for time, holds in ((end - 0.01, False), (end + 0.01, True)):
-        left = amount * (1.0 - minimum_jerk(time / duration))
-        speed = amount * minimum_jerk_rate(time / duration) / duration
-        assert bool(left <= near and speed <= slow) == holds
-    assert np.allclose(arrival(np.array([0.1, 0.5]), duration, near, slow)[1], end)
