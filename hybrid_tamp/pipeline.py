@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from hybrid_tamp.affordances.explanation import explain
+from hybrid_tamp.affordances.explanation import Explanation, explain, explain_wholly
 from hybrid_tamp.errors import HybridTampError, InputError, Issue, LimitReached, NoPlan
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.law import check_law
@@ -22,6 +22,7 @@ from hybrid_tamp.report.documents import (
     PlannerEntry,
     ReasonEntry,
     ResultDocument,
+    SuggestionEntry,
     plan_document,
     result_document,
 )
@@ -41,6 +42,9 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, str], None]
 """Called with the share done, 0 to 1, and what is being done."""
+
+SUGGESTING = 4.0
+"""How long `plan` looks for a single change with which there would be a plan [s]."""
 
 _SAID = {
     "unsolvable": "No plan exists; the planner has proven it.",
@@ -80,19 +84,20 @@ class RunOutcome:
     document: ResultDocument
 
 
-def plan(task: Task, planner: Planner | None = None) -> PlanOutcome:
+def plan(task: Task, planner: Planner | None = None, suggesting: float = SUGGESTING) -> PlanOutcome:
     """Plan a task and judge the plan.
 
     Args:
         task: the task.
         planner: a running planner process; without one, one is started for this call.
+        suggesting: how long to look for a single change that gives a plan, where there is none [s].
 
     Raises:
         InputError: the engine is unknown or not installed.
     """
     if planner is None:
         with PlannerProcess() as process:
-            return plan(task, process)
+            return plan(task, process, suggesting)
     began = time.monotonic()
     try:
         planned = plan_task(task, planner)
@@ -101,10 +106,10 @@ def plan(task: Task, planner: Planner | None = None) -> PlanOutcome:
         said = ExplanationEntry(kind=limit.limit, message=str(limit), reasons=[])
         document = plan_document(task, status="limit", planner=entry, plan=None, explanation=said)
         return PlanOutcome(task, document, None, limit)
-    return _outcome(task, planned)
+    return _outcome(task, planned, suggesting)
 
 
-def _outcome(task: Task, planned: Planned) -> PlanOutcome:
+def _outcome(task: Task, planned: Planned, suggesting: float) -> PlanOutcome:
     answer = planned.answer
     entry = PlannerEntry(
         name=answer.engine,
@@ -119,12 +124,38 @@ def _outcome(task: Task, planned: Planned) -> PlanOutcome:
     proven = planned.status == "unsolvable"
     detail = planned.refusal or ("" if proven else answer.message)
     said = " ".join(filter(None, [_SAID[planned.status], detail]))
-    reasons = [ReasonEntry(**reason.__dict__) for reason in explain(task, proven)] if not detail else []
-    explanation = ExplanationEntry(kind=planned.status, message=said, reasons=reasons)
+    if detail:
+        explanation = ExplanationEntry(kind=planned.status, message=said, reasons=[])
+    else:
+        explanation = _explanation(task, planned.status, said, proven, suggesting)
     status: Literal["unsolvable", "unknown"] = "unsolvable" if proven else "unknown"
     document = plan_document(task, status=status, planner=entry, plan=None, explanation=explanation)
-    message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in reasons)])
+    message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in explanation.reasons)])
     return PlanOutcome(task, document, None, NoPlan(message, proven=proven, kind=planned.status))
+
+
+def _explanation(task: Task, kind: str, said: str, proven: bool, suggesting: float) -> ExplanationEntry:
+    """Return why there is no plan; single changes are looked for where that is proven and there is time for it."""
+    if proven and suggesting:
+        return explanation_entry(explain_wholly(task, suggesting, most=1), kind, said)
+    return explanation_entry(Explanation(tuple(explain(task, proven)), (), complete=False), kind, said)
+
+
+def explanation_entry(found: Explanation, kind: str, said: str) -> ExplanationEntry:
+    """Return an explanation as data."""
+    suggestions = [
+        SuggestionEntry(
+            kind=each.change.kind, what=each.change.what, length=each.length, names=[n for n in each.change.key if n]
+        )
+        for each in found.suggestions
+    ]
+    return ExplanationEntry(
+        kind=kind,
+        message=said,
+        reasons=[ReasonEntry(**reason.__dict__) for reason in found.reasons],
+        suggestions=suggestions,
+        all_looked_at=found.complete,
+    )
 
 
 def export(

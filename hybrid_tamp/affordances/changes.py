@@ -7,6 +7,7 @@ takes: a token of a class of which the task has no member meets every feasibilit
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
+from typing import Literal as OneOf
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
-KINDS = ("token", "class", "edge", "fact", "property")
+Kind = OneOf["token", "class", "edge", "fact", "property"]
 
 Place = tuple[float, float, float]
 
@@ -29,13 +30,13 @@ class Change:
     """One change of a task.
 
     Attributes:
-        kind: one of `KINDS`.
+        kind: what sort of change it is.
         key: what tells it from others of its kind: the names of a class, a token, slots, an atom or a property.
         what: the change in words, as something to do.
         made: makes the changed task.
     """
 
-    kind: str
+    kind: Kind
     key: tuple[str, ...]
     what: str
     made: Callable[[], Task]
@@ -182,8 +183,8 @@ Granted = Callable[[Predicate, tuple[Value, ...]], bool]
 def granted(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collection[str] = ()) -> Domain:
     """Return the domain in which feasibility facts that are wanted are so by decree.
 
-    Of the tokens that they speak of not everything may be known: what cannot be said of them at first does not hold, and
-    how long blocks last is not estimated from them.
+    Of the tokens that they speak of not everything may be known: what cannot be said of them at first does not hold,
+    and how long blocks last is not estimated from them.
 
     Args:
         domain: the domain.

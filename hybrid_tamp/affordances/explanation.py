@@ -6,14 +6,53 @@ are short, or where its feasibility facts hold for no choice of tokens; then the
 """
 
 import math
+from dataclasses import dataclass
 
 from hybrid_tamp.affordances.backwards import Backwards
 from hybrid_tamp.affordances.bindings import TooMany
+from hybrid_tamp.affordances.candidates import points_to
 from hybrid_tamp.affordances.reasons import Reason, merged
+from hybrid_tamp.affordances.repairs import Suggestion, but_for, repairs
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 
-__all__ = ["Reason", "explain"]
+__all__ = ["Explanation", "Reason", "explain", "explain_wholly"]
+
+TOGETHER = "together"
+"""The kind of reason that says only that there is none of another kind."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why a task has no plan, and what would give it one.
+
+    Attributes:
+        reasons: the reasons; those first that a suggestion takes away.
+        suggestions: single changes with which there is a plan; each was planned.
+        complete: whether every single change was looked at, or as many were found as were asked for.
+    """
+
+    reasons: tuple[Reason, ...]
+    suggestions: tuple[Suggestion, ...]
+    complete: bool
+
+
+def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
+    """Return why a task that is proven to have no plan has none, and single changes with which it has one.
+
+    What only a change shows is a reason, too: but for this, there would be a plan.
+
+    Args:
+        task: the task.
+        seconds: how long changes are looked for.
+        most: how many changes are enough.
+    """
+    reasons = explain(task, proven=True)
+    found = repairs(task, reasons, seconds, most)
+    told = [*reasons, *but_for(task, reasons, found.suggestions)]
+    pointed = [r for r in told if any(points_to(task, r, each.change) for each in found.suggestions)]
+    others = [r for r in told if r not in pointed and not (pointed and r.kind == TOGETHER)]
+    return Explanation((*pointed, *others), found.suggestions, found.complete)
 
 
 def explain(task: Task, proven: bool = False) -> list[Reason]:
@@ -38,7 +77,7 @@ def _hidden(atoms: list[Atom]) -> Reason:
         message = "each goal alone is possible as far as the feasibility facts tell; together they are not"
     else:
         message = "no single feasibility fact excludes it; what its blocks need cannot be brought about together"
-    return Reason(goal, "", "together", message)
+    return Reason(goal, "", TOGETHER, message)
 
 
 def _reasons(search: Backwards, goal: Atom) -> list[Reason]:

@@ -2,7 +2,8 @@
 
 An object affords a block where it can be in one of the block's slots. In the *environment's* perspective its classes
 alone say so. In an *agent's* the agent's capability tokens must fill the other slots so that every feasibility fact
-holds, and edges must lead all of them there; that choice of tokens is the witness. What depends on the state is not asked.
+holds, and edges must lead all of them there; that choice of tokens is the witness. What depends on the state is not
+asked.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -146,7 +147,7 @@ class _Usable:
     def witness(self, block: Block, fixed: Bound) -> Mapping[str, str] | None:
         """Return who could be where in a block, or None."""
         found = self._found(block, fixed, self._passages)
-        return found and {role: name_of(value) for role, value in found.items()}
+        return None if found is None else {role: name_of(value) for role, value in found.items()}
 
     @cached_property
     def _passages(self) -> Passages:

@@ -15,8 +15,8 @@ View = Callable[[Task], list[Affordance]]
 def asked(task: Task, question: str, view: View) -> Task:
     """Return the task that a question is about.
 
-    One more token is a copy of the first one of its class, for the same agent, at that place beside it or across from it
-    where the view gains most. Of a class without members it is one that is as able as it takes, of no agent.
+    One more token is a copy of the first one of its class, for the same agent, beside it or across from it, where the
+    view gains most. Of a class without members it is one that is as able as it takes, of no agent.
 
     Args:
         task: the task.

@@ -12,7 +12,9 @@ from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.task import Task
 
 
-class _Document(BaseModel):
+class Document(BaseModel):
+    """A JSON document or a part of one; unknown keys are refused."""
+
     model_config = ConfigDict(extra="forbid", populate_by_name=True)
 
     def dump(self) -> dict[str, Any]:
@@ -20,7 +22,7 @@ class _Document(BaseModel):
         return self.model_dump(by_alias=True, mode="json")
 
 
-class InstanceEntry(_Document):
+class InstanceEntry(Document):
     """One block instance within a step."""
 
     block: str
@@ -31,7 +33,7 @@ class InstanceEntry(_Document):
     hyperparameters: dict[str, float]
 
 
-class StepEntry(_Document):
+class StepEntry(Document):
     """A stretch of time in which no token is reassigned; shows where every token is."""
 
     index: int
@@ -40,7 +42,7 @@ class StepEntry(_Document):
     blocks: list[InstanceEntry]
 
 
-class PlannerEntry(_Document):
+class PlannerEntry(Document):
     """Which engine answered, how long it took, and how the plan was found."""
 
     name: str
@@ -50,7 +52,7 @@ class PlannerEntry(_Document):
     stages: dict[str, float] = Field(default_factory=dict, description="what each stage took [s]")
 
 
-class NetworkEntry(_Document):
+class NetworkEntry(Document):
     """The network that was planned on."""
 
     blocks: list[str]
@@ -59,7 +61,7 @@ class NetworkEntry(_Document):
     expanded_with: list[str] = Field(default_factory=list)
 
 
-class ReasonEntry(_Document):
+class ReasonEntry(Document):
     """One reason why there is no plan."""
 
     goal: str
@@ -69,17 +71,30 @@ class ReasonEntry(_Document):
     atom: str = ""
     margin: float | None = None
     unit: str = ""
+    lacks: str = Field("", description="the class or the slot 'BLOCK.slot' for which there is too little")
 
 
-class ExplanationEntry(_Document):
+class SuggestionEntry(Document):
+    """A single change with which there is a plan: it was planned."""
+
+    kind: Literal["token", "class", "edge", "fact", "property"]
+    what: str
+    solvable: Literal[True] = True
+    length: int = Field(description="number of PDDL actions of the plan that was found")
+    names: list[str] = Field(description="the token, class, slots, atom or property that it is about")
+
+
+class ExplanationEntry(Document):
     """Why there is no plan."""
 
     kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, time or memory")
     message: str
     reasons: list[ReasonEntry]
+    suggestions: list[SuggestionEntry] = Field(default_factory=list)
+    all_looked_at: bool = Field(False, description="whether no single change beyond the suggestions was left untried")
 
 
-class PlanDocument(_Document):
+class PlanDocument(Document):
     """What `plan --json` prints and `plan.json` holds."""
 
     schema_: Literal["hybrid-tamp/plan/1"] = Field("hybrid-tamp/plan/1", alias="schema")
@@ -97,7 +112,7 @@ class PlanDocument(_Document):
     explanation: ExplanationEntry | None
 
 
-class AtomEntry(_Document):
+class AtomEntry(Document):
     """A goal atom as measured at the end."""
 
     atom: str
@@ -105,7 +120,7 @@ class AtomEntry(_Document):
     holds: bool
 
 
-class ExitEntry(_Document):
+class ExitEntry(Document):
     """An exit condition of an instance when it ended."""
 
     atom: str
@@ -114,7 +129,7 @@ class ExitEntry(_Document):
     holds: bool
 
 
-class RunEntry(_Document):
+class RunEntry(Document):
     """One block instance that ran."""
 
     instance: str
@@ -123,7 +138,7 @@ class RunEntry(_Document):
     exit: list[ExitEntry]
 
 
-class FailureEntry(_Document):
+class FailureEntry(Document):
     """Why a run stopped early."""
 
     step: int
@@ -132,7 +147,7 @@ class FailureEntry(_Document):
     margins: list[ExitEntry]
 
 
-class ResultDocument(_Document):
+class ResultDocument(Document):
     """What `run --json` prints and `result.json` holds."""
 
     schema_: Literal["hybrid-tamp/result/1"] = Field("hybrid-tamp/result/1", alias="schema")
@@ -248,10 +263,8 @@ def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-def json_schemas() -> dict[str, dict[str, Any]]:
-    """Return the JSON Schemas of the documents, file stem to schema."""
+def json_schemas(documents: Mapping[str, type[Document]] | None = None) -> dict[str, dict[str, Any]]:
+    """Return the JSON Schemas of the documents, file stem to schema; of plans and results where none are given."""
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    return {
-        "plan-1": dialect | PlanDocument.model_json_schema(by_alias=True),
-        "result-1": dialect | ResultDocument.model_json_schema(by_alias=True),
-    }
+    found = documents or {"plan-1": PlanDocument, "result-1": ResultDocument}
+    return {stem: dialect | document.model_json_schema(by_alias=True) for stem, document in found.items()}

@@ -92,7 +92,7 @@ class _Lifted:
         self._done: set[tuple[str, ...]] = set()
 
     def added(self, condition: Fact | None, fact: Fact, known: _Known) -> list[Fact]:
-        """Return what the operator adds, in ways that were not there before, where a fact meets one of its conditions."""
+        """Return what the operator adds in new ways where a fact meets one of its conditions."""
         bound = self._matched(condition, fact, {}) if condition else {}
         if bound is None:
             return []
@@ -109,7 +109,9 @@ class _Lifted:
         if not conditions:
             yield from self._completed(bound)
             return
-        rows, chosen = min(((known.rows(ground(each, bound)), each) for each in conditions), key=lambda one: len(one[0]))
+        rows, chosen = min(
+            ((known.rows(ground(each, bound)), each) for each in conditions), key=lambda one: len(one[0])
+        )
         rest = [each for each in conditions if each is not chosen]
         for row in tuple(rows):
             more = self._matched(chosen, row, bound)
