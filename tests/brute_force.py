@@ -14,6 +14,7 @@ import numpy as np
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.affordance import TOKEN, PlaceClass
+from hybrid_tamp.model.facts import static_facts
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import SymbolSort
 from hybrid_tamp.model.state import State
@@ -23,6 +24,8 @@ from hybrid_tamp.symbolic.operators import PlanningProblem
 from hybrid_tamp.symbolic.problem import compile_task
 
 MOST_STATES = 200_000
+CHANGES = (-0.99, -0.9, -0.7, -0.5, -0.2, 0.2, 0.5, 1.0, 2.0, 4.0, 9.0, 99.0)
+"""By how much of itself a property is changed."""
 Key = tuple[str, ...]
 
 
@@ -83,9 +86,12 @@ def _ground(problem: PlanningProblem) -> tuple[list[tuple[int, int, int]], dict[
         rows[fact[0]].add(fact)
     found: dict[Key, tuple[list[Key], list[Key], list[Key]]] = {}
     size = -1
+    grown = {fact[0] for fact in facts}
     while size < len(facts):
-        size = len(facts)
+        size, before, grown = len(facts), grown, set()
         for operator in problem.domain.operators:
+            if not before & {fact[0] for fact in operator.precondition}:
+                continue
             for bound in _bindings(operator, rows, of_type):
                 name = (operator.name, *(bound[v] for v, _ in operator.parameters))
                 if name not in found:
@@ -93,6 +99,7 @@ def _ground(problem: PlanningProblem) -> tuple[list[tuple[int, int, int]], dict[
                     ground = [[tuple(bound.get(a, a) for a in fact) for fact in part] for part in parts]
                     found[name] = (ground[0], ground[1], ground[2])
                     for fact in ground[1]:
+                        grown |= {fact[0]} if fact not in facts else set()
                         facts.add(fact)
                         rows[fact[0]].add(fact)
     changing = {fact for _, add, delete in found.values() for fact in (*add, *delete)}
@@ -138,12 +145,15 @@ def repairs(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
     yield from _classes(task)
     yield from _edges(task)
     yield from _facts(task)
+    yield from _properties(task)
 
 
 def all_single_repairs(task: Task) -> set[Key]:
     """Return the keys of all single repairs with which the task has a plan."""
     found = set()
     for key, made in repairs(task):
+        if key in found:
+            continue
         try:
             if solvable(made()):
                 found.add(key)
@@ -165,7 +175,9 @@ def _tokens(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
         here = task.state[like, "position"]
         places = [here + np.array([0.0, 0.3, 0.0])]
         places += [
-            np.array([*(2 * task.state[other, "position"] - here)[:2], here[2]]) for other in things if other is not like
+            np.array([*(2 * task.state[other, "position"] - here)[:2], here[2]])
+            for other in things
+            if other is not like
         ]
         for place in places:
             yield ("token", like.name), lambda like=like, place=place: _copied(task, like, place)
@@ -238,6 +250,25 @@ def _facts(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
                 atom = f"{'' if literal.positive else 'not '}{predicate.name}({', '.join(names)})"
                 decree = lambda p, v, name=predicate.name, values=values: p.name == name and v == values  # noqa: E731
                 yield ("fact", atom), lambda d=decree, s=literal.positive: _decreed(task, d, 1.0 if s else -1.0)
+
+
+def _properties(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
+    """Yield properties that are much or little larger or smaller, where that changes any feasibility fact."""
+    facts = static_facts(task)
+    for token in task.tokens:
+        for name, value in token.properties.items():
+            numbers = value if isinstance(value, tuple) else (value,)
+            if not all(isinstance(number, float) for number in numbers):
+                continue
+            for place, change in product(range(len(numbers)), CHANGES):
+                new = numbers[place] + change * (abs(numbers[place]) or 1.0)
+                whole = tuple(new if i == place else number for i, number in enumerate(numbers))
+                changed = replace(token, properties={**token.properties, name: whole if numbers is value else new})
+                tokens = tuple(changed if each is token else each for each in task.tokens)
+                repaired = task.replaced(tokens=tokens, state=_moved(task, tokens, {}))
+                if (new > 0 or numbers[place] <= 0) and static_facts(repaired) != facts:
+                    label = f"{name}.{'xyz'[place]}" if numbers is value else name
+                    yield ("property", token.name, label), lambda repaired=repaired: repaired
 
 
 def _decreed(task: Task, wanted: Any, margin: float = 1.0) -> Task:

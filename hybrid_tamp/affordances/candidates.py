@@ -20,16 +20,18 @@ from hybrid_tamp.affordances.reasons import Reason
 from hybrid_tamp.affordances.shares import amount
 from hybrid_tamp.model.affordance import ObjectClass, is_place
 from hybrid_tamp.model.network import SlotName, parse_slot
+from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import Atom, Literal
 from hybrid_tamp.model.task import Task
 
 
 def candidates(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
     """Yield every single change, each once, in the order in which they are worth a try."""
-    seen = set()
+    seen: set[str] = set()
     for change in _ordered(_Space(task), reasons):
-        if (change.kind, change.key) not in seen:
-            seen.add((change.kind, change.key))
+        # One property may make several facts hold.
+        if change.what not in seen:
+            seen.add(change.what)
             yield change
 
 
@@ -115,7 +117,10 @@ class _Space:
                 yield Change("class", (token.name, each.name), what, made)
 
     def edges(self, towards: SlotName | None = None) -> Iterator[Change]:
-        """Yield one more edge from where a token can come; those first that lead to where none can."""
+        """Yield one more edge from where a token can come; first those that lead to where none can, then likely ones.
+
+        Likely is an edge like one that is there, between the same actions and from or into the same slot.
+        """
         sources = {slot for token in self.task.assigned for slot in self._passages.slots(token)}
         network, relations = self.task.domain.network, self.task.domain.relations
         pairs = [
@@ -123,8 +128,14 @@ class _Space:
             for one, other in product(sorted(sources), [towards] if towards else sorted(self._slots))
             if not network.allows(one, other) and relations.can_share_token(self._slots[one], self._slots[other])
         ]
+        out_of = {(one, split_mode(other[0])[0]) for one, other in network.edges}
+        into = {(split_mode(one[0])[0], other) for one, other in network.edges}
+
+        def likely(one: SlotName, other: SlotName) -> bool:
+            return (one, split_mode(other[0])[0]) in out_of or (split_mode(one[0])[0], other) in into
+
         # Last what stays in one block: an action that follows itself.
-        pairs.sort(key=lambda pair: (pair[1] in sources, pair[0][0] == pair[1][0]))
+        pairs.sort(key=lambda pair: (pair[1] in sources, not likely(*pair), pair[0][0] == pair[1][0]))
         for one, other in pairs:
             source, target = ".".join(one), ".".join(other)
             what = f"an edge {source} -> {target} of the network"

@@ -6,17 +6,14 @@ holds, and edges must lead all of them there; that choice of tokens is the witne
 asked.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations
 
-from hybrid_tamp.affordances.bindings import Bound, Choices, Margins, choices, completed, extensions, static_entry
 from hybrid_tamp.affordances.changes import task_root, without_token
-from hybrid_tamp.affordances.passages import Passages
+from hybrid_tamp.affordances.usable import Usable
 from hybrid_tamp.model.affordance import CapabilityClass
 from hybrid_tamp.model.block import Block, Slot
-from hybrid_tamp.model.predicate import Literal, name_of
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
@@ -72,7 +69,7 @@ def environment(task: Task) -> list[Affordance]:
 def agent(task: Task, *names: str) -> list[Affordance]:
     """Return what an agent, or several that pool their tokens, are afforded."""
     own = _of_agents(task, names)
-    usable = _Usable(own)
+    usable = Usable(own)
     found = []
     for thing in own.assigned:
         for block, slot in _offered(own, thing):
@@ -135,45 +132,3 @@ def _offered(task: Task, thing: Token) -> Iterator[tuple[Block, Slot]]:
             general = slot.object_class is task_root(task) or issubclass(slot.object_class, CapabilityClass)
             if not general and thing.is_member(slot.object_class):
                 yield block, slot
-
-
-class _Usable:
-    """The blocks that a task's tokens can fill, and to which tokens can come through such blocks only."""
-
-    def __init__(self, task: Task) -> None:
-        self._task = task
-        self._margins = Margins(task)
-
-    def witness(self, block: Block, fixed: Bound) -> Mapping[str, str] | None:
-        """Return who could be where in a block, or None."""
-        found = self._found(block, fixed, self._passages)
-        return None if found is None else {role: name_of(value) for role, value in found.items()}
-
-    @cached_property
-    def _passages(self) -> Passages:
-        blocks: Collection[str] = [block.name for block in self._task.domain.blocks]
-        while True:
-            passages = Passages(self._task, blocks)
-            fewer = [n for n in blocks if self._found(self._task.domain.block_by_name[n], {}, passages) is not None]
-            if len(fewer) == len(blocks):
-                return passages
-            blocks = fewer
-
-    def _found(self, block: Block, fixed: Bound, passages: Passages) -> Bound | None:
-        allowed = choices(self._task, block, fixed)
-        whole = (
-            bound
-            for partial in self._bound({}, static_entry(block), allowed)
-            for bound in completed([partial], allowed)
-            if passages.allow(block, bound)
-        )
-        return next(whole, None)
-
-    def _bound(self, bound: Bound, literals: tuple[Literal, ...], allowed: Choices) -> Iterator[Bound]:
-        """Yield the bindings under which all feasibility conditions hold, one after the other."""
-        if not literals:
-            yield bound
-            return
-        for more in extensions(literals[0], bound, allowed):
-            if self._margins.of(literals[0], more) >= 0:
-                yield from self._bound(more, literals[1:], allowed)

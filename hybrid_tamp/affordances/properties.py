@@ -13,8 +13,8 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
-_STEPS = tuple(10.0**exponent for exponent in range(-3, 4))
-"""Steps by which a property is changed, in its own unit or in parts of its value."""
+_STEPS = (0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 2.0, 5.0, 10.0, 100.0, 1000.0)
+"""Steps by which a property is changed, as parts of its value, or where that is 0 in its own unit."""
 _HALVINGS = 40
 _DIGITS = 3
 

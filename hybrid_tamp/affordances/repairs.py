@@ -8,7 +8,7 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from itertools import groupby
+from itertools import cycle, groupby
 
 from hybrid_tamp.affordances.candidates import candidates, parsed, points_to, together
 from hybrid_tamp.affordances.changes import Change
@@ -63,13 +63,15 @@ def repairs(task: Task, reasons: Iterable[Reason], seconds: float, most: int) ->
     deadline = time.monotonic() + seconds
     found: list[Suggestion] = []
     kinds: Counter[str] = Counter()
-    with PlannerProcess() as process:
+    # Processes answer once; so one starts while the other answers.
+    with PlannerProcess() as one, PlannerProcess() as other:
+        processes = cycle((one, other))
         for change in _Sieve(task).promising(candidates(task, reasons)):
             if time.monotonic() > deadline:
                 return Repairs(tuple(found), complete=False)
             if change is None or kinds[change.kind] == OF_A_KIND:
                 continue
-            length = _length(change.made(), process, deadline)
+            length = _length(change.made(), next(processes), deadline)
             if length is not None:
                 found.append(Suggestion(change, length))
                 kinds[change.kind] += 1
@@ -124,6 +126,8 @@ def _length(task: Task, process: PlannerProcess, deadline: float) -> int | None:
         planned = plan_task(simple, process)
     except LimitReached:
         return None
+    finally:
+        process.prepare()
     return len(planned.plan.actions) if planned.plan else None
 
 
