@@ -3,14 +3,14 @@
 from collections.abc import Callable, Iterable, Sequence
 from typing import Literal
 
-from hybrid_tamp import pipeline
 from hybrid_tamp.affordances import perspectives
 from hybrid_tamp.affordances.causes import causes
-from hybrid_tamp.affordances.explanation import explain_wholly
 from hybrid_tamp.affordances.perspectives import Affordance, Implication
 from hybrid_tamp.affordances.what_if import asked
 from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.explaining import explained
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.planning import plan
 from hybrid_tamp.report.affordance_documents import (
     AffordanceEntry,
     AffordancesDocument,
@@ -37,15 +37,14 @@ def explain_task(task: Task, planner: Planner, seconds: float, most: int) -> tup
     Raises:
         InputError: the engine is unknown or not installed.
     """
-    outcome = pipeline.plan(task, planner, suggesting=0.0)
+    outcome = plan(task, planner, suggesting=0.0)
     document = outcome.document
     explanation = document.explanation
     if document.status == "unsolvable" and explanation is not None:
-        found = explain_wholly(task, seconds, most)
-        explanation = pipeline.explanation_entry(found, explanation.kind, explanation.message)
+        explanation = explained(task, explanation.kind, explanation.message, True, seconds, most)
     tokens = [
         TokenEntry(token=c.token, used=c.used, why=c.why, links=[LinkEntry(**link.__dict__) for link in c.links])
-        for c in (causes(task, outcome.plan) if outcome.plan else ())
+        for c in (causes(outcome.chosen or task, outcome.plan) if outcome.plan else ())
     ]
     answer = ExplainDocument(
         task=task.name, domain=task.domain.name, status=document.status, explanation=explanation, tokens=tokens

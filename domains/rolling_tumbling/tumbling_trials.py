@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.block import CONTROL_PERIOD, Commands
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_from_rpy, rotate
-from hybrid_tamp.physics.backend import CONTROL_PERIOD, Backend
+from hybrid_tamp.physics.backend import Backend
 
 from ..common.classes import StaticEndEffector
 from ..common.servos import STIFFNESS, damping

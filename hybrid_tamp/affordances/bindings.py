@@ -8,7 +8,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import Literal, Predicate, SymbolSort, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.token import different
 
 Choices = dict[str, tuple[Value, ...]]
 """Role to the values that it may have."""
@@ -111,9 +111,3 @@ def relation(predicate: Predicate) -> tuple[tuple[str, ...], ...]:
     nothing = State.of((), {})
     symbols = [parameter.sort.symbols for parameter in predicate.parameters if isinstance(parameter.sort, SymbolSort)]
     return tuple(row for row in product(*symbols) if float(predicate.evaluate(nothing, *row)) >= 0)
-
-
-def different(values: Iterable[Value]) -> bool:
-    """Say whether no token is there twice."""
-    tokens = [value for value in values if isinstance(value, Token)]
-    return len(set(tokens)) == len(tokens)

@@ -6,18 +6,21 @@ are short, or where its feasibility facts hold for no choice of tokens; then the
 """
 
 import math
+import time
 from dataclasses import dataclass
 
 from hybrid_tamp.affordances.backwards import Backwards
 from hybrid_tamp.affordances.bindings import TooMany
 from hybrid_tamp.affordances.candidates import points_to
 from hybrid_tamp.affordances.reasons import Reason, merged
-from hybrid_tamp.affordances.repairs import Suggestion, but_for, repairs
+from hybrid_tamp.affordances.repairs import Repairs, Suggestion, but_for, repairs
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 
 __all__ = ["Explanation", "Reason", "explain", "explain_wholly"]
 
+MOST_EXPLAINED = 5
+"""Of a goal with a choice, why so many alternatives cannot be reached is told."""
 TOGETHER = "together"
 """The kind of reason that says only that there is none of another kind."""
 
@@ -47,8 +50,8 @@ def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
         seconds: how long changes are looked for.
         most: how many changes are enough.
     """
-    reasons = explain(task, proven=True)
-    found = repairs(task, reasons, seconds, most)
+    reasons = explain_alternatives(task, proven=True)
+    found = _repairs(task, seconds, most)
     told = [*reasons, *but_for(task, reasons, found.suggestions)]
     pointed = [r for r in told if any(points_to(task, r, each.change) for each in found.suggestions)]
     others = [r for r in told if r not in pointed and not (pointed and r.kind == TOGETHER)]
@@ -69,6 +72,25 @@ def explain(task: Task, proven: bool = False) -> list[Reason]:
     reasons = {atom: told or _reasons(search, atom) for atom, told in direct.items()}
     found = [reason for atom in open_atoms for reason in merged(str(atom), reasons[atom])]
     return found if found or not proven else [_hidden(open_atoms)]
+
+
+def explain_alternatives(task: Task, proven: bool = False) -> list[Reason]:
+    """Return why the goal cannot be reached; of a goal with a choice, why none of the nearest alternatives can."""
+    return list(dict.fromkeys(r for each in task.alternatives()[:MOST_EXPLAINED] for r in explain(each, proven)))
+
+
+def _repairs(task: Task, seconds: float, most: int) -> Repairs:
+    """Look for changes with which one of the nearest alternatives can be reached."""
+    deadline = time.monotonic() + seconds
+    found, complete = list[Suggestion](), True
+    for each in task.alternatives()[:MOST_EXPLAINED]:
+        left = deadline - time.monotonic()
+        more = repairs(each, explain(each, proven=True), left, most - len(found))
+        found += more.suggestions
+        complete = complete and more.complete
+        if len(found) >= most:
+            break
+    return Repairs(tuple(found), complete)
 
 
 def _hidden(atoms: list[Atom]) -> Reason:

@@ -12,8 +12,11 @@ import numpy as np
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.plan import split_mode
-from hybrid_tamp.model.predicate import Literal, Predicate, SymbolSort, Value
+from hybrid_tamp.model.predicate import ANY, Literal, Predicate, SymbolSort, Value
 from hybrid_tamp.model.state import FloatArray, State
+
+CONTROL_PERIOD = 1 / 240
+"""Time between two commands [s]: policies are asked, and conditions looked at, this often."""
 
 Binding = Mapping[str, Value]
 """Role (slot or target) of an instance to the token or symbol bound to it."""
@@ -168,6 +171,10 @@ def _rest(binding: Binding, state: State, commands: Commands, dt: float) -> Stat
     return state
 
 
+def _measurable(literals: tuple[Literal, ...]) -> tuple[Literal, ...]:
+    return tuple(literal for literal in literals if ANY not in literal.arguments)
+
+
 @dataclass(frozen=True, eq=False)
 class Block:
     """One type of action, or one mode of it.
@@ -231,9 +238,24 @@ class Block:
         return found | {target.name: target.sort for target in self.targets}
 
     @property
+    def moves(self) -> bool:
+        """Whether its continuous system changes anything."""
+        return self.system is not _rest
+
+    @property
     def others(self) -> tuple[Slot, ...]:
         """The slots other than the anchor, in order."""
         return tuple(slot for slot in self.slots if slot.name != self.anchor)
+
+    @property
+    def measured_exits(self) -> tuple[Literal, ...]:
+        """The exit conditions that have a margin: a wildcard only says which old facts are void."""
+        return _measurable(self.exit)
+
+    @property
+    def measured_entries(self) -> tuple[Literal, ...]:
+        """The entry conditions that must be measured as it starts; static facts do not change."""
+        return tuple(literal for literal in _measurable(self.entry) if not literal.predicate.static)
 
     def slot(self, name: str) -> Slot:
         """Return the slot of that name; KeyError if there is none."""

@@ -85,7 +85,8 @@ class Domain:
         return self.block_by_name[self.resting]
 
     def with_blocks(self, blocks: Iterable[Block], predicates: Iterable[Predicate] = ()) -> "Domain":
-        """Return the domain with these blocks in place of those of the same names, and with further predicates."""
+        """Return the domain with these blocks and predicates in place of those of the same names, or besides them."""
         changed = {block.name: block for block in blocks}
         mine = tuple(changed.get(block.name, block) for block in self.blocks)
-        return replace(self, blocks=mine, predicates=(*self.predicates, *predicates))
+        known = {predicate.name: predicate for predicate in (*self.predicates, *predicates)}
+        return replace(self, blocks=mine, predicates=tuple(known.values()))

@@ -151,9 +151,9 @@ class _Symbols(_Judge):
         return literal.ground(self.task.bind(instance.roles)) in self.facts
 
     def reached(self, atom: Atom) -> bool:
-        positive = Atom(atom.predicate, atom.arguments)
         static = self.task.domain.predicate_by_name[atom.predicate].static
-        return (positive in (self.static if static else self.facts)) == atom.positive
+        known = self.static if static else self.facts
+        return any(each in known for each in self.task.groundings(atom)) == atom.positive
 
 
 class _Margins(_Judge):

@@ -17,7 +17,7 @@ from pydantic_core import PydanticUndefined
 
 from hybrid_tamp.errors import Issue
 from hybrid_tamp.model.affordance import TOKEN, BasicAction, ObjectClass, VaryingProperty, is_place
-from hybrid_tamp.model.shape import Box, Cylinder, Sphere
+from hybrid_tamp.model.shape import Shape
 
 
 class PropertyConflictError(ValueError):
@@ -106,7 +106,7 @@ class Token:
     name: str
     classes: tuple[type[ObjectClass], ...]
     properties: Mapping[str, Any]
-    shape: Cylinder | Box | Sphere | None = None
+    shape: Shape | None = None
 
     @classmethod
     def make(
@@ -114,7 +114,7 @@ class Token:
         name: str,
         classes: Iterable[type[ObjectClass]],
         properties: Mapping[str, Any],
-        shape: Cylinder | Box | Sphere | None = None,
+        shape: Shape | None = None,
     ) -> "Token":
         """Validate the properties against the union of the classes.
 
@@ -156,3 +156,9 @@ class Token:
         """The basic actions of the token's capability classes, each once, sorted by name."""
         merged = {action.name: action for member in self.classes for action in member.basic_actions}
         return tuple(merged[name] for name in sorted(merged))
+
+
+def different(values: Iterable[object]) -> bool:
+    """Say whether no token is there twice; symbols may be."""
+    names = [value.name for value in values if isinstance(value, Token)]
+    return len(set(names)) == len(names)

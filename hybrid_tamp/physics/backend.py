@@ -15,9 +15,6 @@ from hybrid_tamp.model.task import Task
 GROUP = "hybrid_tamp.physics"
 """Entry-point group in which other packages offer backends: a callable without arguments."""
 
-CONTROL_PERIOD = 1 / 240
-"""Time between two commands [s]."""
-
 FLOOR = "(floor)"
 """The floor's name in contacts; no token can be called so by accident."""
 

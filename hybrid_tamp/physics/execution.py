@@ -24,7 +24,7 @@ from hybrid_tamp.physics.backend import Backend
 from hybrid_tamp.physics.commands import CommandError, CommandLayout
 from hybrid_tamp.physics.events import Event, Observer
 from hybrid_tamp.physics.logbook import Logbook
-from hybrid_tamp.physics.running import RunError, Running, entry_conditions, measure, shortfall
+from hybrid_tamp.physics.running import RunError, Running, measure, shortfall
 
 Progress = Callable[[float, float], None]
 """Called ten times a simulated second with the simulated time and the plan's expected end [s]."""
@@ -199,8 +199,8 @@ class _Run:
         )
 
     def _entries(self, instance: BlockInstance) -> list[AtomMargin]:
-        conditions = entry_conditions(self._task.domain.block_by_name[instance.block])
-        return measure(self._task, conditions, instance, self._state)
+        block = self._task.domain.block_by_name[instance.block]
+        return measure(self._task, block.measured_entries, instance, self._state)
 
     def _step(self) -> None:
         """Command, let one control period pass, measure.

@@ -7,7 +7,7 @@ import numpy as np
 
 from hybrid_tamp.model.block import Block, Commands
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
-from hybrid_tamp.model.predicate import ANY, Literal
+from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.recording import AtomMargin
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -27,16 +27,6 @@ class RunError(Exception):
         self.instance = instance
         self.reason = reason
         self.margins = tuple(margins)
-
-
-def measurable(literals: Iterable[Literal]) -> tuple[Literal, ...]:
-    """Return the literals that have a margin: a wildcard only says which old facts are void."""
-    return tuple(literal for literal in literals if ANY not in literal.arguments)
-
-
-def entry_conditions(block: Block) -> tuple[Literal, ...]:
-    """Return what must be measured before an instance starts; static facts do not change."""
-    return tuple(literal for literal in measurable(block.entry) if not literal.predicate.static)
 
 
 def measure(task: Task, literals: Iterable[Literal], instance: BlockInstance, state: State) -> list[AtomMargin]:
@@ -63,7 +53,7 @@ class Running:
         self.reached: float | None = None
         self._task = task
         self._binding = task.bind(instance.roles)
-        self._exits = measurable(self.block.exit)
+        self._exits = self.block.measured_exits
         self.hyperparameters = self._chosen(state)
         arrays = {name: np.asarray(value) for name, value in self.hyperparameters.items()}
         maker = self.block.policy

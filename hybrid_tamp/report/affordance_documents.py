@@ -4,7 +4,8 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from hybrid_tamp.report.documents import Document, ExplanationEntry, json_schemas
+from hybrid_tamp.report.documents import ExplanationEntry, json_schemas
+from hybrid_tamp.report.entries import Document
 
 
 class LinkEntry(Document):

@@ -4,22 +4,14 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.task import Task
-
-
-class Document(BaseModel):
-    """A JSON document or a part of one; unknown keys are refused."""
-
-    model_config = ConfigDict(extra="forbid", populate_by_name=True)
-
-    def dump(self) -> dict[str, Any]:
-        """Return plain data with the published keys."""
-        return self.model_dump(by_alias=True, mode="json")
+from hybrid_tamp.report.entries import Document
+from hybrid_tamp.report.refinement import PerformanceEntry, RefinementEntry
 
 
 class InstanceEntry(Document):
@@ -110,6 +102,7 @@ class PlanDocument(Document):
     steps: list[StepEntry]
     network: NetworkEntry
     explanation: ExplanationEntry | None
+    refinement: RefinementEntry | None = Field(None, description="how hyperparameters were optimised; null if not")
 
 
 class AtomEntry(Document):
@@ -163,6 +156,7 @@ class ResultDocument(Document):
     backend: str
     versions: dict[str, str]
     failure: FailureEntry | None
+    performance: list[PerformanceEntry] = Field(description="performance measures, predicted and measured")
     law: list[str] = Field(description="breaches of the law of assignment by the recording; empty if none")
 
 
@@ -193,15 +187,17 @@ def plan_document(
         makespan=plan.makespan if plan else None,
         cost=float(len(plan.actions)) if plan else None,
         actions=list(plan.actions) if plan else [],
-        steps=list(_steps(plan)) if plan else [],
+        steps=steps_of(plan) if plan else [],
         network=network_entry(task.domain),
         explanation=explanation,
     )
 
 
-def _steps(plan: TaskPlan) -> Iterable[StepEntry]:
-    for step in plan.steps:
-        yield StepEntry(index=step.index, start=step.start, end=step.end, blocks=[_instance(i) for i in step.instances])
+def steps_of(plan: TaskPlan) -> list[StepEntry]:
+    """Return the stretches between reassignments, with where every token is in each."""
+    return [
+        StepEntry(index=s.index, start=s.start, end=s.end, blocks=list(map(_instance, s.instances))) for s in plan.steps
+    ]
 
 
 def _instance(instance: BlockInstance) -> InstanceEntry:
@@ -223,6 +219,7 @@ def result_document(
     metrics: Mapping[str, float],
     versions: Mapping[str, str],
     law: Iterable[str],
+    performance: Iterable[PerformanceEntry] = (),
     replans: int = 0,
 ) -> ResultDocument:
     """Return the document of one run."""
@@ -247,6 +244,7 @@ def result_document(
         )
         if failure
         else None,
+        performance=list(performance),
         law=list(law),
     )
 

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
+from hybrid_tamp.errors import did_you_mean
 from hybrid_tamp.taskfile.places import Faults, KeyPath, plain, shown
 
 _TASK_FILE = "the task file"
@@ -74,7 +75,10 @@ def add_validation_faults(
             faults.at(path, f"{subject(path)} is none of those known", shown(details["ctx"]["tag"]), tags)
         else:
             wanted = _wanted(details, way.unit)
-            faults.at(path, f"{subject(path, whole)} {wanted}", faults.shown(path, details["input"]))
+            # The message names all choices; one is suggested only where it is close.
+            close = did_you_mean(str(details["input"]), way.choices) if details["type"] == "literal_error" else None
+            came = faults.shown(path, details["input"])
+            faults.at(path, f"{subject(path, whole)} {wanted}", came, (close,) if close else ())
 
 
 def _wanted(details: ErrorDetails, unit: str) -> str:
@@ -117,10 +121,15 @@ class _Way:
         for step in loc:
             members = _members(here)
             if len(members) > 1:
-                here = next((m for m in members if step in get_args(m.model_fields["kind"].annotation)), Any)
+                here = next((m for m in members if step in _tags(m)), Any)
             else:
                 here = self._into(members[0], step)
                 self.path += (step,)
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The values that the innermost field may have, where they are few."""
+        return tuple(map(str, get_args(self.field.annotation))) if self.field else ()
 
     @property
     def unit(self) -> str:
@@ -137,7 +146,14 @@ class _Way:
             return self.field.annotation if self.field else Any
         if get_origin(here) is tuple:
             self.length = len(arguments)
-        return arguments[-1] if arguments else Any
+        # Of a mapping it is the last that counts, and of a tuple of any length, whose last is an ellipsis, the first.
+        return next((one for one in reversed(arguments) if one is not Ellipsis), Any)
+
+
+def _tags(member: Any) -> tuple[Any, ...]:
+    """Return what stands for a member of a union in an error's location: its kinds, or its type's name."""
+    kinds = member.model_fields.get("kind") if issubclass(member, BaseModel) else None
+    return get_args(kinds.annotation) if kinds else (member.__name__,)
 
 
 def _members(annotation: Any) -> tuple[Any, ...]:
