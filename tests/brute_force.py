@@ -4,7 +4,7 @@ It shares nothing with what it judges but the compilation to STRIPS: repairs are
 by an exhaustive search of its own.
 """
 
-from collections import defaultdict, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import product
@@ -55,20 +55,36 @@ def decide(problem: PlanningProblem) -> bool:
             return False
         wanted |= 1 << numbers[fact]
     first = sum(1 << numbers[fact] for fact in set(problem.init) if fact in numbers)
+    watched = _watched(actions)
     seen, queue = {first}, deque([first])
     while queue:
         state = queue.popleft()
         if state & wanted == wanted:
             return True
-        for needed, add, kept in actions:
-            if state & needed == needed:
-                following = (state & kept) | add
-                if following not in seen:
-                    seen.add(following)
-                    queue.append(following)
+        rest = state
+        while rest:
+            bit = rest & -rest
+            rest ^= bit
+            for needed, add, kept in watched.get(bit, ()):
+                if state & needed == needed:
+                    following = (state & kept) | add
+                    if following not in seen:
+                        seen.add(following)
+                        queue.append(following)
         if len(seen) > MOST_STATES:
             raise Undecided(problem.name)
     return False
+
+
+def _watched(actions: list[tuple[int, int, int]]) -> dict[int, list[tuple[int, int, int]]]:
+    """Return the actions by that one of their conditions which the fewest have."""
+    bits = [[1 << n for n in range(needed.bit_length()) if needed >> n & 1] or [0] for needed, _, _ in actions]
+    often = Counter(bit for each in bits for bit in each)
+    found: defaultdict[int, list[tuple[int, int, int]]] = defaultdict(list)
+    for each, action in zip(bits, actions, strict=True):
+        found[min(each, key=lambda bit: often[bit])].append(action)
+    assert 0 not in found, "an action without conditions"
+    return dict(found)
 
 
 def _ground(problem: PlanningProblem) -> tuple[list[tuple[int, int, int]], dict[Key, int]]:
@@ -151,11 +167,14 @@ def repairs(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
 def all_single_repairs(task: Task) -> set[Key]:
     """Return the keys of all single repairs with which the task has a plan."""
     found = set()
+    base = _ground(compile_task(task).problem)
     for key, made in repairs(task):
         if key in found:
             continue
         try:
-            if solvable(made()):
+            problem = compile_task(made()).problem
+            # Where it makes no action possible, it makes no plan possible.
+            if _ground(problem) != base and decide(problem):
                 found.add(key)
         except InputError:
             # The domain, or the encoder, refuses it.

@@ -145,8 +145,7 @@ class _Space:
         """Return the change by a feasibility fact that is as it has to be."""
         predicate = self.task.domain.predicate_by_name[atom.predicate]
         short = amount(-self.task.margin(atom), predicate.unit)
-        said = Literal(predicate, atom.arguments, atom.positive)
-        what = f"that {said} holds, which fails by {short}"
+        what = f"{atom} as a fact, which fails by {short}"
         return Change("fact", (str(atom),), what, partial(with_facts, self.task, [atom]))
 
     def failing(self) -> list[Atom]:

@@ -35,7 +35,7 @@ def _change(task: Task, token: Token, key: str, part: int | None, changed: Token
     unit = _unit(token, key)
     before, after = (f"{_value(each, key, part):.4g}" for each in (token, changed))
     label = key if part is None else f"{key}, {'xyz'[part]}"
-    what = f"{label} of {token.name} {after} {unit} instead of {before}".replace(" 1 instead", " instead")
+    what = f"{label} of {token.name} at {after} {unit} instead of {before}".replace(" 1 instead", " instead")
     name = key if part is None else f"{key}.{'xyz'[part]}"
     return Change("property", (token.name, name, str(atom)), what, partial(with_token, task, changed))
 
