@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from hybrid_tamp.affordances.backwards import Backwards
 from hybrid_tamp.affordances.bindings import TooMany
 from hybrid_tamp.affordances.candidates import points_to
-from hybrid_tamp.affordances.reasons import Reason, merged
+from hybrid_tamp.affordances.reasons import TOGETHER, Reason, merged
 from hybrid_tamp.affordances.repairs import Repairs, Suggestion, but_for, repairs
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
@@ -21,8 +21,6 @@ __all__ = ["Explanation", "Reason", "explain", "explain_wholly"]
 
 MOST_EXPLAINED = 5
 """Of a goal with a choice, why so many alternatives cannot be reached is told."""
-TOGETHER = "together"
-"""The kind of reason that says only that there is none of another kind."""
 
 
 @dataclass(frozen=True)

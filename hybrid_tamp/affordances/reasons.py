@@ -32,6 +32,9 @@ class Reason:
     lacks: str = ""
 
 
+TOGETHER = "together"
+"""The kind of reason that says only that there is none of another kind."""
+
 BLOCK = "\N{OBJECT REPLACEMENT CHARACTER}"
 """Stands in a message for the block's name until it is known for which modes the message holds."""
 

@@ -6,13 +6,13 @@ it is of no use; what remains is put to the planner, and its plan is judged by t
 
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle, groupby
 
 from hybrid_tamp.affordances.candidates import candidates, parsed, points_to, together
 from hybrid_tamp.affordances.changes import Change
-from hybrid_tamp.affordances.reasons import Reason
+from hybrid_tamp.affordances.reasons import TOGETHER, Reason
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.task import DEFAULT_PLANNER, Task
@@ -51,7 +51,7 @@ class Repairs:
     complete: bool
 
 
-def repairs(task: Task, reasons: Iterable[Reason], seconds: float, most: int) -> Repairs:
+def repairs(task: Task, reasons: Sequence[Reason], seconds: float, most: int) -> Repairs:
     """Look for single changes that give a task a plan.
 
     Args:
@@ -66,10 +66,10 @@ def repairs(task: Task, reasons: Iterable[Reason], seconds: float, most: int) ->
     # Processes answer once; so one starts while the other answers.
     with PlannerProcess() as one, PlannerProcess() as other:
         processes = cycle((one, other))
-        for change in _Sieve(task).promising(candidates(task, reasons)):
+        for change in _Sieve(task, reasons).promising(candidates(task, reasons)):
             if time.monotonic() > deadline:
                 return Repairs(tuple(found), complete=False)
-            if change is None or kinds[change.kind] == OF_A_KIND:
+            if change is None or kinds[change.kind] == OF_A_KIND or _is_known(change, found):
                 continue
             length = _length(change.made(), next(processes), deadline)
             if length is not None:
@@ -80,13 +80,21 @@ def repairs(task: Task, reasons: Iterable[Reason], seconds: float, most: int) ->
     return Repairs(tuple(found), complete=True)
 
 
+def _is_known(change: Change, found: Iterable[Suggestion]) -> bool:
+    """Say whether one more token like this is suggested already, at another place."""
+    return change.kind == "token" and any(
+        each.change.kind == "token" and each.change.key[0] == change.key[0] for each in found
+    )
+
+
 class _Sieve:
     """Tells changes that may be of use from those that are proven to be of none."""
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: Task, reasons: Iterable[Reason]) -> None:
         self._task = task
         self._known = StaticFacts(task)
-        self._hopeless = not self._possible([])
+        # Reasons of other kinds are found without deletes, too.
+        self._hopeless = any(reason.kind != TOGETHER for reason in reasons) or not self._possible([])
 
     def promising(self, changes: Iterable[Change]) -> Iterator[Change | None]:
         """Yield the changes that may be of use, and now and then None: looking takes time, too."""

@@ -89,23 +89,25 @@ class _Lifted:
             variable: frozenset(name for name, own in things if wide in lineage(own, dict(problem.domain.types)))
             for variable, wide in operator.parameters
         }
-        self._done: set[tuple[str, ...]] = set()
+        self._added = {argument for fact in operator.add for argument in fact[1:] if argument[0] == "?"}
 
     def added(self, condition: Fact | None, fact: Fact, known: _Known) -> list[Fact]:
-        """Return what the operator adds in new ways where a fact meets one of its conditions."""
+        """Return what is new of what the operator adds where a fact meets one of its conditions."""
         bound = self._matched(condition, fact, {}) if condition else {}
         if bound is None:
             return []
         rest = [each for each in self.conditions if each is not condition]
-        found: list[Fact] = []
-        for whole in self._joined(bound, rest, known):
-            values = tuple(whole[variable] for variable in self._fitting)
-            if values not in self._done:
-                self._done.add(values)
-                found += [ground(each, whole) for each in self._operator.add]
-        return found
+        found: set[Fact] = set()
+        for whole in self._joined(bound, rest, known, found):
+            found.update(ground(each, whole) for each in self._operator.add)
+        return sorted(found - known.facts)
 
-    def _joined(self, bound: Binding, conditions: list[Fact], known: _Known) -> Iterator[Binding]:
+    def _joined(self, bound: Binding, conditions: list[Fact], known: _Known, found: set[Fact]) -> Iterator[Binding]:
+        """Yield the bindings with which all conditions hold, but for such as add nothing new."""
+        if self._added <= bound.keys():
+            effects = {ground(each, bound) for each in self._operator.add}
+            if all(effect in known.facts or effect in found for effect in effects):
+                return
         if not conditions:
             yield from self._completed(bound)
             return
@@ -116,7 +118,7 @@ class _Lifted:
         for row in tuple(rows):
             more = self._matched(chosen, row, bound)
             if more is not None:
-                yield from self._joined(more, rest, known)
+                yield from self._joined(more, rest, known, found)
 
     def _matched(self, condition: Fact, row: Fact, bound: Binding) -> Binding | None:
         """Return the binding, extended so that a condition becomes a fact, or None."""
