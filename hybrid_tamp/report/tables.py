@@ -15,6 +15,9 @@ _WIDTH = 60
 _NAMED = 8
 """So many of the names that were left out are said; programs are told all."""
 
+_NO_SINGLE_CHANGE = "No single change gives it a plan: no token, class, edge, fact or property."
+_NONE_FOUND = "No single change was found in time that gives it a plan; 'hybrid-tamp explain --seconds N' looks longer."
+
 
 def plan_table(document: PlanDocument) -> RenderableType:
     """Return the table of steps and allocations, as under the pictures of the paper's Fig. 3."""
@@ -95,6 +98,9 @@ def explanation_text(entry: ExplanationEntry) -> RenderableType:
     """Return why there is no plan."""
     lines: list[RenderableType] = [Text(entry.message, style="bold red")]
     lines += [Text(f"  {reason.goal}: {reason.message}") for reason in entry.reasons]
+    lines += [Text(f"  There is a plan of {each.length} actions with {each.what}.") for each in entry.suggestions]
+    if entry.kind == "unsolvable" and not entry.suggestions:
+        lines.append(Text(f"  {_NO_SINGLE_CHANGE if entry.all_looked_at else _NONE_FOUND}"))
     return Group(*lines)
 
 
