@@ -1,11 +1,8 @@
-"""What the mid-level planner did, for programs and for people."""
+"""What the mid-level planner did, for programs."""
 
 from collections.abc import Iterable, Mapping
 
 from pydantic import Field
-from rich.console import Group, RenderableType
-from rich.table import Table
-from rich.text import Text
 
 from hybrid_tamp.model.refined import Performance, RefinedPlan, Shortfall, Tuned, Value
 from hybrid_tamp.report.entries import Document
@@ -129,51 +126,3 @@ def performance_entries(
 def _finite(value: float | None) -> float | None:
     """JSON has neither infinity nor NaN."""
     return None if value is None or value != value or abs(value) == float("inf") else value
-
-
-def refinement_tables(entry: RefinementEntry) -> RenderableType:
-    """Return the hyperparameters, what they were optimised for, and what planning ahead gains."""
-    table = Table(title="Hyperparameters", title_justify="left", header_style="bold")
-    for heading in ("instance", "hyperparameter"):
-        table.add_column(heading)
-    for heading in ("value", "default", "apart"):
-        table.add_column(heading, justify="right")
-    for heading in ("unit", "bounds", "", "moves"):
-        table.add_column(heading)
-    before = ""
-    for each in entry.hyperparameters:
-        numbers = (each.value, each.default, each.apart)
-        bounds = f"[{each.lower:g}, {each.upper:g}]"
-        # Built as Text, because brackets would be markup.
-        words = (each.unit, bounds, each.status, ", ".join(each.moves))
-        shown = "" if each.instance == before else each.instance
-        table.add_row(*map(Text, (shown, each.name, *map(_number, numbers), *words)))
-        before = each.instance
-    lines: list[RenderableType] = [table] if entry.hyperparameters else []
-    return Group(*lines, *map(Text, _summary(entry)))
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4g}"
-
-
-def _summary(entry: RefinementEntry) -> Iterable[str]:
-    for each in entry.rounds:
-        tokens = ", ".join(each.roles.values())
-        yield f"given up: {each.block} of {tokens}: {each.atom} fails by {-each.margin:.3g} {each.unit}"
-    if not entry.optimiser:
-        yield "The defaults meet every condition, and there is no performance measure to improve."
-        return
-    yield (
-        f"value {entry.best.value:.4g} with {entry.optimiser} after {entry.evaluations} rollouts in "
-        f"{entry.seconds:.1f} s ({entry.stopped})"
-    )
-    for name, other in (("the defaults", entry.defaults), ("each action on its own", entry.apart)):
-        if other is not None:
-            yield f"  {name}: {_compared(entry.best, other)}"
-
-
-def _compared(best: ValueEntry, other: ValueEntry) -> str:
-    if other.violation > 0:
-        return f"conditions are missed by {other.violation:.3g} scales in all"
-    return f"{other.value:.4g}, so planning ahead gains {best.value - other.value:.3g}"
