@@ -28,7 +28,7 @@ from hybrid_tamp.model.token import Token
 from .classes import StaticEndEffector
 from .predicates import AT_REST
 from .primitives import demonstrated_reach
-from .servos import force_on, free_motion, position_servo
+from .servos import force_on, free_motion, hand_servo
 
 LIFT = 0.36
 """How far above its start and goal the demonstrated reach carries the hand [m]."""
@@ -53,8 +53,16 @@ class ReachGoal:
     arrived: tuple[Literal, ...]
 
 
-def reaching(goal: ReachGoal, mode: str | None = None) -> Block:
-    """Return REACHING for one kind of goal, as one mode of it where there are several."""
+def reaching(
+    goal: ReachGoal, mode: str | None = None, hand_class: type[StaticEndEffector] = StaticEndEffector
+) -> Block:
+    """Return REACHING for one kind of goal.
+
+    Args:
+        goal: where the hand reaches to.
+        mode: name of the mode, where there are several.
+        hand_class: the hands that reach there.
+    """
 
     def duration_guess(binding: Binding, state: State) -> FloatArray:
         hand = cast(Token, binding["hand"])
@@ -70,9 +78,11 @@ def reaching(goal: ReachGoal, mode: str | None = None) -> Block:
             start[hand, "position"], goal.position(binding, start), hyperparameters["duration"]
         )
 
+        servo = hand_servo(hand, start)
+
         def policy(elapsed: FloatArray, state: State) -> Commands:
             position, velocity, _ = reference.at(elapsed)
-            return {(hand.name, "force"): position_servo(hand, state, position, velocity)}
+            return servo(state, position, velocity)
 
         return policy
 
@@ -81,7 +91,7 @@ def reaching(goal: ReachGoal, mode: str | None = None) -> Block:
 
     return Block(
         name="REACHING" if mode is None else f"REACHING:{mode}",
-        slots=(Slot("hand", StaticEndEffector),),
+        slots=(Slot("hand", hand_class),),
         anchor="hand",
         targets=goal.targets,
         entry=goal.entry,
