@@ -9,6 +9,7 @@ from typing import cast
 
 import numpy as np
 
+from hybrid_tamp.model.affordance import AffordanceClass
 from hybrid_tamp.model.block import (
     Binding,
     Block,
@@ -57,6 +58,11 @@ _SETTLING = 0.1
 _TURN = (0.3, 0.4)
 """When the turn begins and how long it takes, as parts of the reach's duration: the hand is high meanwhile."""
 _BODY = ("position", "orientation", "velocity", "angular_velocity")
+
+
+def _looked_at(object_class: type[AffordanceClass]) -> Target:
+    """Return the object that the hand looks at as it starts: it may be taken up for use before the hand lets it be."""
+    return Target("object", object_class, reads=())
 
 
 def _roles(binding: Binding) -> tuple[Token, Token]:
@@ -169,7 +175,7 @@ CARRYING = (
         "push",
         _behind,
         Pusher,
-        (Target("object", Pushable), Target("region", Region)),
+        (_looked_at(Pushable), Target("region", Region)),
         (
             ABLE_TO_PUSH("hand", "tool", "object"),
             SQUARE_TO("object", "region"),
@@ -183,7 +189,7 @@ CARRYING = (
         "strike",
         _above,
         Striker,
-        (Target("object", Strikable),),
+        (_looked_at(Strikable),),
         (ABLE_TO_STRIKE("hand", "tool", "object"), AT_REST("object")),
         (IN_STRIKE_STANCE("hand", "tool", "object"), ~STANDS("tool")),
         "the hand raises the tool above what it is to strike",

@@ -13,12 +13,14 @@ from hybrid_tamp.model.affordance import (
     VaryingProperty,
     quantity,
 )
+from hybrid_tamp.model.grasp import aperture_property
 from hybrid_tamp.model.shape import Box, Shape
 from hybrid_tamp.model.token import Token
 
 from ..common.classes import StaticEndEffector
 
-APERTURE = VaryingProperty("aperture", 1, "m", (0.08,), "gap between the two virtual fingers")
+_OPEN = 0.08
+"""Gap between open fingers [m]."""
 IMPULSE = VaryingProperty("impulse", 1, "N s", (0.0,), "hardest blow that it has taken so far")
 
 
@@ -35,7 +37,7 @@ class DexterousHand(StaticEndEffector):
     """A hand that can also open, close and turn its wrist (paper, Sec. III-B)."""
 
     name: ClassVar[str] = "2-VIRTUAL-FINGERED HAND"
-    varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, APERTURE)
+    varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, aperture_property(_OPEN))
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (
         *StaticEndEffector.basic_actions,
         BasicAction("torque", 3, "N m", "maximal_torque", "torque of the wrist in the world"),
@@ -49,7 +51,7 @@ class DexterousHand(StaticEndEffector):
         "N", "largest force of each virtual finger", gt=0, le=1e6, strict=True, allow_inf_nan=False
     )
     maximal_aperture: float = quantity(
-        "m", "largest gap between the fingers", default=0.08, gt=0, le=1, strict=True, allow_inf_nan=False
+        "m", "largest gap between the fingers", default=_OPEN, gt=0, le=1, strict=True, allow_inf_nan=False
     )
     wrist_inertia: float = quantity(
         "kg m^2", "moment of inertia of the hand about its wrist", gt=0, le=1e3, strict=True, allow_inf_nan=False

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from hybrid_tamp.model.grasp import GRIP_FRICTION
 from hybrid_tamp.model.predicate import Parameter, Predicate
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
@@ -12,7 +13,7 @@ from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
 from ..common.classes import Region
 from .classes import Pushable, Pusher, Strikable, Striker
 from .geometry import UP, foot, half_depth, handle_length, point, way
-from .holding import GRAVITY, grip_limit
+from .holding import GRAVITY
 from .predicates import HAND, OPEN, TOOL
 from .swing import swing_of
 
@@ -30,7 +31,7 @@ def _everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
 
 def _lift(hand: Token, tool: Token) -> float:
     weight = _RESERVE * GRAVITY * tool["mass"]
-    return float(min(grip_limit(hand, tool), hand["maximal_force"]) - weight)
+    return float(min(GRIP_FRICTION * hand["maximal_grip"], hand["maximal_force"]) - weight)
 
 
 def _width(hand: Token, tool: Token) -> float:
@@ -46,7 +47,7 @@ def _push(hand: Token, tool: Token, thing: Token) -> float:
     """By how much force, grip and torque of the nearest grasp exceed what the push takes [N]."""
     force = resistance(thing)
     lever = abs(tool["pushing_point"][0] - tool["handle_to"][0])
-    most = min(hand["maximal_force"], grip_limit(hand, tool) - GRAVITY * tool["mass"])
+    most = min(hand["maximal_force"], GRIP_FRICTION * hand["maximal_grip"] - GRAVITY * tool["mass"])
     if lever > 0:
         most = min(most, hand["maximal_torque"] / lever)
     return float(most - force)

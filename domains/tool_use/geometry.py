@@ -5,9 +5,11 @@ of its swing is 0 where it stands on its head, x down and z ahead; -pi/2 where i
 and its striking face down; -pi where its head is up.
 """
 
+from functools import cache
+
 import numpy as np
 
-from hybrid_tamp.model.shape import Box, Cylinder, Shape, Sphere
+from hybrid_tamp.model.shape import Box, Cylinder, Part, parts_of
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_from_rpy, rotate
@@ -119,18 +121,20 @@ def tool_orientation(direction: FloatArray, angle: FloatArray | float) -> FloatA
 def foot(tool: Token) -> float:
     """Return how far the head's end, on which it stands, lies from the centre of mass [m]."""
     assert tool.shape is not None, "a tool has a shape"
-    return support(tool.shape, np.array([1.0, 0.0, 0.0]))
+    return max(map(_ahead, parts_of(tool.shape)))
 
 
-def support(shape: Shape, direction: FloatArray) -> float:
-    """Return how far a shape reaches from its origin along a unit vector ``(3,)`` of its own frame [m]."""
-    if isinstance(shape, Sphere):
-        return shape.radius
-    if isinstance(shape, Cylinder):
-        return float(shape.radius * np.hypot(*direction[:2]) + shape.length / 2 * abs(direction[2]))
-    if isinstance(shape, Box):
-        return float(np.abs(direction) @ np.asarray(shape.half_extents))
-    raise TypeError(f"a shape of {type(shape).__name__} has no support function")
+@cache
+def _ahead(part: Part) -> float:
+    """Return how far a part of a shape reaches along the body's x axis [m]."""
+    along = rotate(quaternion_conjugate(quaternion_from_rpy(part.rpy)), np.array([1.0, 0.0, 0.0]))
+    if isinstance(part, Box):
+        reach = float(np.abs(along) @ np.asarray(part.half_extents))
+    elif isinstance(part, Cylinder):
+        reach = float(part.radius * np.hypot(along[0], along[1]) + part.length / 2 * abs(along[2]))
+    else:
+        reach = part.radius
+    return part.position[0] + reach
 
 
 def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:

@@ -16,6 +16,7 @@ from hybrid_tamp.model.block import (
     Slot,
     Target,
 )
+from hybrid_tamp.model.grasp import FINGER_SPEED
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 
@@ -26,7 +27,7 @@ from ..common.servos import force_on, free_motion, hand_servo
 from .classes import DexterousHand, Graspable
 from .feasibility import GRASP_FACTS
 from .geometry import beside, handle_length, location, on_handle, point
-from .holding import FINGER_SPEED, fingers
+from .holding import fingers
 from .predicates import AT_HANDLE, EMPTY, HELD, STANDS
 
 _APPROACH = 0.8

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rotation_vector, quaternion_multiply, rotate
@@ -24,19 +25,8 @@ from .geometry import UP, cross, dot, off_handle
 
 GRAVITY = 9.81
 """[m/s^2]."""
-FINGER_SPEED = 0.25
-"""How fast the fingers close and open [m/s]."""
-CAPTURE = 0.01
-"""How far from a handle a hand may close on it [m]."""
-FINGER_FRICTION = 1.0
-"""Friction of the fingers; that of the handle multiplies it."""
 POSITION_RATE = 60.0
 """Natural frequency with which a hand and its tool come to a place [rad/s]."""
-
-
-def grip_limit(hand: Token, tool: Token) -> float:
-    """Return the largest force [N] that two fingers hold a tool with, by friction alone."""
-    return float(2.0 * FINGER_FRICTION * tool["friction"] * hand["maximal_grip"])
 
 
 @dataclass(frozen=True, eq=False)

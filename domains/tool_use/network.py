@@ -14,7 +14,6 @@ _EDGES = (
     ("CARRYING:down.hand", "RELEASING.hand"),
     ("CARRYING:down.tool", "RELEASING.tool"),
     ("RELEASING.hand", "RESTING.token"),
-    ("RELEASING.hand", "REACHING.hand"),
     ("RELEASING.tool", "RESTING.token"),
     # with the tool from use to use
     ("GRASPING.hand", "CARRYING.hand"),

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from hybrid_tamp.model.grasp import CAPTURE
 from hybrid_tamp.model.predicate import Parameter, Predicate
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
@@ -12,7 +13,6 @@ from ..common.predicates import inside
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
 from .geometry import (
     RAISED,
-    UP,
     beside,
     foot,
     norm,
@@ -23,7 +23,6 @@ from .geometry import (
     top,
     yaw,
 )
-from .holding import CAPTURE
 
 HAND = Parameter("hand", DexterousHand)
 TOOL = Parameter("tool", Graspable)

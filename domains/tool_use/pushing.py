@@ -139,7 +139,7 @@ def _outcome(binding: Binding, state: State) -> State:
 
 PUSHING = Block(
     name="PUSHING",
-    slots=(Slot("hand", DexterousHand), Slot("tool", Pusher), Slot("object", Pushable)),
+    slots=(Slot("hand", DexterousHand), Slot("object", Pushable), Slot("tool", Pusher)),
     anchor="hand",
     targets=(Target("region", Region),),
     entry=(

@@ -5,7 +5,6 @@ from typing import cast
 import numpy as np
 
 from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameters, Policy, Slot
-from hybrid_tamp.model.predicate import ANY
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 
@@ -59,7 +58,7 @@ RELEASING = Block(
     anchor="hand",
     entry=(HELD("tool", "hand"), STANDS("tool")),
     # What is let go must go on standing: the condition is measured.
-    exit=(~HELD("tool", ANY), EMPTY("hand"), STANDS("tool"), AT_REST("hand"), AT_REST("tool")),
+    exit=(~HELD("tool", "hand"), EMPTY("hand"), STANDS("tool"), AT_REST("hand"), AT_REST("tool")),
     writes={"hand": ("position", "velocity", "aperture")},
     duration=Duration(
         _OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05

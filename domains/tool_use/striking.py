@@ -215,7 +215,7 @@ def _offset(name: str, description: str) -> Hyperparameter:
 
 STRIKING = Block(
     name="STRIKING",
-    slots=(Slot("hand", DexterousHand), Slot("tool", Striker), Slot("object", Strikable)),
+    slots=(Slot("hand", DexterousHand), Slot("object", Strikable), Slot("tool", Striker)),
     anchor="hand",
     entry=(
         ABLE_TO_STRIKE("hand", "tool", "object"),

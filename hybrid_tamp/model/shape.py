@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
 _Length = Annotated[float, Strict(), Field(gt=0, le=100, allow_inf_nan=False)]
+_Coordinate = Annotated[float, Strict(), Field(ge=-100, le=100, allow_inf_nan=False)]
+_Angle = Annotated[float, Strict(), Field(ge=-100, le=100, allow_inf_nan=False)]
 
 
 class _Shape(BaseModel):
@@ -35,4 +37,54 @@ class Sphere(_Shape):
     radius: _Length = Field(description="radius", json_schema_extra={"unit": "m"})
 
 
-Shape = Annotated[Cylinder | Box | Sphere, Field(discriminator="kind")]
+class Placement(BaseModel):
+    """A part is a shape with its own keys, and these say where it is in the body."""
+
+    position: tuple[_Coordinate, _Coordinate, _Coordinate] = Field(
+        description="of the part's centre in the body frame", json_schema_extra={"unit": "m"}
+    )
+    rpy: tuple[_Angle, _Angle, _Angle] = Field(
+        default=(0.0, 0.0, 0.0),
+        description="roll, pitch and yaw of the part about the body's axes x, y, z in this order",
+        json_schema_extra={"unit": "rad"},
+    )
+
+
+class CylinderPart(Cylinder, Placement):
+    """A cylinder as a part of a compound."""
+
+
+class BoxPart(Box, Placement):
+    """A box as a part of a compound."""
+
+
+class SpherePart(Sphere, Placement):
+    """A sphere as a part of a compound."""
+
+
+Part = Annotated[CylinderPart | BoxPart | SpherePart, Field(discriminator="kind")]
+
+
+class Compound(_Shape):
+    """Several solids joined in one rigid body, whose centre of mass is the body frame's origin."""
+
+    kind: Literal["compound"] = Field(description="which shape")
+    parts: tuple[Part, ...] = Field(description="what it is made of", min_length=1, max_length=100)
+
+
+Solid = Cylinder | Box | Sphere
+"""A convex shape; parts of a compound are such."""
+Shape = Annotated[Solid | Compound, Field(discriminator="kind")]
+
+_CENTRE = (0.0, 0.0, 0.0)
+
+
+def parts_of(shape: Shape) -> tuple[CylinderPart | BoxPart | SpherePart, ...]:
+    """Return the parts of a compound; any other shape is its own only part, in the middle."""
+    if isinstance(shape, Compound):
+        return shape.parts
+    if isinstance(shape, Box):
+        return (BoxPart(kind="box", half_extents=shape.half_extents, position=_CENTRE),)
+    if isinstance(shape, Cylinder):
+        return (CylinderPart(kind="cylinder", radius=shape.radius, length=shape.length, position=_CENTRE),)
+    return (SpherePart(kind="sphere", radius=shape.radius, position=_CENTRE),)

@@ -17,7 +17,7 @@ from pydantic_core import PydanticUndefined
 
 from hybrid_tamp.errors import Issue
 from hybrid_tamp.model.affordance import TOKEN, BasicAction, ObjectClass, VaryingProperty, is_place
-from hybrid_tamp.model.shape import Box, Cylinder, Sphere
+from hybrid_tamp.model.shape import Shape
 
 
 class PropertyConflictError(ValueError):
@@ -106,7 +106,7 @@ class Token:
     name: str
     classes: tuple[type[ObjectClass], ...]
     properties: Mapping[str, Any]
-    shape: Cylinder | Box | Sphere | None = None
+    shape: Shape | None = None
 
     @classmethod
     def make(
@@ -114,7 +114,7 @@ class Token:
         name: str,
         classes: Iterable[type[ObjectClass]],
         properties: Mapping[str, Any],
-        shape: Cylinder | Box | Sphere | None = None,
+        shape: Shape | None = None,
     ) -> "Token":
         """Validate the properties against the union of the classes.
 

@@ -1,17 +1,9 @@
-"""PyBullet, headless: the only module that imports it.
-
-The numbers were measured (closed forms within 1 %, see the tests): four substeps of 1/960 s inside each control
-period, because a rolling cylinder gains energy from contact points that are one substep old (1.2 % of a rolling
-acceleration with one substep, 0.4 % with four); contact ERP 0.2, which takes up penetration without throwing a body
-that starts a millimetre too low; no damping, so that only the modelled friction brakes.
+"""The PyBullet backend.
 
 The substeps are taken one by one: Bullet tells the contact forces of the last one only, and a blow is over in one.
 """
 
-import ctypes
-import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
 from types import TracebackType
 
 import numpy as np
@@ -19,54 +11,23 @@ import numpy as np
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.block import CONTROL_PERIOD, Commands
 from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.shape import Box, Cylinder
-from hybrid_tamp.model.state import State
+from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.backend import FLOOR, ContactForce
+from hybrid_tamp.physics.blows import Blows
 from hybrid_tamp.physics.commands import CommandLayout
-from hybrid_tamp.physics.scene import FLOOR_FRICTION, FORCE, Body, bodies
+from hybrid_tamp.physics.driving import Drive
+from hybrid_tamp.physics.engine import GRAVITY, SUBSTEPS, connect, create, prepare, pybullet
+from hybrid_tamp.physics.fingers import Fingers
+from hybrid_tamp.physics.scene import bodies
 
+__all__ = ["GRAVITY", "BulletBackend"]
 
-@contextmanager
-def _silence() -> Iterator[None]:
-    """Send the process's standard streams to nowhere for a moment.
-
-    On import PyBullet prints its build time from C, past `sys.stdout`, to standard output or error depending on the
-    build; standard output belongs to ``--json``. What C still buffers must go to nowhere as well, hence the flush.
-    """
-    saved = {}
-    for descriptor in (1, 2):
-        with suppress(OSError):  # a process may run without a standard stream; there is nothing to silence then
-            saved[descriptor] = os.dup(descriptor)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        for descriptor in saved:
-            os.dup2(nowhere, descriptor)
-        yield
-    finally:
-        if os.name == "posix":
-            ctypes.CDLL(None).fflush(None)
-        for descriptor, copy in saved.items():
-            os.dup2(copy, descriptor)
-            os.close(copy)
-        os.close(nowhere)
-
-
-with _silence():
-    import pybullet
-
-__all__ = ["BulletBackend", "pybullet"]
-
-GRAVITY = 9.81
-"""[m/s^2]."""
-SUBSTEPS = 4
-SOLVER_ITERATIONS = 50
-CONTACT_ERP = 0.2
 _BODY = tuple(varying.name for varying in BODY_STATE)
 
 
 class BulletBackend:
-    """Rigid bodies on a floor; the robot acts by bounded forces only, and nothing joins a hand to an object.
+    """Rigid bodies on a floor; the robot acts by bounded forces and torques, and holds things by friction only.
 
     Args:
         gravity: acceleration of free fall ``(3,)`` [m/s^2]; leaning it stands for an inclined floor.
@@ -77,7 +38,7 @@ class BulletBackend:
 
     def __init__(self, gravity: Sequence[float] = (0.0, 0.0, -GRAVITY)) -> None:
         self._gravity = tuple(gravity)
-        self._client = pybullet.connect(pybullet.DIRECT)
+        self._client = connect()
         self._handles: dict[str, int] = {}
         self._forces: dict[tuple[str, str], float] = {}
 
@@ -88,31 +49,28 @@ class BulletBackend:
         what was read would start a run that differs in the last bit.
 
         Raises:
-            InputError: a token has no shape, or is moved by something else than a force.
+            InputError: a token has no shape, or is moved by something that physics does not know.
         """
         scene = bodies(task)
         self._commands = CommandLayout.of(task)
-        self._prepare()
-        self._handles = {body.token: self._create(body) for body in scene}
+        floor = prepare(self._client, self._gravity)
+        self._handles = {body.token: create(self._client, body) for body in scene}
         for token, handle in self._handles.items():
             self._place(handle, token, state)
-        self._names = {handle: token for token, handle in self._handles.items()} | {self._floor: FLOOR}
+        self._names = {handle: token for token, handle in self._handles.items()} | {floor: FLOOR}
         self._forces = {}
         slices = state.layout.slices
         self._index = np.array(
             [i for b in scene for name in _BODY for i in range(state.layout.size)[slices[b.token, name]]],
             dtype=np.intp,
         )
-        self._hands = [
-            (
-                self._handles[body.token],
-                self._commands.slices[body.token, FORCE],
-                slices[body.token, "position"],
-                -body.mass * np.array(self._gravity),
-            )
+        self._drives = [
+            Drive.of(body, self._client, self._handles[body.token], self._commands, self._gravity)
             for body in scene
             if body.driven
         ]
+        self._fingers = Fingers.all_of(task, self._client, self._handles, self._commands)
+        self._blows = Blows(task)
         self._state = State(state.layout, np.array(state.values, dtype=float))
         return self._state
 
@@ -120,45 +78,55 @@ class BulletBackend:
         """Do nothing: physics does not know what is intended."""
 
     def step(self, commands: Commands) -> State:
-        """Apply the forces on the hands for one control period and measure.
+        """Apply the forces and torques on the hands for one control period, move the fingers, and measure.
 
         Raises:
             CommandError: a command is unknown, of a wrong size, not finite or above its limit.
         """
         row = self._commands.checked(commands)
-        client, values = self._client, self._state.values
-        pushes = [
-            (handle, (row[part] + support).tolist(), values[position].tolist())
-            for handle, part, position, support in self._hands
-        ]
-        self._forces = {}
-        for _ in range(SUBSTEPS):
-            for handle, force, centre in pushes:
-                pybullet.applyExternalForce(handle, -1, force, centre, pybullet.WORLD_FRAME, physicsClientId=client)
-            pybullet.stepSimulation(physicsClientId=client)
-            self._note_forces()
-        measured: list[float] = []
-        for handle in self._handles.values():
-            position, orientation = pybullet.getBasePositionAndOrientation(handle, physicsClientId=client)
-            velocity, angular_velocity = pybullet.getBaseVelocity(handle, physicsClientId=client)
-            measured += (*position, *orientation, *velocity, *angular_velocity)
-        after = values.copy()
-        after[self._index] = measured
-        self._state = State(self._state.layout, after)
-        return self._state
+        after = self._state.values.copy()
+        state = State(self._state.layout, after)
+        for fingers in self._fingers:
+            fingers.advance(row, state)
+        self._simulate(row)
+        after[self._index] = self._measured()
+        self._blows.update(state)
+        self._state = state
+        return state
 
     def contact_forces(self) -> list[ContactForce]:
         """Return the largest normal force of each pair within the last period, summed over its contact points."""
         return [(one, other, force) for (one, other), force in sorted(self._forces.items())]
 
-    def _note_forces(self) -> None:
+    def _simulate(self, row: FloatArray) -> None:
+        for drive in self._drives:
+            drive.command(row)
+        self._forces = {}
+        for _ in range(SUBSTEPS):
+            for drive in self._drives:
+                drive.apply()
+            pybullet.stepSimulation(physicsClientId=self._client)
+            sums = self._contacts()
+            self._blows.feel(sums)
+            for pair, force in sums.items():
+                self._forces[pair] = max(force, self._forces.get(pair, 0.0))
+
+    def _contacts(self) -> dict[tuple[str, str], float]:
+        """Return the normal force [N] of each pair in the last substep."""
         sums: dict[tuple[str, str], float] = {}
         for point in pybullet.getContactPoints(physicsClientId=self._client):
             one, other = self._names[point[1]], self._names[point[2]]
             pair = (one, other) if one < other else (other, one)
             sums[pair] = sums.get(pair, 0.0) + point[9]
-        for pair, force in sums.items():
-            self._forces[pair] = max(force, self._forces.get(pair, 0.0))
+        return sums
+
+    def _measured(self) -> list[float]:
+        measured: list[float] = []
+        for handle in self._handles.values():
+            position, orientation = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self._client)
+            velocity, angular_velocity = pybullet.getBaseVelocity(handle, physicsClientId=self._client)
+            measured += (*position, *orientation, *velocity, *angular_velocity)
+        return measured
 
     def close(self) -> None:
         """Leave Bullet; a second time does nothing."""
@@ -176,46 +144,6 @@ class BulletBackend:
         trace: TracebackType | None,
     ) -> None:
         self.close()
-
-    def _prepare(self) -> None:
-        client = self._client
-        pybullet.resetSimulation(physicsClientId=client)
-        # A reset keeps the engine's parameters, so all that matter are set every time.
-        pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=self.timestep / SUBSTEPS,
-            numSolverIterations=SOLVER_ITERATIONS,
-            contactERP=CONTACT_ERP,
-            deterministicOverlappingPairs=1,
-            physicsClientId=client,
-        )
-        pybullet.setGravity(*self._gravity, physicsClientId=client)
-        plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
-        self._floor = pybullet.createMultiBody(0.0, plane, physicsClientId=client)
-        pybullet.changeDynamics(self._floor, -1, lateralFriction=FLOOR_FRICTION, physicsClientId=client)
-
-    def _create(self, body: Body) -> int:
-        shape, client = body.shape, self._client
-        if isinstance(shape, Box):
-            geometry = {"shapeType": pybullet.GEOM_BOX, "halfExtents": shape.half_extents}
-        elif isinstance(shape, Cylinder):
-            geometry = {"shapeType": pybullet.GEOM_CYLINDER, "radius": shape.radius, "height": shape.length}
-        else:
-            geometry = {"shapeType": pybullet.GEOM_SPHERE, "radius": shape.radius}
-        collision = pybullet.createCollisionShape(**geometry, physicsClientId=client)
-        handle: int = pybullet.createMultiBody(body.mass, collision, physicsClientId=client)
-        pybullet.changeDynamics(
-            handle,
-            -1,
-            localInertiaDiagonal=body.inertia,
-            lateralFriction=body.friction,
-            rollingFriction=body.rolling_friction,
-            spinningFriction=body.rolling_friction,
-            restitution=0.0,
-            linearDamping=0.0,
-            angularDamping=0.0,
-            physicsClientId=client,
-        )
-        return handle
 
     def _place(self, handle: int, token: str, state: State) -> None:
         position, orientation, velocity, angular_velocity = (state[token, n].tolist() for n in _BODY)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.shape import Box, Cylinder, Sphere
+from hybrid_tamp.model.shape import Box, Cylinder, Solid, parts_of
 from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -67,14 +67,17 @@ def spheres_of(task: Task, recording: Recording) -> Spheres:
 
 def bounding_radius(token: Token) -> float:
     """Return the radius of the sphere about a token's origin that holds all that is drawn of it [m]."""
-    shape = token.shape
+    if token.shape is None:
+        return disc_radius(token)
+    return max(float(np.linalg.norm(part.position)) + _radius(part) for part in parts_of(token.shape))
+
+
+def _radius(shape: Solid) -> float:
     if isinstance(shape, Cylinder):
         return float(np.hypot(shape.radius, shape.length / 2))
     if isinstance(shape, Box):
         return float(np.linalg.norm(shape.half_extents))
-    if isinstance(shape, Sphere):
-        return shape.radius
-    return disc_radius(token)
+    return shape.radius
 
 
 def disc_radius(token: Token) -> float:

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hybrid_tamp.model.shape import Box, Cylinder
+from hybrid_tamp.model.shape import Box, Compound, Cylinder, Solid
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import quaternion_from_rpy
 from hybrid_tamp.physics.camera import disc_radius
 from hybrid_tamp.physics.meshes import Mesh, box, cylinder, disc, joined, solid
 
@@ -19,6 +20,7 @@ _RIM = 0.06
 _MARK = 0.35
 _THIN = 0.002
 _HAIRLINE = 0.2
+_SHADE = 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,10 +65,19 @@ def _parts(token: Token, colour: Colour) -> list[Part]:
             Part(token.name, rim, green, True),
             Part(token.name, inner, colour, True),
         ]
+    if isinstance(token.shape, Compound):
+        return _compound(token.name, token.shape, colour)
     body = Part(token.name, solid(token.shape), colour)
     if token.place or token.basic_actions:
         return [body]
-    return [body, Part(token.name, _mark(token), dark)]
+    return [body, Part(token.name, _mark(token.shape), dark)]
+
+
+def _compound(name: str, shape: Compound, colour: Colour) -> list[Part]:
+    """Return the parts of a compound in two shades by turns, which show what it is made of and how it has turned."""
+    meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in shape.parts]
+    shades = (colour, _darker(colour, _SHADE))
+    return [Part(name, mesh, shades[number % 2]) for number, mesh in enumerate(meshes)]
 
 
 def _cross(radius: float) -> Mesh:
@@ -75,15 +86,13 @@ def _cross(radius: float) -> Mesh:
     return joined(box((arm, _THIN, _THIN / 2)), box((_THIN, arm, _THIN / 2)))
 
 
-def _mark(token: Token) -> Mesh:
+def _mark(shape: Solid) -> Mesh:
     """Return what stands out a little from the surface, so that one sees how the thing has turned."""
-    shape = token.shape
     if isinstance(shape, Cylinder):
         return box((shape.radius * 1.006, shape.radius * 0.1, shape.length / 2 + _THIN))
     if isinstance(shape, Box):
         x, y, z = shape.half_extents
         return box((x * _MARK, y * _MARK, _THIN)).moved([0, 0, z])
-    assert shape is not None, "a thing without a shape is drawn as a disc"
     return cylinder(shape.radius * 1.004, shape.radius * 0.12)
 
 

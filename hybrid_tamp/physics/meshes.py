@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hybrid_tamp.model.shape import Box, Cylinder, Sphere
+from hybrid_tamp.model.shape import Box, Cylinder, Solid
 from hybrid_tamp.model.state import FloatArray
+from hybrid_tamp.motion.poses import rotate
 
 _SIDES = 40
 _RINGS = 20
@@ -30,6 +31,10 @@ class Mesh:
         """Return the mesh moved by an offset ``(3,)`` [m]."""
         return Mesh(self.vertices + np.asarray(offset), self.normals, self.triangles)
 
+    def turned(self, quaternion: ArrayLike) -> "Mesh":
+        """Return the mesh turned about the origin by a unit quaternion ``(4,)``."""
+        return Mesh(rotate(quaternion, self.vertices), rotate(quaternion, self.normals), self.triangles)
+
 
 def joined(*meshes: Mesh) -> Mesh:
     """Return one mesh of all the triangles."""
@@ -41,8 +46,8 @@ def joined(*meshes: Mesh) -> Mesh:
     )
 
 
-def solid(shape: Cylinder | Box | Sphere) -> Mesh:
-    """Return the surface of a shape."""
+def solid(shape: Solid) -> Mesh:
+    """Return the surface of a convex shape, centred at the origin."""
     if isinstance(shape, Cylinder):
         return cylinder(shape.radius, shape.length)
     if isinstance(shape, Box):

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.bullet import pybullet
 from hybrid_tamp.physics.camera import FIELD_OF_VIEW, Camera, Spheres, framing
+from hybrid_tamp.physics.engine import pybullet
 from hybrid_tamp.physics.looks import Colour, Part, parts_of
 from hybrid_tamp.physics.meshes import Mesh, tiles
 

@@ -5,16 +5,16 @@ is treated alike (Gilbert, Johnson and Keerthi 1988, "A fast procedure for compu
 objects in three-dimensional space").
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
-from hybrid_tamp.model.shape import Box, Cylinder, Sphere
+from hybrid_tamp.model.shape import Box, Cylinder, Solid, parts_of
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 
 CONTACT = 1e-3
 """So deep two bodies may go into each other and still merely touch: written poses are rounded [m]."""
@@ -38,15 +38,6 @@ class ConvexBody:
     ball: float
     position: FloatArray
     axes: FloatArray
-
-    @classmethod
-    def of(cls, token: Token, state: State) -> "ConvexBody | None":
-        """Return a token's body in a single state, or None if the token is no body: a place, or without a shape."""
-        if token.place or token.shape is None:
-            return None
-        half, disc, ball = _core(token.shape)
-        axes = rotate(state[token, "orientation"], np.eye(3))
-        return cls(half, disc, ball, np.asarray(state[token, "position"]), axes)
 
     @property
     def reach(self) -> float:
@@ -73,7 +64,23 @@ class ConvexBody:
         return ConvexBody(half, disc, ball, self.position, self.axes)
 
 
-def _core(shape: Box | Cylinder | Sphere) -> tuple[FloatArray, float, float]:
+Body = Sequence[ConvexBody]
+"""The parts of a body, one unless it is a compound."""
+
+
+def body_of(token: Token, state: State) -> Body:
+    """Return a token's body in a single state, empty if the token is none: a place, or without a shape."""
+    if token.place or token.shape is None:
+        return ()
+    position, orientation = state[token, "position"], state[token, "orientation"]
+    parts = []
+    for part in parts_of(token.shape):
+        axes = rotate(orientation, rotate(quaternion_from_rpy(part.rpy), np.eye(3)))
+        parts.append(ConvexBody(*_core(part), position + rotate(orientation, part.position), axes))
+    return parts
+
+
+def _core(shape: Solid) -> tuple[FloatArray, float, float]:
     if isinstance(shape, Box):
         return np.asarray(shape.half_extents, dtype=float), 0.0, 0.0
     if isinstance(shape, Cylinder):
@@ -81,17 +88,32 @@ def _core(shape: Box | Cylinder | Sphere) -> tuple[FloatArray, float, float]:
     return np.zeros(3), 0.0, shape.radius
 
 
-def lowest_height(body: ConvexBody) -> float:
+def lowest_height(body: Body) -> float:
     """Return the height of the body's lowest point [m]."""
-    return float(body.support(np.array([0.0, 0.0, -1.0]))[2])
+    return min(float(part.support(np.array([0.0, 0.0, -1.0]))[2]) for part in body)
 
 
-def overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
+def overlap(one: Body, other: Body) -> FloatArray | None:
     """Return a short way ``(3,)`` [m] by which `other` gets clear of `one`, or None if they only touch or are apart.
 
-    The way is the shortest one along the bodies' axes, edges and the line between their centres, those aside that lead
-    down, where there may be a floor; it does clear them.
+    The way is the shortest one along the parts' axes, edges and the lines between their centres, those aside that lead
+    down, where there may be a floor; it does clear them. Of compounds it clears the convex hulls.
     """
+    pairs = list(product(one, other))
+    ways = [way for mine, theirs in pairs if (way := _overlap(mine, theirs)) is not None]
+    if not ways or len(pairs) == 1:
+        return ways[0] if ways else None
+    directions = [d for mine, theirs in pairs for d in _directions(mine, theirs) if d[2] > -0.5]
+    depths = [
+        max(float(mine.support(d) @ d) for mine in one) - min(float(theirs.support(-d) @ d) for theirs in other)
+        for d in directions
+    ]
+    shortest = int(np.argmin(depths))
+    return np.asarray(directions[shortest] * depths[shortest])
+
+
+def _overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
+    """Return a short way by which one convex body gets clear of another, or None."""
     best: FloatArray | None = None
     least = np.inf
     for direction in _directions(one, other):
@@ -104,24 +126,34 @@ def overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
     return best if _share_a_point(inner, outer) else None
 
 
-def overlaps(bodies: Sequence[ConvexBody]) -> Iterator[tuple[int, int, FloatArray]]:
+def overlaps(
+    bodies: Sequence[Body], pass_through: Callable[[int, int], bool] = lambda earlier, later: False
+) -> Iterator[tuple[int, int, FloatArray]]:
     """Yield every body that shares space with an earlier one: (earlier, later, way by which the later one gets clear).
 
     Of a heap each body is told once, with one other: all pairs of it would be as many as nobody reads.
+
+    Args:
+        bodies: all bodies.
+        pass_through: which pairs, (earlier, later), may share space.
     """
     corners = np.array([_corners(body) for body in bodies]).reshape(-1, 2, 3)
     for later, body in enumerate(bodies):
         lower, upper = corners[later]
         near = np.all((corners[:later, 0] < upper) & (corners[:later, 1] > lower), axis=-1)
-        found = ((int(earlier), overlap(bodies[int(earlier)], body)) for earlier in np.flatnonzero(near))
+        suspects = (earlier for earlier in map(int, np.flatnonzero(near)) if not pass_through(earlier, later))
+        found = ((earlier, overlap(bodies[earlier], body)) for earlier in suspects)
         first = next(((earlier, way) for earlier, way in found if way is not None), None)
         if first is not None:
             yield first[0], later, first[1]
 
 
-def _corners(body: ConvexBody) -> FloatArray:
+def _corners(body: Body) -> FloatArray:
     """Return the lower and the upper corner ``(2, 3)`` [m] of the smallest upright box about a body."""
-    return np.array([[body.support(sign * axis)[i] for i, axis in enumerate(np.eye(3))] for sign in (-1.0, 1.0)])
+    corners = np.array(
+        [[[part.support(sign * axis)[i] for i, axis in enumerate(np.eye(3))] for part in body] for sign in (-1.0, 1.0)]
+    )
+    return np.array([corners[0].min(axis=0), corners[1].max(axis=0)])
 
 
 def _directions(one: ConvexBody, other: ConvexBody) -> Iterator[FloatArray]:

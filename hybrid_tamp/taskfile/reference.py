@@ -8,7 +8,7 @@ from hybrid_tamp.model.affordance import AffordanceClass, CapabilityClass, Objec
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Literal, Predicate
-from hybrid_tamp.model.shape import Box, Cylinder, Sphere
+from hybrid_tamp.model.shape import Box, Compound, Cylinder, Placement, Sphere
 from hybrid_tamp.taskfile.entries import LimitsEntry, Pose, TaskFile, TokenEntry
 from hybrid_tamp.taskfile.forms import JsonObject, bounds_in_words, form_of, number_in_words, type_in_words
 from hybrid_tamp.taskfile.roles import can_start
@@ -27,7 +27,8 @@ def reference_page(domains: Sequence[Domain]) -> str:
     """Return the reference page: every key of a task file, then every domain with all that a file can name."""
     parts = [_INTRODUCTION]
     parts += [_model("The file", TaskFile), _model("`TokenEntry`: a token", TokenEntry), _model("`Pose`", Pose)]
-    parts += [_model(f"`{shape.__name__}`: a shape", shape) for shape in (Cylinder, Box, Sphere)]
+    parts += [_model(f"`{shape.__name__}`: a shape", shape) for shape in (Cylinder, Box, Sphere, Compound)]
+    parts += [_model("`CylinderPart`, `BoxPart`, `SpherePart`: a part", Placement)]
     parts += [_model("`LimitsEntry`: limits", LimitsEntry)]
     parts += [part for domain in domains for part in _domain(domain)]
     return "\n".join(parts)

@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.taskfile.convex import CONTACT, ConvexBody, lowest_height, overlaps
+from hybrid_tamp.taskfile.convex import CONTACT, Body, body_of, lowest_height, overlaps
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 from hybrid_tamp.taskfile.roles import is_capability
 from hybrid_tamp.taskfile.tokens import Scene
@@ -24,7 +25,7 @@ def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
     sound = [token for token in scene.tokens if faults.sound(("tokens", token.name)) and _placed(data, token)]
     names = {token.name for token in scene.tokens}
     state = State.of(scene.tokens, {key: value for key, value in scene.given.items() if key[0] in names})
-    bodies = [(token, body) for token in sound if (body := ConvexBody.of(token, state)) is not None]
+    bodies = [(token, body) for token in sound if (body := body_of(token, state))]
     whole = faults.sound(("tokens",))
     for token, body in bodies:
         _check_floor(token, body, faults)
@@ -42,7 +43,7 @@ def _path(token: Token) -> KeyPath:
     return ("tokens", token.name, "pose", "position")
 
 
-def _check_floor(token: Token, body: ConvexBody, faults: Faults) -> None:
+def _check_floor(token: Token, body: Body, faults: Faults) -> None:
     """The floor is the plane z = 0 wherever there is gravity."""
     lowest = lowest_height(body)
     if lowest < -CONTACT:
@@ -51,10 +52,14 @@ def _check_floor(token: Token, body: ConvexBody, faults: Faults) -> None:
         faults.at(_path(token), wanted, came, remedy=f"raise it by {_metres(-lowest)} m")
 
 
-def _check_overlaps(bodies: list[tuple[Token, ConvexBody]], faults: Faults) -> None:
+def _check_overlaps(bodies: list[tuple[Token, Body]], faults: Faults) -> None:
     # Of a hand inside a thing it is the hand that is to be moved: it comes later.
     ordered = sorted(bodies, key=lambda body: is_capability(body[0]))
-    for earlier, later, way in overlaps([body for _, body in ordered]):
+
+    def may_share(earlier: int, later: int) -> bool:
+        return pass_through(ordered[earlier][0], ordered[later][0])
+
+    for earlier, later, way in overlaps([body for _, body in ordered], may_share):
         one, other = ordered[earlier][0], ordered[later][0]
         wanted = f"{subject(_path(other))} must put it clear of the other tokens"
         came = f"a place inside token {shown(one.name)}, whose position is on line {faults.mark(_path(one)).line}"

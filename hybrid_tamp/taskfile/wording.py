@@ -134,7 +134,8 @@ class _Way:
             return self.field.annotation if self.field else Any
         if get_origin(here) is tuple:
             self.length = len(arguments)
-        return arguments[-1] if arguments else Any
+        # Of a mapping it is the last that counts, and of a tuple of any length, whose last is an ellipsis, the first.
+        return next((one for one in reversed(arguments) if one is not Ellipsis), Any)
 
 
 def _members(annotation: Any) -> tuple[Any, ...]:

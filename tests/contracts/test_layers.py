@@ -78,7 +78,7 @@ def test_heavy_libraries_have_one_home() -> None:
             if root in homes:
                 homes[root].add(name)
     assert all(name.startswith("hybrid_tamp/symbolic/") for name in homes["unified_planning"])
-    assert homes["pybullet"] == {"hybrid_tamp/physics/bullet.py"}
+    assert homes["pybullet"] == {"hybrid_tamp/physics/engine.py"}
 
 
 @pytest.mark.parametrize(

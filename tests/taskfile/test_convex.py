@@ -9,7 +9,7 @@ from hybrid_tamp.model.shape import Box, Cylinder, Shape, Sphere
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import normalized, quaternion_from_rpy
-from hybrid_tamp.taskfile.convex import CONTACT, ConvexBody, lowest_height, overlap, overlaps
+from hybrid_tamp.taskfile.convex import CONTACT, Body, body_of, lowest_height, overlap, overlaps
 
 
 class Thing(AffordanceClass):
@@ -18,14 +18,12 @@ class Thing(AffordanceClass):
     name = "THING"
 
 
-def body(shape: Shape, position: tuple[float, ...] | FloatArray, orientation: FloatArray | None = None) -> ConvexBody:
+def body(shape: Shape, position: tuple[float, ...] | FloatArray, orientation: FloatArray | None = None) -> Body:
     token = Token.make("thing", [Thing], {}, shape)
     given = {("thing", "position"): np.asarray(position, dtype=float)}
     if orientation is not None:
         given["thing", "orientation"] = orientation
-    found = ConvexBody.of(token, State.of([token], given))
-    assert found is not None
-    return found
+    return body_of(token, State.of([token], given))
 
 
 CUBE = Box(kind="box", half_extents=(0.1, 0.1, 0.1))
