@@ -80,11 +80,13 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     upright = tool_orientation(np.arctan2(ahead[..., 1], ahead[..., 0]), 0.0)
     origin, gap = start[hand, "position"].copy(), _gap(start, tool, thing, ahead)
     distance, still = np.asarray(hyperparameters["distance"])[..., None], np.zeros(3)
-    touch = straight_movement().trajectory(np.zeros(1), gap[..., None], _APPROACH)
-    push = straight_movement().trajectory(np.zeros(1), distance, _time(hyperparameters))
+    # The primitive goes from 0 to 1; its forcing term does not shrink with the way.
+    touch = straight_movement().trajectory(np.zeros(1), np.ones(1), _APPROACH)
+    push = straight_movement().trajectory(np.zeros(1), np.ones(1), _time(hyperparameters))
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        near, go = touch.at(elapsed), push.at(elapsed - _APPROACH)
+        near = [gap[..., None] * each for each in touch.at(elapsed)]
+        go = [distance * each for each in push.at(elapsed - _APPROACH)]
         position, velocity, acceleration = ((one + other) * ahead for one, other in zip(near, go, strict=True))
         resisting = resistance(thing) * np.clip(go[1] / _CREEP, 0.0, 1.0) + thing["mass"] * go[2]
         load = Load(-resisting * ahead, point(state, tool, np.asarray(tool["pushing_point"])))
