@@ -124,23 +124,35 @@ def foot(tool: Token) -> float:
     return max(map(_ahead, parts_of(tool.shape)))
 
 
+def butt(tool: Token) -> FloatArray:
+    """Return the corner of the handle's end ``(3,)`` [m], in the body frame, that comes near what is struck."""
+    assert tool.shape is not None, "a tool has a shape"
+    back = max(_ahead(part, -1.0) for part in parts_of(tool.shape))
+    return np.array([-back, 0.0, tool["handle_to"][2] - tool["handle_width"] / 2])
+
+
 @cache
-def _ahead(part: Part) -> float:
-    """Return how far a part of a shape reaches along the body's x axis [m]."""
-    along = rotate(quaternion_conjugate(quaternion_from_rpy(part.rpy)), np.array([1.0, 0.0, 0.0]))
+def _ahead(part: Part, way: float = 1.0) -> float:
+    """Return how far a part of a shape reaches along the body's x axis, or against it if `way` is -1 [m]."""
+    along = rotate(quaternion_conjugate(quaternion_from_rpy(part.rpy)), np.array([way, 0.0, 0.0]))
     if isinstance(part, Box):
         reach = float(np.abs(along) @ np.asarray(part.half_extents))
     elif isinstance(part, Cylinder):
         reach = float(part.radius * np.hypot(along[0], along[1]) + part.length / 2 * abs(along[2]))
     else:
         reach = part.radius
-    return part.position[0] + reach
+    return way * part.position[0] + reach
 
 
 def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:
     """Return the horizontal direction ``(..., 3)`` from a thing to a region and the distance ``(...)`` [m]."""
     offset = (state[region, "position"] - state[thing, "position"]) * np.array([1.0, 1.0, 0.0])
     return _unit(offset), norm(offset)
+
+
+def in_box(state: State, thing: Token, place: FloatArray) -> FloatArray:
+    """Return a place ``(..., 3)`` [m] in the frame of a thing."""
+    return rotate(quaternion_conjugate(state[thing, "orientation"]), place - state[thing, "position"])
 
 
 def half_depth(state: State, thing: Token, direction: FloatArray) -> FloatArray:

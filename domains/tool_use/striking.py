@@ -22,7 +22,7 @@ from hybrid_tamp.model.block import (
 )
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
+from hybrid_tamp.motion.poses import rotate
 
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_movement
@@ -32,10 +32,12 @@ from .feasibility import ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME
 from .geometry import (
     LEVEL,
     UP,
+    butt,
     cross,
     dot,
     hand_in_tool,
     heading,
+    in_box,
     norm,
     point,
     point_velocity,
@@ -121,7 +123,7 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
         hit = ((state[thing, "impulse"][..., 0] > taken) | (elapsed > arc.latest))[..., None]
         swinging = (elapsed > arc.winding)[..., None]
         spin = dot(state[tool, "angular_velocity"], arc.axis)
-        driven = np.minimum(hand["strike_torque"] / arc.swing.inertia, (arc.swing.rate - spin) / CONTROL_PERIOD)
+        driven = np.minimum(arc.swing.drive(hand), (arc.swing.rate - spin) / CONTROL_PERIOD)
         moving = np.where(swinging, _on_arc(state, hand, tool, arc, spin, driven), before)
         moving = np.where(hit, keeping(state, hand, above, 0.0), moving)
         turning = np.where(swinging, _in_plane(state, tool, arc.axis, driven), turning_rate(state, tool, wound, rate))
@@ -157,21 +159,27 @@ def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
 
 
 def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
-    """Hand and tool as one body, which the top of the thing stops: an inelastic blow that the thing withstands."""
+    """Hand and tool as one body, which the top of the thing stops: an inelastic blow that the thing withstands.
+
+    A tool that is held near its head has its butt in the way: where it meets the thing or the floor, the swing is over.
+    """
     hand, tool, thing = _roles(binding)
     impact = point(state, tool, np.asarray(tool["impact_point"]))
     velocity, spin = accelerated(state, hand, tool, commands, dt)
     sinking = -(velocity + cross(spin, impact - state[hand, "position"]))[..., 2]
     above = impact - top(state, thing)
-    local = rotate(quaternion_conjugate(state[thing, "orientation"]), above)
-    over = (np.abs(local[..., :2]) <= np.asarray(thing["half_extents"])[:2]).all(axis=-1)
+    over = (np.abs(in_box(state, thing, impact))[..., :2] <= np.asarray(thing["half_extents"])[:2]).all(axis=-1)
     hit = over & (above[..., 2] >= -_TOUCH) & (above[..., 2] <= sinking * dt) & (sinking > _TOUCH)
-    share = np.where(hit, np.maximum(above[..., 2], 0.0) / np.where(hit, sinking * dt, 1.0), 1.0)[..., None]
+    share = np.where(hit, np.maximum(above[..., 2], 0.0) / np.where(hit, sinking * dt, 1.0), 1.0)
+    end = point(state, tool, butt(tool))
+    barred = (np.abs(in_box(state, thing, end)) < np.asarray(thing["half_extents"])).all(axis=-1) | (end[..., 2] < 0)
+    share = np.where(barred, 0.0, share)[..., None]
     changes = placed(state, hand, tool, velocity * share, spin * share, dt)
-    if hit.any():
+    stopped = hit | barred
+    if stopped.any():
         for token in (hand, tool):
             for name in ("velocity", "angular_velocity"):
-                changes[token.name, name] = np.where(hit[..., None], 0.0, changes[token.name, name])
+                changes[token.name, name] = np.where(stopped[..., None], 0.0, changes[token.name, name])
     blow = effective_mass(state, hand, tool, impact, UP) * np.where(hit, sinking, 0.0)
     changes[thing.name, "impulse"] = np.maximum(state[thing, "impulse"], blow[..., None])
     return state.replace(changes)

@@ -11,7 +11,7 @@ from hybrid_tamp.model.token import Token
 from .geometry import LEVEL
 from .holding import GRAVITY
 
-_COASTING = 2.5
+_COASTING = 0.2
 """For how many control periods the tool goes on at its final speed until it should meet its target."""
 
 
@@ -38,13 +38,24 @@ class Swing:
         """Speed of the impact point along its normal [m/s]."""
         return np.asarray(self.rate * self.lever)
 
+    def periods(self, hand: Token) -> FloatArray:
+        """Return for how many control periods the torque drives the swing: the angle at its torque, rounded up."""
+        return np.ceil(self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD) - 1e-9)
+
+    def drive(self, hand: Token) -> FloatArray:
+        """Return the constant angular acceleration [rad/s^2] that comes to the final speed in whole control periods."""
+        return np.asarray(self.rate / (self.periods(hand) * CONTROL_PERIOD))
+
     def wound_up(self, hand: Token) -> FloatArray:
-        """Return the angle of the tool from which the swing begins [rad]."""
-        return np.asarray(LEVEL - hand["strike_angle"] - _COASTING * CONTROL_PERIOD * self.rate)
+        """Return the angle of the tool from which the swing begins [rad].
+
+        Speeds change period by period, so that n of them turn it by (n + 1)/2 times what the final speed does in one.
+        """
+        return np.asarray(LEVEL - self.rate * CONTROL_PERIOD * ((self.periods(hand) + 1.0) / 2.0 + _COASTING))
 
     def duration(self, hand: Token) -> FloatArray:
         """Return how long it takes until the blow [s]."""
-        return np.asarray(2.0 * hand["strike_angle"] / self.rate + _COASTING * CONTROL_PERIOD)
+        return np.asarray((self.periods(hand) + _COASTING) * CONTROL_PERIOD)
 
 
 def swing_of(hand: Token, tool: Token, held_at: FloatArray, radius: FloatArray | float) -> Swing:
