@@ -62,22 +62,18 @@ def turning_rate(state: State, token: Token, wanted: FloatArray, velocity: Float
 def hand_servo(hand: Token, start: State) -> Servo:
     """Return the servo of all that a hand is driven by; a wrist that turns keeps the orientation that it starts with.
 
-    Of a hand that nothing drives, as of any other token, the servo commands nothing.
+    For a token without basic actions it commands nothing.
     """
     actions = {action.name for action in hand.basic_actions}
-    if "force" not in actions:
-        return lambda state, position, velocity=0.0: {}
-    if "torque" not in actions:
-        return lambda state, position, velocity=0.0: {
-            (hand.name, "force"): position_servo(hand, state, position, velocity)
-        }
     upright = start[hand, "orientation"].copy()
 
-    def servo(state: State, position: FloatArray, velocity: FloatArray | float = 0.0) -> Commands:
-        return {
-            (hand.name, "force"): position_servo(hand, state, position, velocity),
-            (hand.name, "torque"): hand["wrist_inertia"] * turning_rate(state, hand, upright),
-        }
+    def servo(state: State, position: FloatArray, velocity: FloatArray | float) -> Commands:
+        commands: Commands = {}
+        if "force" in actions:
+            commands[hand.name, "force"] = position_servo(hand, state, position, velocity)
+        if "torque" in actions:
+            commands[hand.name, "torque"] = hand["wrist_inertia"] * turning_rate(state, hand, upright)
+        return commands
 
     return servo
 

@@ -9,8 +9,8 @@ from hybrid_tamp.model.affordance import (
     BODY_STATE,
     AffordanceClass,
     BasicAction,
-    Vector3,
     VaryingProperty,
+    Vector3,
     quantity,
 )
 from hybrid_tamp.model.grasp import aperture_property
@@ -70,9 +70,7 @@ class DexterousHand(StaticEndEffector):
     def consistent(token: Token) -> str | None:
         """Complain about a strike that the wrist is too weak for."""
         if token["strike_torque"] > token["maximal_torque"]:
-            return (
-                f"strike_torque is {token['strike_torque']} N m, but maximal_torque is {token['maximal_torque']} N m only"
-            )
+            return f"strike_torque is {token['strike_torque']} N m, more than the maximal_torque of the wrist"
         return StaticEndEffector.consistent(token)
 
 

@@ -64,7 +64,7 @@ def _strike(hand: Token, tool: Token, thing: Token) -> float:
 def _depth(hand: Token, *places: FloatArray) -> FloatArray:
     """Return the least distance ``(...)`` [m] of places ``(..., 3)`` inside the hand's workspace."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
-    return np.min([np.minimum(place - lower, upper - place).min(axis=-1) for place in places], axis=0)
+    return np.asarray(np.min([np.minimum(place - lower, upper - place).min(axis=-1) for place in places], axis=0))
 
 
 def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
@@ -89,7 +89,6 @@ def _squareness(state: State, thing: Token, region: Token) -> FloatArray:
 def _home(state: State, tool: Token, region: Token) -> FloatArray:
     offset = (state[tool, "position"] - state[region, "position"])[..., :2]
     return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
-
 
 
 LIFTABLE = Predicate(

@@ -67,7 +67,7 @@ def handle_length(tool: Token) -> float:
 
 def on_handle(tool: Token, location: FloatArray | float) -> FloatArray:
     """Return the point of the handle in the body frame ``(..., 3)`` [m], `location` away from its end near the head."""
-    return np.asarray(tool["handle_to"]) - np.asarray(location)[..., None] * np.array([1.0, 0.0, 0.0])
+    return np.asarray(tool["handle_to"] - np.asarray(location)[..., None] * np.array([1.0, 0.0, 0.0]))
 
 
 def location(state: State, hand: Token, tool: Token) -> FloatArray:
@@ -79,7 +79,9 @@ def off_handle(state: State, hand: Token, tool: Token) -> FloatArray:
     """Return the distance ``(...)`` [m] of the hand's centre from the graspable segment."""
     place = hand_in_tool(state, hand, tool)
     along = np.clip(place[..., 0], tool["handle_from"][0], tool["handle_to"][0])
-    return norm(place - np.concatenate([along[..., None], np.broadcast_to(tool["handle_to"][1:], along.shape + (2,))], -1))
+    return norm(
+        place - np.concatenate([along[..., None], np.broadcast_to(tool["handle_to"][1:], (*along.shape, 2))], -1)
+    )
 
 
 def beside(state: State, hand: Token, tool: Token) -> FloatArray:
@@ -166,7 +168,7 @@ def push_pose(state: State, tool: Token, thing: Token, region: Token) -> tuple[F
     ahead, _ = way(state, thing, region)
     back = half_depth(state, thing, ahead) + STANDOFF + tool["pushing_point"][2]
     place = state[thing, "position"] - ahead * back[..., None]
-    height = np.full(back.shape + (1,), foot(tool) + CLEARANCE)
+    height = np.full((*back.shape, 1), foot(tool) + CLEARANCE)
     return np.concatenate([place[..., :2], height], axis=-1), np.arctan2(ahead[..., 1], ahead[..., 0])
 
 

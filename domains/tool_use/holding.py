@@ -71,7 +71,7 @@ def wrench(
     return {
         (hand.name, "force"): hand["mass"] * acceleration + force,
         (hand.name, "torque"): torque + cross(arm, force),
-        (hand.name, "grip"): np.full(arm.shape[:-1] + (1,), hand["maximal_grip"]),
+        (hand.name, "grip"): np.full((*arm.shape[:-1], 1), hand["maximal_grip"]),
     }
 
 
@@ -93,22 +93,22 @@ def servo(
         orientation: of the tool ``(..., 4)`` and its angular velocity ``(..., 3)`` [rad/s].
         load: what acts on the tool beside, or None.
     """
-    return wrench(
-        state, hand, tool, keeping(state, hand, *position), turning_rate(state, tool, *orientation), load
-    )
+    return wrench(state, hand, tool, keeping(state, hand, *position), turning_rate(state, tool, *orientation), load)
 
 
 def keeping(
-    state: State, hand: Token, position: FloatArray, velocity: FloatArray | float, acceleration: FloatArray | float = 0.0
+    state: State,
+    hand: Token,
+    position: FloatArray,
+    velocity: FloatArray | float,
+    acceleration: FloatArray | float = 0.0,
 ) -> FloatArray:
     """Return the acceleration ``(..., 3)`` [m/s^2] that brings a hand back to a moving reference."""
     error, drift = position - state[hand, "position"], velocity - state[hand, "velocity"]
     return np.asarray(acceleration + POSITION_RATE**2 * error + 2.0 * DAMPING_RATIO * POSITION_RATE * drift)
 
 
-def accelerated(
-    state: State, hand: Token, tool: Token, commands: Commands, dt: float
-) -> tuple[FloatArray, FloatArray]:
+def accelerated(state: State, hand: Token, tool: Token, commands: Commands, dt: float) -> tuple[FloatArray, FloatArray]:
     """Return the velocity of the hand [m/s] and the angular velocity of both [rad/s], each ``(..., 3)``, after a step.
 
     They move as one rigid body by what is commanded and by the tool's weight.
@@ -158,8 +158,6 @@ def fingers(state: State, hand: Token, tool: Token, commands: Commands, dt: floa
     return {(hand.name, "aperture"): np.where(closing, closed, opened)}
 
 
-
-
 def effective_mass(state: State, hand: Token, tool: Token, at: FloatArray, direction: FloatArray) -> FloatArray:
     """Return the mass ``(...)`` [kg] with which hand and tool meet a blow at a point along a unit direction.
 
@@ -173,7 +171,7 @@ def effective_mass(state: State, hand: Token, tool: Token, at: FloatArray, direc
 def knocked(
     state: State, hand: Token, tool: Token, velocity: FloatArray, spin: FloatArray, at: FloatArray, blow: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return velocity of the hand and angular velocity of both after a blow ``(..., 3)`` [N s] on the tool at a point."""
+    """Return velocity of the hand and angular velocity of both after a blow ``(..., 3)`` [N s] on the tool."""
     centre, mass, inertia = _whole(state, hand, tool)
     turned = cross(at - centre, blow) / inertia[..., None]
     return velocity + blow / mass + cross(turned, state[hand, "position"] - centre), spin + turned

@@ -31,7 +31,7 @@ _STRUCK = Parameter("object", Strikable)
 _REGION = Parameter("region", Region)
 OPEN = 0.7
 """A hand is empty when its fingers are open by this share of their largest gap."""
-_FINGER_TOLERANCE = 0.002
+_FINGER_TOLERANCE = 1e-4
 _BESIDE_TOLERANCE = 0.02
 _FOOT_TOLERANCE = 0.005
 _TILT_TOLERANCE = np.radians(5.0)
@@ -52,7 +52,7 @@ def _openness(state: State, hand: Token) -> FloatArray:
 def _grip(state: State, tool: Token, hand: Token) -> FloatArray:
     """The fingers are as far apart as the handle is wide, and the handle is between them."""
     closed = _FINGER_TOLERANCE - np.abs(state[hand, "aperture"][..., 0] - tool["handle_width"])
-    return np.minimum(closed, CAPTURE - off_handle(state, hand, tool))
+    return np.asarray(np.minimum(closed, CAPTURE - off_handle(state, hand, tool)))
 
 
 def _standing(state: State, tool: Token) -> FloatArray:
@@ -60,7 +60,7 @@ def _standing(state: State, tool: Token) -> FloatArray:
     upright = _TILT_TOLERANCE - np.abs(swing_angle(state, tool))
     level = _TILT_TOLERANCE - np.abs(rotate(state[tool, "orientation"], np.array([0.0, 1.0, 0.0]))[..., 2])
     height = _FOOT_TOLERANCE - np.abs(state[tool, "position"][..., 2] - foot(tool))
-    return np.minimum(np.minimum(upright, level) * _FOOT_TOLERANCE / _TILT_TOLERANCE, height)
+    return np.asarray(np.minimum(np.minimum(upright, level) * _FOOT_TOLERANCE / _TILT_TOLERANCE, height))
 
 
 def _stance(distance: FloatArray, *angles: FloatArray) -> FloatArray:

@@ -60,9 +60,7 @@ RELEASING = Block(
     # What is let go must go on standing: the condition is measured.
     exit=(~HELD("tool", "hand"), EMPTY("hand"), STANDS("tool"), AT_REST("hand"), AT_REST("tool")),
     writes={"hand": ("position", "velocity", "aperture")},
-    duration=Duration(
-        _OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05
-    ),
+    duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05),
     policy=_policy,
     system=_system,
     outcome=_outcome,

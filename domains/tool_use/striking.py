@@ -133,9 +133,7 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     return policy
 
 
-def _on_arc(
-    state: State, hand: Token, tool: Token, arc: _Arc, spin: FloatArray, driven: FloatArray
-) -> FloatArray:
+def _on_arc(state: State, hand: Token, tool: Token, arc: _Arc, spin: FloatArray, driven: FloatArray) -> FloatArray:
     """Return the acceleration ``(..., 3)`` [m/s^2] of a hand that goes on its arc about the elbow with the tool."""
     arm = arc.radius[..., None] * along(arc.ahead, swing_angle(state, tool))
     velocity = spin[..., None] * cross(arc.axis, arm)

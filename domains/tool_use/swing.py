@@ -40,7 +40,7 @@ class Swing:
 
     def periods(self, hand: Token) -> FloatArray:
         """Return for how many control periods the torque drives the swing: the angle at its torque, rounded up."""
-        return np.ceil(self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD) - 1e-9)
+        return np.asarray(np.ceil(self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD) - 1e-9))
 
     def drive(self, hand: Token) -> FloatArray:
         """Return the constant angular acceleration [rad/s^2] that comes to the final speed in whole control periods."""

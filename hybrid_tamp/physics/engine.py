@@ -12,9 +12,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
+from hybrid_tamp.model.block import CONTROL_PERIOD
 from hybrid_tamp.model.shape import Box, Compound, Cylinder, Shape, Solid
 from hybrid_tamp.motion.poses import quaternion_from_rpy
-from hybrid_tamp.model.block import CONTROL_PERIOD
 from hybrid_tamp.physics.scene import FLOOR_FRICTION, Body
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from hybrid_tamp.model.block import CONTROL_PERIOD
 from hybrid_tamp.model.grasp import (
     APERTURE,
     CAPTURE,
@@ -24,7 +25,6 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotate, rotation_vector
 from hybrid_tamp.motion.segments import nearest_on_segment
-from hybrid_tamp.model.block import CONTROL_PERIOD
 from hybrid_tamp.physics.commands import CommandLayout
 from hybrid_tamp.physics.engine import pybullet
 
