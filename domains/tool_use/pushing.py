@@ -23,6 +23,7 @@ from hybrid_tamp.model.block import (
 from hybrid_tamp.model.predicate import ANY
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
 
 from ..common.classes import Region
 from ..common.predicates import AT_REST
@@ -36,7 +37,7 @@ from .feasibility import (
     SQUARE_TO,
     resistance,
 )
-from .geometry import cross, dot, half_depth, heading, norm, point, side, tool_orientation, way
+from .geometry import UP, cross, dot, half_depth, heading, norm, point, side, tool_orientation, way
 from .holding import Load, accelerated, effective_mass, knocked, placed, servo
 from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
 
@@ -44,6 +45,14 @@ _APPROACH = 0.8
 """How long the tool takes to touch the thing [s]."""
 _SHORTEST = 1.0
 """How long a push takes at least [s]."""
+_STEERING = 0.03
+"""How far beside the middle of the thing the tool pushes, per angle that the thing has turned [m/rad]."""
+_RETURNING = 8.0
+"""How far the thing is turned towards its line, per distance from it [rad/m]."""
+_LARGEST_TURN = 0.15
+"""How far at most [rad]."""
+_MARGIN = 0.6
+"""Which part of its half width the tool pushes within."""
 _CREEP = 0.01
 """Speed from which on the full resistance is expected [m/s]."""
 _TOUCH = 1e-6
@@ -74,23 +83,53 @@ def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArr
     return dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
 
 
+def _steering(state: State, thing: Token, line: FloatArray, ahead: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return where across its line the tool pushes ``(...)`` [m], and how fast that changes [m/s].
+
+    A thing that one point pushes from behind turns away from it, more and more. So the tool pushes to the side to which
+    the thing has turned, and turns it a little towards its line where it has left it.
+
+    Args:
+        state: current state.
+        thing: what is pushed.
+        line: a point of the line ``(..., 3)`` [m].
+        ahead: its direction ``(..., 3)``.
+    """
+    across = cross(np.broadcast_to(UP, ahead.shape), ahead)
+    off, drift = dot(state[thing, "position"] - line, across), dot(state[thing, "velocity"], across)
+    local = rotate(quaternion_conjugate(state[thing, "orientation"]), ahead)
+    turned = (np.pi / 4 - np.arctan2(local[..., 1], local[..., 0])) % (np.pi / 2) - np.pi / 4
+    spin = state[thing, "angular_velocity"][..., 2]
+    depth, width = half_depth(state, thing, ahead), _MARGIN * half_depth(state, thing, across)
+    wanted = np.clip(-_RETURNING * off, -_LARGEST_TURN, _LARGEST_TURN)
+    beside = np.clip(_STEERING * (turned - wanted), -width, width)
+    return off - depth * turned + beside, drift + (_STEERING - depth) * spin
+
+
 def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
     hand, tool, thing, region = _roles(binding)
     ahead, _ = way(start, thing, region)
+    across = cross(np.broadcast_to(UP, ahead.shape), ahead)
     upright = tool_orientation(np.arctan2(ahead[..., 1], ahead[..., 0]), 0.0)
-    origin, gap = start[hand, "position"].copy(), _gap(start, tool, thing, ahead)
+    face = point(start, tool, np.asarray(tool["pushing_point"]))
+    origin, line, gap = start[hand, "position"].copy(), start[thing, "position"].copy(), _gap(start, tool, thing, ahead)
+    beside = dot(face - line, across)[..., None]
     distance, still = np.asarray(hyperparameters["distance"])[..., None], np.zeros(3)
     # The primitive goes from 0 to 1; its forcing term does not shrink with the way.
     touch = straight_movement().trajectory(np.zeros(1), np.ones(1), _APPROACH)
     push = straight_movement().trajectory(np.zeros(1), np.ones(1), _time(hyperparameters))
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        near = [gap[..., None] * each for each in touch.at(elapsed)]
-        go = [distance * each for each in push.at(elapsed - _APPROACH)]
-        position, velocity, acceleration = ((one + other) * ahead for one, other in zip(near, go, strict=True))
-        resisting = resistance(thing) * np.clip(go[1] / _CREEP, 0.0, 1.0) + thing["mass"] * go[2]
+        near, go = touch.at(elapsed), push.at(elapsed - _APPROACH)
+        position, velocity, acceleration = (
+            (gap[..., None] * one + distance * other) * ahead for one, other in zip(near, go, strict=True)
+        )
+        place, drift = _steering(state, thing, line, ahead)
+        position = origin + position + near[0] * (place[..., None] - beside) * across
+        velocity = velocity + near[0] * drift[..., None] * across
+        resisting = resistance(thing) * np.clip(distance * go[1] / _CREEP, 0.0, 1.0) + thing["mass"] * distance * go[2]
         load = Load(-resisting * ahead, point(state, tool, np.asarray(tool["pushing_point"])))
-        return servo(state, hand, tool, (origin + position, velocity, acceleration), (upright, still), load)
+        return servo(state, hand, tool, (position, velocity, acceleration), (upright, still), load)
 
     return policy
 
