@@ -77,6 +77,7 @@ class _Refinement:
         measures = any(self.task.domain.block_by_name[i.block].performance for i in self.plan.instances)
         if not space.varying or (defaults.violation[0] == 0 and not measures):
             return self._outcome(defaults, space.default, defaults)
+        self.tell(0.0, Milestone(1, float(defaults.violation[0]), float(defaults.value[0])))
         relevance = self._relevance()
         best = self._optimum(relevance)
         self.evaluations += best.evaluations

@@ -104,7 +104,8 @@ def _values(entry: RefinementEntry) -> Table:
 
 
 def _table(title: str, *headings: str, right: Iterable[str] = (), left: Iterable[str] = ()) -> Table:
-    table = Table(title=title, title_justify="left", box=None, header_style="bold", pad_edge=False)
+    table = Table(title=f"\n{title}", title_justify="left", box=None, header_style="bold", pad_edge=False)
+    table.padding, table.collapse_padding = (0, 1), True
     # Folded, not cut: a name without its end says nothing.
     for heading in headings:
         table.add_column(heading, overflow="fold")
