@@ -3,7 +3,7 @@
 from io import BytesIO
 from typing import TYPE_CHECKING
 
-from hybrid_tamp.report.refinement import RefinementEntry
+from hybrid_tamp.report.refinement import MilestoneEntry, RefinementEntry
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,10 +23,13 @@ def convergence_picture(entry: RefinementEntry) -> bytes | None:
 
     figure = Figure(figsize=(7.2, 3.6), dpi=120, layout="constrained")
     axes = figure.add_subplot(xlabel="rollouts of the optimiser [1]", ylabel="best value of the plan [1]")
-    _draw_value(axes, entry)
-    if entry.history[0].violation != 0:
-        _draw_violation(axes, entry)
-    axes.set_xlim(0, entry.history[-1].evaluations)
+    # The optimiser begins with the defaults.
+    first = MilestoneEntry(evaluations=1, violation=entry.defaults.violation, value=entry.defaults.value)
+    history = [first, *entry.history]
+    _draw_value(axes, entry, history)
+    if first.violation != 0:
+        _draw_violation(axes, history)
+    axes.set_xlim(0, 1.02 * history[-1].evaluations)
     axes.grid(color="#e4e7eb")
     axes.legend(loc="lower right", fontsize="small")
     picture = BytesIO()
@@ -35,18 +38,18 @@ def convergence_picture(entry: RefinementEntry) -> bytes | None:
     return picture.getvalue()
 
 
-def _draw_value(axes: "Axes", entry: RefinementEntry) -> None:
-    curve = [(m.evaluations, m.value) for m in entry.history if m.violation == 0 and m.value is not None]
+def _draw_value(axes: "Axes", entry: RefinementEntry, history: list[MilestoneEntry]) -> None:
+    curve = [(m.evaluations, m.value) for m in history if m.violation == 0 and m.value is not None]
     axes.plot(*_columns(curve), color=_BLUE, drawstyle="steps-post", marker=".", label=f"by {entry.optimiser}")
     for name, other, style in (("each action on its own", entry.apart, "--"), ("the defaults", entry.defaults, ":")):
-        if other is not None and other.violation == 0:
+        if other is not None and other.violation == 0 and other.value is not None:
             axes.axhline(other.value, color=_GREY, linestyle=style, label=name)
 
 
-def _draw_violation(axes: "Axes", entry: RefinementEntry) -> None:
-    end = next((m.evaluations for m in entry.history if m.violation == 0), entry.history[-1].evaluations)
+def _draw_violation(axes: "Axes", history: list[MilestoneEntry]) -> None:
+    end = next((m.evaluations for m in history if m.violation == 0), history[-1].evaluations)
     axes.axvspan(0, end, color=_RED, alpha=0.08, linewidth=0, label="conditions are missed")
-    curve = [(m.evaluations, m.violation) for m in entry.history if m.violation is not None and m.evaluations <= end]
+    curve = [(m.evaluations, m.violation) for m in history if m.violation is not None and m.evaluations <= end]
     right = axes.twinx()
     right.plot(*_columns(curve), color=_RED, drawstyle="steps-post", marker=".")
     right.set_ylabel("violation [scales of the conditions]", color=_RED)

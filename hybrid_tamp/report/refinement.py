@@ -11,8 +11,10 @@ from hybrid_tamp.report.entries import Document
 class ValueEntry(Document):
     """How good a choice of hyperparameters is: the violation first, then the value."""
 
-    violation: float = Field(description="sum of what conditions miss, each in units of its scale; 0 if all hold")
-    value: float = Field(description="weighted sum of the performance measures, maximised")
+    violation: float | None = Field(
+        description="sum of what conditions miss, each in units of its scale; 0 if all hold, null if not finite"
+    )
+    value: float | None = Field(description="weighted sum of the performance measures, maximised; null if not finite")
 
 
 class HyperparameterEntry(Document):
@@ -101,7 +103,7 @@ def refinement_entry(refined: RefinedPlan, given_up: GivenUp = ()) -> Refinement
 
 
 def _value(value: Value) -> ValueEntry:
-    return ValueEntry(violation=value.violation, value=value.value)
+    return ValueEntry(violation=_finite(value.violation), value=_finite(value.value))
 
 
 def _hyperparameter(tuned: Tuned) -> HyperparameterEntry:

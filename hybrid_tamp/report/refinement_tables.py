@@ -48,8 +48,7 @@ def values(entry: RefinementEntry) -> Iterable[tuple[str, str, str]]:
     yield "all actions together", _value(entry.best), ""
     for name, other in (("each action on its own", entry.apart), ("the defaults", entry.defaults)):
         if other is not None:
-            comparable = other.violation == entry.best.violation == 0
-            yield name, _value(other), f"{entry.best.value - other.value:+.3g}" if comparable else ""
+            yield name, _value(other), _gain(entry.best, other)
 
 
 def with_unit(number: str, unit: str) -> str:
@@ -68,7 +67,18 @@ def number(value: float | None) -> str:
 
 
 def _value(entry: ValueEntry) -> str:
+    if entry.violation is None or entry.value is None:
+        return "not finite"
     return f"{entry.value:.4g}" if entry.violation == 0 else f"misses conditions by {entry.violation:.3g} scales"
+
+
+def _gain(best: ValueEntry, other: ValueEntry) -> str:
+    """Return what the better one gains; nothing where conditions are missed, which no value makes good."""
+    if best.value is None or other.value is None or (best.violation, other.violation) != (0, 0):
+        return ""
+    # Sums of the same terms in another order differ by rounding.
+    gain = best.value - other.value
+    return f"{0.0 if abs(gain) < 1e-9 * (1 + abs(best.value)) else gain:+.3g}"
 
 
 def _performance(measures: Iterable[PerformanceEntry]) -> Table:
