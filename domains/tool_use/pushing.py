@@ -45,11 +45,11 @@ _APPROACH = 0.8
 """How long the tool takes to touch the thing [s]."""
 _SHORTEST = 1.0
 """How long a push takes at least [s]."""
-_STEERING = 0.03
+_STEERING = 0.08
 """How far beside the middle of the thing the tool pushes, per angle that the thing has turned [m/rad]."""
-_RETURNING = 8.0
+_RETURNING = 15.0
 """How far the thing is turned towards its line, per distance from it [rad/m]."""
-_LARGEST_TURN = 0.15
+_LARGEST_TURN = 0.3
 """How far at most [rad]."""
 _MARGIN = 0.6
 """Which part of its half width the tool pushes within."""
