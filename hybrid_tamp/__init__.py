@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         LimitReached,
         NoPlan,
     )
+    from hybrid_tamp.learning import learn, save_primitive
     from hybrid_tamp.model.affordance import (
         TOKEN,
         AffordanceClass,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
         VaryingProperty,
         quantity,
     )
-    from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameter, Slot, Target
+    from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameter, Movement, Slot, Target
     from hybrid_tamp.model.domain import Domain
     from hybrid_tamp.model.law import Violation, check_law
     from hybrid_tamp.model.network import ReassignmentNetwork
@@ -53,6 +54,7 @@ _HOMES = {
         "LimitReached",
         "NoPlan",
     ),
+    "learning": ("learn", "save_primitive"),
     "model.affordance": (
         "TOKEN",
         "AffordanceClass",
@@ -63,7 +65,7 @@ _HOMES = {
         "VaryingProperty",
         "quantity",
     ),
-    "model.block": ("Binding", "Block", "Commands", "Duration", "Hyperparameter", "Slot", "Target"),
+    "model.block": ("Binding", "Block", "Commands", "Duration", "Hyperparameter", "Movement", "Slot", "Target"),
     "model.domain": ("Domain",),
     "model.law": ("Violation", "check_law"),
     "model.network": ("ReassignmentNetwork",),
@@ -101,6 +103,7 @@ __all__ = [
     "LawBroken",
     "LimitReached",
     "Literal",
+    "Movement",
     "NoPlan",
     "ObjectClass",
     "Parameter",
@@ -120,11 +123,13 @@ __all__ = [
     "Violation",
     "check_domain",
     "check_law",
+    "learn",
     "load_task",
     "plan",
     "quantity",
     "replay",
     "run",
+    "save_primitive",
 ]
 
 

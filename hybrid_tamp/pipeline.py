@@ -5,69 +5,51 @@ Each function is one verb of the command line; the stages know nothing of each o
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from hybrid_tamp.affordances.explanation import explain
-from hybrid_tamp.errors import HybridTampError, InputError, Issue, LimitReached, NoPlan
+from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.report.documents import (
-    ExplanationEntry,
-    PlanDocument,
-    PlannerEntry,
-    ReasonEntry,
-    ResultDocument,
-    plan_document,
-    result_document,
-)
+from hybrid_tamp.planning import PlanOutcome, plan
+from hybrid_tamp.report.documents import ResultDocument, result_document, steps_of
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.report.measures import run_measures
+from hybrid_tamp.report.refinement import performance_entries, refinement_entry
 from hybrid_tamp.report.versions import versions
+from hybrid_tamp.rounds import Rounds, plan_in_rounds
 from hybrid_tamp.symbolic.pddl import domain_text, problem_text
-from hybrid_tamp.symbolic.planner import PlannerProcess
 from hybrid_tamp.symbolic.problem import compile_task
-from hybrid_tamp.symbolic.stage import Planned, Planner, plan_task
+from hybrid_tamp.symbolic.reencode import plan_lines
+from hybrid_tamp.symbolic.stage import Planner
+from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import load_task
+
+__all__ = [
+    "Progress",
+    "RunOutcome",
+    "check_video",
+    "draw",
+    "export",
+    "judge",
+    "plan",
+    "refine",
+    "replay",
+    "run",
+    "save_plan",
+]
 
 if TYPE_CHECKING:
     from hybrid_tamp.physics.replay import ReplayReport
 
 Progress = Callable[[float, str], None]
 """Called with the share done, 0 to 1, and what is being done."""
-
-_SAID = {
-    "unsolvable": "No plan exists; the planner has proven it.",
-    "not_found": "The planner found no plan, but has not proven that there is none.",
-    "planner_crashed": "The planner crashed.",
-    "plan_refused": "The planner returned a plan that is wrong; it was refused.",
-}
-
-
-@dataclass(frozen=True)
-class PlanOutcome:
-    """What came of planning: the document that is shown, and the plan where there is one."""
-
-    task: Task
-    document: PlanDocument
-    plan: TaskPlan | None
-    error: HybridTampError | None
-
-    def required(self) -> TaskPlan:
-        """Return the plan.
-
-        Raises:
-            NoPlan: there is none, or none was found.
-            LimitReached: the planner ran into a limit.
-        """
-        if self.plan is None:
-            raise self.error or NoPlan("no plan", proven=False, kind="not_found")
-        return self.plan
 
 
 @dataclass(frozen=True)
@@ -77,53 +59,6 @@ class RunOutcome:
     plan: PlanOutcome
     recording: Recording
     document: ResultDocument
-
-
-def plan(task: Task, planner: Planner | None = None) -> PlanOutcome:
-    """Plan a task and judge the plan.
-
-    Args:
-        task: the task.
-        planner: a running planner process; without one, one is started for this call.
-
-    Raises:
-        InputError: the engine is unknown or not installed.
-    """
-    if planner is None:
-        with PlannerProcess() as process:
-            return plan(task, process)
-    began = time.monotonic()
-    try:
-        planned = plan_task(task, planner)
-    except LimitReached as limit:
-        entry = PlannerEntry(name=task.planner, seconds=time.monotonic() - began)
-        said = ExplanationEntry(kind=limit.limit, message=str(limit), reasons=[])
-        document = plan_document(task, status="limit", planner=entry, plan=None, explanation=said)
-        return PlanOutcome(task, document, None, limit)
-    return _outcome(task, planned)
-
-
-def _outcome(task: Task, planned: Planned) -> PlanOutcome:
-    answer = planned.answer
-    entry = PlannerEntry(
-        name=answer.engine,
-        seconds=answer.seconds,
-        way=planned.way,
-        proven_shortest=planned.proven,
-        stages=dict(planned.stages),
-    )
-    if planned.plan is not None:
-        document = plan_document(task, status="solved", planner=entry, plan=planned.plan, explanation=None)
-        return PlanOutcome(task, document, planned.plan, None)
-    proven = planned.status == "unsolvable"
-    detail = planned.refusal or ("" if proven else answer.message)
-    said = " ".join(filter(None, [_SAID[planned.status], detail]))
-    reasons = [ReasonEntry(**reason.__dict__) for reason in explain(task, proven)] if not detail else []
-    explanation = ExplanationEntry(kind=planned.status, message=said, reasons=reasons)
-    status: Literal["unsolvable", "unknown"] = "unsolvable" if proven else "unknown"
-    document = plan_document(task, status=status, planner=entry, plan=None, explanation=explanation)
-    message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in reasons)])
-    return PlanOutcome(task, document, None, NoPlan(message, proven=proven, kind=planned.status))
 
 
 def export(
@@ -139,16 +74,22 @@ def export(
         folder: where the files go.
         plan: a plan of it, whatever encoding it was found in.
         encoding: slot by slot without time, or one durative action a block.
+
+    Raises:
+        InputError: the goal leaves a choice, and there is no plan that would make it.
     """
+    if plan is not None and len(task.alternatives()) > 1:
+        task = next(each for each in task.alternatives() if not check_law(each, plan))
     if encoding == "temporal":
         return _export_temporal(task, folder, plan)
-    problem = compile_task(task).problem
+    compilation = compile_task(task)
+    problem = compilation.problem
     files = [
         folder.write_text("domain.pddl", domain_text(problem.domain)),
         folder.write_text("problem.pddl", problem_text(problem)),
     ]
     if plan is not None:
-        files.append(folder.write_text("plan.pddl", "".join(f"{line}\n" for line in plan.actions)))
+        files.append(folder.write_text("plan.pddl", "".join(f"{line}\n" for line in plan_lines(compilation, plan))))
     return files
 
 
@@ -169,12 +110,48 @@ def _export_temporal(task: Task, folder: RunFolder, plan: TaskPlan | None) -> li
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Write a plan's document and PDDL files, and a copy of the task file, in place of another run's."""
+    """Write a plan's document and PDDL files, the task file and what it names, in place of another run's.
+
+    A goal with a choice of which none was made has no PDDL.
+    """
+    # The task may be another run's, in this very folder.
+    text, named = (None, {}) if outcome.task.source is None else portable(outcome.task.source)
     folder.clear()
-    if outcome.task.source is not None:
-        folder.write_text("task.yaml", outcome.task.source.read_text(encoding="utf-8"))
+    for name, content in {**({} if text is None else {"task.yaml": text}), **named}.items():
+        folder.write_text(name, content)
     folder.write_json("plan.json", outcome.document.dump())
-    export(outcome.task, folder, outcome.plan)
+    if outcome.plan is not None or len(outcome.task.alternatives()) == 1:
+        export(outcome.chosen or outcome.task, folder, outcome.plan)
+
+
+def refine(task: Task, planner: Planner | None = None, progress: Progress | None = None) -> Rounds:
+    """Plan a task and optimise the hyperparameters of the whole plan; plan anew where none do.
+
+    The document of the outcome has the optimised values, and how they were found.
+
+    Args:
+        task: the task.
+        planner: a running planner process; without one, one is started for each round.
+        progress: told how far the work is, and the best value so far.
+
+    Raises:
+        InputError: the planner is unknown.
+        NotFinite: every rollout of a plan failed.
+    """
+
+    def tell(share: float, best: Milestone) -> None:
+        if progress is not None:
+            said = f"V {best.violation:.3g}" if best.violation > 0 else f"value {best.value:.4g}"
+            progress(share, f"optimising: {said}")
+
+    rounds = plan_in_rounds(task, lambda each: plan(each, planner), tell)
+    if rounds.refined is None:
+        return rounds
+    refined, outcome = rounds.refined, rounds.outcome
+    given_up = [(each.instance.block, each.instance.roles, each.shortfall) for each in rounds.given_up]
+    added = {"refinement": refinement_entry(refined, given_up), "steps": steps_of(refined.plan)}
+    outcome = replace(outcome, plan=refined.plan, document=outcome.document.model_copy(update=added))
+    return replace(rounds, outcome=outcome)
 
 
 def run(
@@ -186,52 +163,70 @@ def run(
     video: Path | None = None,
     progress: Progress | None = None,
 ) -> RunOutcome:
-    """Plan a task, carry the plan out, record it and judge the recording.
+    """Plan a task, optimise its hyperparameters, carry the plan out, record it and judge the recording.
 
     Args:
         task: the task.
         folder: where the files of the run go.
-        planner: a running planner process; without one, one is started for this call.
+        planner: a running planner process; without one, one is started for each round.
         backend: name of the physics backend.
         video: where the video goes; without it only one picture a step is drawn.
         progress: told how far the work is.
 
     Raises:
-        NoPlan: there is no plan, or none was found.
+        NoPlan: there is no plan, or none was found that the forward models can carry out.
         LimitReached: the planner ran into a limit.
         InputError: the planner or the backend is unknown.
+        NotFinite: every rollout of a plan failed.
     """
     from hybrid_tamp.physics.backend import open_backend
     from hybrid_tamp.physics.events import EventLog
     from hybrid_tamp.physics.execution import execute
-    from hybrid_tamp.physics.prediction import predict, with_predictions
     from hybrid_tamp.physics.storage import save
 
     began = time.monotonic()
     tell = progress or (lambda share, what: None)
     check_video(video)
     with open_backend(backend) as physics:
-        outcome = plan(task, planner)
-        save_plan(outcome, folder)
-        chosen = outcome.required()
+        rounds = refine(task, planner, progress)
+        save_plan(rounds.outcome, folder)
+        chosen = rounds.outcome.required()
         with EventLog(folder.path / "events.jsonl") as events:
-            measured = execute(task, chosen, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
-    recording = with_predictions(measured, predict(task, chosen))
-    save(recording, folder.path / "recording.npz")
+            recording = execute(task, chosen, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
+    outcome = judge(task, rounds, recording, began)
+    save(outcome.recording, folder.path / "recording.npz")
+    folder.write_json("result.json", outcome.document.dump())
+    draw(task, outcome.recording, folder, video, tell)
+    return outcome
+
+
+def judge(task: Task, rounds: Rounds, recording: Recording, began: float) -> RunOutcome:
+    """Hold a recording against what was predicted, the law and the domain's measures.
+
+    Args:
+        task: the task.
+        rounds: the plan that was run, refined.
+        recording: what was measured.
+        began: when the work began, on the monotonic clock [s].
+    """
+    from hybrid_tamp.midlevel.measured import measured_rollout
+    from hybrid_tamp.physics.prediction import with_predictions
+
+    assert rounds.refined is not None, "what was run was refined"
+    recording = with_predictions(recording, rounds.refined.expected)
     metrics = task.domain.metrics(task, recording) if task.domain.metrics else {}
-    metrics = {**metrics, **run_measures(chosen, recording)}
-    breaches = [] if recording.failure else check_law(task, recording.plan, recording.at)
+    figures = {key: float(figure[0]) for key, figure in measured_rollout(task, recording).figures.items()}
     document = result_document(
         task,
         recording,
         wall_seconds=time.monotonic() - began,
-        metrics=metrics,
+        metrics={**metrics, **run_measures(rounds.outcome.required(), recording)},
         versions=versions(),
-        law=map(str, breaches),
+        law=map(str, [] if recording.failure else check_law(task, recording.plan, recording.at)),
+        performance=performance_entries(rounds.refined.performance, figures),
+        replans=len(rounds.given_up),
     )
-    folder.write_json("result.json", document.dump())
-    draw(task, recording, folder, video, tell)
-    return RunOutcome(outcome, recording, document)
+    return RunOutcome(rounds.outcome, recording, document)
 
 
 def check_video(path: Path | None) -> None:

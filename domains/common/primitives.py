@@ -9,6 +9,7 @@ import numpy as np
 from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
+from hybrid_tamp.motion.profile import Profile
 
 _SAMPLES = 201
 _AHEAD = 0.5
@@ -34,6 +35,12 @@ def straight_movement() -> DMP:
     """
     time = np.linspace(0.0, 1.0, _SAMPLES)
     return DMP.imitate(time, minimum_jerk(time)[:, None], n_weights=20)
+
+
+@cache
+def straight_profile() -> Profile:
+    """Return how `straight_movement` goes from its beginning to its end."""
+    return Profile(straight_movement())
 
 
 def reach_over(start: FloatArray, goal: FloatArray, duration: FloatArray) -> Reference:

@@ -7,8 +7,6 @@ The story of rolling, in order: `classes` (what rolls, what tumbles), `geometry`
 from `..common`.
 """
 
-from dataclasses import replace
-
 from hybrid_tamp.model.domain import Domain
 
 from ..common.classes import Region, StaticEndEffector
@@ -25,11 +23,7 @@ from .tilting import TILTING
 from .tipping import TIPPING
 from .tumbling_predicates import TUMBLING_PREDICATES
 
-# The hands' workspace is not measured in the blocks of tumbling yet.
-_TUMBLING = [
-    replace(block, keeps=(*block.keeps, IN_WORKSPACE)) for block in (REACH_BESIDE, REACH_AWAY, *TIPPING, TILTING)
-]
-_BLOCKS = (reaching(REACH_BEHIND, "behind"), *_TUMBLING, ROLLING, RESTING)
+_BLOCKS = (reaching(REACH_BEHIND, "behind"), REACH_BESIDE, REACH_AWAY, *TIPPING, TILTING, ROLLING, RESTING)
 
 DOMAIN = Domain(
     name="rolling_tumbling",

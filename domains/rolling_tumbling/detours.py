@@ -8,8 +8,8 @@ import numpy as np
 
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
 from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.motion.profile import Profile
 
 from .faces import NORMALS, OPPOSITE
 from .tumbling_geometry import (
@@ -51,17 +51,17 @@ class Curve:
         """Arc length ``(...)`` [m]."""
         return np.asarray(self.arcs[..., -1])
 
-    def at(self, elapsed: FloatArray, duration: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return position [m] and velocity [m/s], each ``(..., 3)``, with a minimum-jerk profile over the arc."""
+    def at(self, elapsed: FloatArray, duration: FloatArray, profile: Profile) -> tuple[FloatArray, FloatArray]:
+        """Return position [m] and velocity [m/s], each ``(..., 3)``; the profile says how the arc is travelled."""
         phase = np.asarray(elapsed / duration)
-        travelled = minimum_jerk(phase) * self.length
+        travelled = profile.share(phase) * self.length
         index = np.clip(np.sum(self.arcs <= travelled[..., None], axis=-1), 1, self.arcs.shape[-1] - 1)
         low, high = self._point(index - 1), self._point(index)
         start = np.take_along_axis(self.arcs, (index - 1)[..., None], axis=-1)[..., 0]
         along = high - low
         span = np.linalg.norm(along, axis=-1)
         direction = along / np.maximum(span, 1e-12)[..., None]
-        speed = minimum_jerk_rate(phase) * self.length / duration
+        speed = profile.rate(phase) * self.length / duration
         return low + direction * (travelled - start)[..., None], direction * speed[..., None]
 
     def _point(self, index: FloatArray) -> FloatArray:

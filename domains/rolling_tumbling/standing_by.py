@@ -2,8 +2,10 @@
 
 The curve lies in the plane across the hand's axis and goes round the box as a whole, with room for a hand in between:
 straight off the face where the hand is, round the corners that keep off the floor, straight on to the face wanted.
+A motor primitive in one dimension says how the hand goes along it.
 """
 
+from functools import partial
 from typing import cast
 
 import numpy as np
@@ -15,20 +17,24 @@ from hybrid_tamp.model.block import (
     Duration,
     Hyperparameter,
     Hyperparameters,
+    Movement,
     Policy,
     Slot,
     Target,
 )
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
+from hybrid_tamp.motion.dmp import DMP
+from hybrid_tamp.motion.profile import Profile
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST, REST_SPEED
+from ..common.primitives import straight_profile
 from ..common.servos import force_on, free_motion, position_servo
 from .classes import Tumblable
 from .detours import Curve, curve_away, curve_to_face, off_the_face
 from .faces import FACE, POSTURES
+from .predicates import IN_WORKSPACE
 from .tumbling_geometry import place_at
 from .tumbling_predicates import (
     ALIGNED,
@@ -41,7 +47,6 @@ from .tumbling_predicates import (
     STRONG_ENOUGH,
     WITHIN_REACH,
 )
-from .turning import arrival
 
 _SETTLING = 0.02
 _SHORTEST = 0.8
@@ -78,21 +83,22 @@ def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
     A curve begins slowly, and a box that leans on a hand would follow it and press on it until others take it over.
     """
     off, back = elapsed / _LETTING_GO, (elapsed - _LETTING_GO) / _COMING_BACK
-    distance = minimum_jerk(off) - minimum_jerk(back)
-    speed = minimum_jerk_rate(off) / _LETTING_GO - minimum_jerk_rate(back) / _COMING_BACK
+    profile = straight_profile()
+    distance = profile.share(off) - profile.share(back)
+    speed = profile.rate(off) / _LETTING_GO - profile.rate(back) / _COMING_BACK
     return _ASIDE * distance[..., None], _ASIDE * speed[..., None]
 
 
-def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
     """The curve until the hand is near enough and slow enough."""
     curve = _curve(binding, state)
     near = FACE_TOLERANCE if "face" in binding else np.inf
-    seconds = arrival(curve.length, _time(curve, hyperparameters), near, REST_SPEED) + _SETTLING
+    seconds = profile.arrival(curve.length, _time(curve, hyperparameters), near, REST_SPEED) + _SETTLING
     # Schedules count in milliseconds.
     return float(np.ceil(1e3 * seconds) / 1e3)
 
 
-def _follow(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _follow(binding: Binding, start: State, hyperparameters: Hyperparameters, profile: Profile) -> Policy:
     hand = cast(Token, binding["hand"])
     curve = _curve(binding, start)
     duration = _time(curve, hyperparameters)
@@ -100,11 +106,11 @@ def _follow(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     outward = off_the_face(start, hand, cast(Token, binding["object"]))
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        position, velocity = curve.at(elapsed, duration)
+        position, velocity = curve.at(elapsed, duration, profile)
         aside, speed = _let_go(elapsed)
         position, velocity = position + outward * aside, velocity + outward * speed
         # Hands that hold the box may still be settling it: the end of the curve goes along with its face.
-        share = minimum_jerk(elapsed / duration)[..., None]
+        share = profile.share(elapsed / duration)[..., None]
         position = position + share * (_place(binding, state) - planned)
         return {(hand.name, "force"): position_servo(hand, state, position, velocity)}
 
@@ -121,44 +127,63 @@ def _arrived(binding: Binding, state: State) -> State:
     return state.replace({(cast(Token, binding["hand"]).name, "position"): _curve(binding, state).points[..., -1, :]})
 
 
-REACH_BESIDE = Block(
-    name="REACHING:beside",
-    slots=(Slot("hand", StaticEndEffector),),
-    anchor="hand",
-    targets=(Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
-    entry=(
-        EXPOSED("face", "posture"),
-        POSTURE("object", "posture"),
-        ALIGNED("hand", "object", "face"),
-        ON_SIDE("hand", "object", "face", "posture"),
-        WITHIN_REACH("hand", "object"),
-        STRONG_ENOUGH("hand", "object"),
-        LOW_ENOUGH("hand", "object"),
-    ),
-    exit=(AT_FACE("hand", "object", "face"), AT_REST("hand")),
-    writes={"hand": ("position", "velocity")},
-    hyperparameters=(_SPEED,),
-    duration=Duration(0.3, 15.0, _expected),
-    hold=True,
-    policy=_follow,
-    system=_system,
-    outcome=_arrived,
-    description="the hand goes round the box to its place at a face and holds there",
-)
-REACH_AWAY = Block(
-    name="REACHING:away",
-    slots=(Slot("hand", StaticEndEffector),),
-    anchor="hand",
-    # It looks at the box only as it starts, so the box may move meanwhile.
-    targets=(Target("object", Tumblable, reads=()),),
-    entry=(WITHIN_REACH("hand", "object"),),
-    exit=(AT_REST("hand"),),
-    writes={"hand": ("position", "velocity")},
-    hyperparameters=(_SPEED,),
-    duration=Duration(_SHORTEST, 15.0, _expected),
-    hold=True,
-    policy=_follow,
-    system=_system,
-    outcome=_arrived,
-    description="the hand lets go of the box and leaves it room to come down",
-)
+def reaching_beside(primitive: DMP | None = None) -> Block:
+    """Return REACHING:beside; its primitive is the course along the curve, by default a straight movement."""
+    profile = straight_profile() if primitive is None else Profile(primitive)
+    return Block(
+        name="REACHING:beside",
+        slots=(Slot("hand", StaticEndEffector),),
+        anchor="hand",
+        targets=(Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
+        entry=(
+            EXPOSED("face", "posture"),
+            POSTURE("object", "posture"),
+            ALIGNED("hand", "object", "face"),
+            ON_SIDE("hand", "object", "face", "posture"),
+            WITHIN_REACH("hand", "object"),
+            STRONG_ENOUGH("hand", "object"),
+            LOW_ENOUGH("hand", "object"),
+        ),
+        exit=(AT_FACE("hand", "object", "face"), AT_REST("hand")),
+        writes={"hand": ("position", "velocity")},
+        # The hands' workspace is not measured in the blocks of tumbling yet.
+        keeps=(IN_WORKSPACE,),
+        hyperparameters=(_SPEED,),
+        duration=Duration(0.3, 15.0, partial(_expected, profile=profile)),
+        hold=True,
+        policy=partial(_follow, profile=profile),
+        system=_system,
+        taught=reaching_beside,
+        movement=Movement("hand", "position", 1),
+        outcome=_arrived,
+        description="the hand goes round the box to its place at a face and holds there",
+    )
+
+
+def reaching_away(primitive: DMP | None = None) -> Block:
+    """Return REACHING:away; its primitive is the course along the curve, by default a straight movement."""
+    profile = straight_profile() if primitive is None else Profile(primitive)
+    return Block(
+        name="REACHING:away",
+        slots=(Slot("hand", StaticEndEffector),),
+        anchor="hand",
+        # It looks at the box only as it starts, so the box may move meanwhile.
+        targets=(Target("object", Tumblable, reads=()),),
+        entry=(WITHIN_REACH("hand", "object"),),
+        exit=(AT_REST("hand"),),
+        writes={"hand": ("position", "velocity")},
+        # The hands' workspace is not measured in the blocks of tumbling yet.
+        keeps=(IN_WORKSPACE,),
+        hyperparameters=(_SPEED,),
+        duration=Duration(_SHORTEST, 15.0, partial(_expected, profile=profile)),
+        hold=True,
+        policy=partial(_follow, profile=profile),
+        system=_system,
+        taught=reaching_away,
+        movement=Movement("hand", "position", 1),
+        outcome=_arrived,
+        description="the hand lets go of the box and leaves it room to come down",
+    )
+
+
+REACH_BESIDE, REACH_AWAY = reaching_beside(), reaching_away()

@@ -11,6 +11,7 @@ from ..common.predicates import AT_REST
 from ..common.servos import force_on, free_motion, position_servo
 from .classes import Tumblable
 from .faces import FACE, POSTURES
+from .predicates import IN_WORKSPACE
 from .tumbling_predicates import AT_FACE, HOLDS, POSTURE, STRONG_ENOUGH
 
 
@@ -42,6 +43,8 @@ TILTING = Block(
     ),
     exit=(AT_FACE("hand", "object", "face"), AT_REST("hand")),
     writes={"hand": ("position", "velocity")},
+    # The hands' workspace is not measured in the blocks of tumbling yet.
+    keeps=(IN_WORKSPACE,),
     duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
     policy=_stay,

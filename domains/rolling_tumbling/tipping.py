@@ -5,20 +5,24 @@
 ``adjacent``: with hands on the two faces beside the edge it is tilted back until it leans the other way (D4).
 """
 
+from functools import partial
 from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import Binding, Block, Duration, Hyperparameter, Hyperparameters, Slot, Target
+from hybrid_tamp.model.block import Binding, Block, Duration, Hyperparameter, Hyperparameters, Movement, Slot, Target
 from hybrid_tamp.model.predicate import Predicate
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.dmp import DMP
+from hybrid_tamp.motion.profile import Profile
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST, REST_SPEED
+from ..common.primitives import straight_profile
 from .classes import Tumblable
 from .faces import FACE, POSTURES
-from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .predicates import IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .standing import FLAT_TOLERANCE
 from .tumbling_geometry import half_extent, nominal_tilt
 from .tumbling_predicates import (
@@ -33,13 +37,13 @@ from .tumbling_predicates import (
     TIPS,
     WITHIN_REACH,
 )
-from .turning import CLOSING, Roles, after_turning, arrival, make_turning, turning_system, turning_time
+from .turning import CLOSING, Roles, after_turning, make_turning, turning_system, turning_time
 
 _GRAVITY = 9.81
 _LEAN_SQUEEZE = 25.0
 _SETTLING = 0.05
 _BODY = ("position", "orientation", "velocity", "angular_velocity")
-_KEPT = (*FEASIBLE_TUMBLING, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
+_KEPT = (*FEASIBLE_TUMBLING, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
 
 
 def _opposed(binding: Binding, state: State) -> FloatArray:
@@ -50,7 +54,7 @@ def _light(binding: Binding, state: State) -> FloatArray:
     return np.asarray(_LEAN_SQUEEZE)
 
 
-def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
     """Closing, the turn between the two postures until it is good enough; the pose at the beginning does not matter."""
     roles = Roles.of(binding)
     angle = roles.wanted - nominal_tilt(roles.thing, cast(str, binding["before"]), *roles.edge)
@@ -58,12 +62,16 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) 
     one, other = (half_extent(roles.thing, face) for face in roles.edge)
     width = 2.0 * float(np.hypot(one, other))
     turn = turning_time(angle, float(hyperparameters["rate"]))
-    seconds = CLOSING + arrival(angle, turn, FLAT_TOLERANCE, REST_SPEED / width) + _SETTLING
+    seconds = CLOSING + profile.arrival(angle, turn, FLAT_TOLERANCE, REST_SPEED / width) + _SETTLING
     # Schedules count in milliseconds.
     return float(np.ceil(1e3 * seconds) / 1e3)
 
 
-def _tipping(mode: str, relation: Predicate, squeeze: Hyperparameter, description: str) -> Block:
+def _tipping(
+    mode: str, relation: Predicate, squeeze: Hyperparameter, description: str, primitive: DMP | None = None
+) -> Block:
+    """Return one mode; its primitive in one dimension is the course of the tilt, by default a straight movement."""
+    profile = straight_profile() if primitive is None else Profile(primitive)
     return Block(
         name=f"TIPPING:{mode}",
         slots=(
@@ -94,16 +102,19 @@ def _tipping(mode: str, relation: Predicate, squeeze: Hyperparameter, descriptio
         ),
         writes={"first": ("position", "velocity"), "second": ("position", "velocity"), "object": _BODY},
         # A box turns about the axis of the hands only, and by little more than its own size: what was feasible stays
-        # so. Boxes do not roll, so nothing is said of where a roll would bring them.
+        # so. Boxes do not roll, so nothing is said of where a roll would bring them. The hands' workspace is not
+        # measured in the blocks of tumbling yet.
         keeps=_KEPT,
         hyperparameters=(
             Hyperparameter("rate", "rad/s", 0.1, 1.0, lambda b, s: np.asarray(0.5), "mean rate of the turn"),
             squeeze,
         ),
-        duration=Duration(CLOSING, 20.0, _expected),
+        duration=Duration(CLOSING, 20.0, partial(_expected, profile=profile)),
         hold=True,
-        policy=make_turning,
+        policy=partial(make_turning, profile=profile),
         system=turning_system,
+        taught=partial(_tipping, mode, relation, squeeze, description),
+        movement=Movement("object", "orientation", 1),
         outcome=after_turning,
         description=description,
     )

@@ -1,7 +1,7 @@
 """How two hands turn a box about an edge: the policy and the forward model that all modes of TIPPING share.
 
 Each hand follows the rigid motion of the planned tilt: its reference c is the point beside its face, turned about
-the edge by the tilt that a minimum-jerk profile asks for, and it pushes with F = K (c - x) + D (c' - v) - S n, n its
+the edge by the tilt that a motor primitive asks for, and it pushes with F = K (c - x) + D (c' - v) - S n, n its
 face's outward normal and S the squeeze. Squeeze and contact are taken up in the first moment, before the box turns,
 and given up in the last one where the box comes to lie. A box whose edge slides stays behind the plan; then the hands
 turn further.
@@ -15,9 +15,11 @@ import numpy as np
 from hybrid_tamp.model.block import Binding, Commands, Hyperparameters, Policy
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
+from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 from hybrid_tamp.motion.poses import integrate, quaternion_from_axis_angle, quaternion_multiply, rotate
+from hybrid_tamp.motion.profile import Profile
 
+from ..common.primitives import straight_profile
 from ..common.servos import STIFFNESS, damping, force_on
 from .faces import NORMALS, edge_between, faces_of
 from .geometry import dot
@@ -27,7 +29,6 @@ CLOSING = 0.35
 """How long the hands take to close on the box and to squeeze it [s]."""
 _GRAVITY = 9.81
 _TOUCH = 1e-4
-_PHASES = 401
 _CATCHING_UP = 0.7
 """How much further than planned the hands turn per angle that the box is behind: its edge may have slid a little."""
 _LEAD = 0.3
@@ -80,24 +81,8 @@ def turning_time(angle: FloatArray | float, rate: FloatArray | float) -> FloatAr
     return np.asarray(np.maximum(np.abs(angle), 0.05) / rate)
 
 
-def arrival(amount: FloatArray | float, duration: FloatArray | float, near: float, slow: float) -> FloatArray:
-    """Return when a minimum-jerk movement is as near to its end and as slow as its exit conditions ask, ``(...)`` [s].
-
-    Args:
-        amount: how far it goes, ``(...)`` [m or rad].
-        duration: how long it takes in all, ``(...)`` [s].
-        near: largest distance from the end [m or rad].
-        slow: largest speed [m/s or rad/s].
-    """
-    phase = np.linspace(0.0, 1.0, _PHASES)
-    far, time = np.abs(np.asarray(amount))[..., None], np.asarray(duration)[..., None]
-    not_yet = (far * (1.0 - minimum_jerk(phase)) > near) | (far * minimum_jerk_rate(phase) / time > slow)
-    last = np.max(np.where(not_yet, phase, 0.0), axis=-1)
-    return np.asarray(last * duration)
-
-
-def make_turning(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
-    """Return the impedance policy of both hands."""
+def make_turning(binding: Binding, start: State, hyperparameters: Hyperparameters, profile: Profile) -> Policy:
+    """Return the impedance policy of both hands; the profile says how the tilt goes from one posture to the other."""
     roles = Roles.of(binding)
     thing = roles.thing
     rate, squeeze = (np.asarray(hyperparameters[name]) for name in ("rate", "squeeze"))
@@ -110,13 +95,13 @@ def make_turning(binding: Binding, start: State, hyperparameters: Hyperparameter
     gaps = [_gap(start, hand, thing, face) for hand, face in zip(roles.hands, roles.faces, strict=True)]
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        closed = minimum_jerk(elapsed / CLOSING)
-        closing = minimum_jerk_rate(elapsed / CLOSING) / CLOSING
+        closed = straight_profile().share(elapsed / CLOSING)
+        closing = straight_profile().rate(elapsed / CLOSING) / CLOSING
         phase = (elapsed - CLOSING) / duration
-        planned = turn * minimum_jerk(phase)
+        planned = turn * profile.share(phase)
         behind = planned - (tilt(state, thing, *roles.edge) - begun)
         turned = quaternion_from_axis_angle(axis, planned + np.clip(_CATCHING_UP * behind, -_LEAD, _LEAD))
-        spin = axis * (turn * minimum_jerk_rate(phase) / duration)[..., None]
+        spin = axis * (turn * profile.rate(phase) / duration)[..., None]
         loose = _loose(roles, phase, tilt(state, thing, *roles.edge))
         grip = closed * (1.0 - loose)
         commands: Commands = {}

@@ -99,6 +99,9 @@ REACH_HANDLE = ReachGoal(
     position=_beside,
     entry=(*(fact("hand", "tool") for fact in GRASP_FACTS), EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     arrived=(AT_HANDLE("hand", "tool"),),
+    hand_class=DexterousHand,
+    # Only an empty hand reaches, so that it leaves nothing behind.
+    keeps=(HELD,),
 )
 
 GRASPING = Block(

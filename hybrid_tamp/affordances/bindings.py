@@ -8,7 +8,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import Literal, Predicate, SymbolSort, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.token import different
 
 Choices = dict[str, tuple[Value, ...]]
 """Role to the values that it may have."""
@@ -86,6 +86,11 @@ def completed(bounds: Iterable[Bound], allowed: Choices) -> Iterator[Bound]:
 
 
 def _extended(margins: Margins, literal: Literal, bound: Bound, allowed: Choices) -> Iterator[Bound]:
+    return (more for more in extensions(literal, bound, allowed) if margins.of(literal, more) >= 0)
+
+
+def extensions(literal: Literal, bound: Bound, allowed: Choices) -> Iterator[Bound]:
+    """Yield every way to bind a literal's roles, tokens different; of one over symbols alone, those that hold."""
     roles = [role for role in dict.fromkeys(literal.arguments) if role in allowed and role not in bound]
     rows: Iterable[tuple[Value, ...]]
     if literal.positive and symbolic(literal) and len(roles) == len(literal.arguments):
@@ -96,7 +101,7 @@ def _extended(margins: Margins, literal: Literal, bound: Bound, allowed: Choices
         rows = product(*(allowed[role] for role in roles))
     for values in rows:
         more = bound | dict(zip(roles, values, strict=True))
-        if different(more.values()) and margins.of(literal, more) >= 0:
+        if different(more.values()):
             yield more
 
 
@@ -106,9 +111,3 @@ def relation(predicate: Predicate) -> tuple[tuple[str, ...], ...]:
     nothing = State.of((), {})
     symbols = [parameter.sort.symbols for parameter in predicate.parameters if isinstance(parameter.sort, SymbolSort)]
     return tuple(row for row in product(*symbols) if float(predicate.evaluate(nothing, *row)) >= 0)
-
-
-def different(values: Iterable[Value]) -> bool:
-    """Say whether no token is there twice."""
-    tokens = [value for value in values if isinstance(value, Token)]
-    return len(set(tokens)) == len(tokens)

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from itertools import product
 from math import ceil
 
-from hybrid_tamp.affordances.bindings import Bound, Choices, Margins, completed, different, feasible
+from hybrid_tamp.affordances.bindings import Bound, Choices, Margins, completed, feasible
 from hybrid_tamp.affordances.reasons import BLOCK, Reason, about
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import Literal, Value, name_of
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import different
 
 _MANY = 100
 

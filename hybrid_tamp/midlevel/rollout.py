@@ -88,10 +88,10 @@ class Rollout:
         """Return the first condition that does not hold for a candidate, in the order of the plan, or None."""
         return next((c for c in self.conditions if not c.margin[candidate] >= 0), None)
 
-    def value_of(self, instance: str, task: Task, block: str) -> FloatArray:
+    def value_of(self, task: Task, instance: BlockInstance) -> FloatArray:
         """Return the weighted sum of one instance's own measures, shape ``(n,)``."""
-        measures = task.domain.block_by_name[block].performance
-        terms = [m.weight * self.figures[instance, m.name] / m.scale for m in measures]
+        measures = task.domain.block_by_name[instance.block].performance
+        terms = [m.weight * self.figures[instance.name, m.name] / m.scale for m in measures]
         return np.asarray(np.sum(terms, axis=0) + np.zeros(len(self.value)))
 
 
@@ -104,17 +104,20 @@ class Rollouts:
         self._events = reassignments(task, plan)
         self._simulations = {instance.name: Simulation(task, instance) for instance in plan.instances}
 
-    def __call__(self, chosen: Chosen, count: int = 1) -> Rollout:
+    def __call__(self, chosen: Chosen, count: int = 1, until: str | None = None) -> Rollout:
         """Roll out a population.
 
         Args:
             chosen: values of hyperparameters; those that are not named are as the plan says, or the blocks' guesses.
             count: size n of the population.
+            until: the instance after whose exit the rollout may stop; what comes later is then left out.
         """
         chain = _Chain(self.task, self._simulations, chosen, count)
         chain.begin(initial(self.plan), np.zeros(count, dtype=np.int64))
         times: list[IntArray] = []
         for event in self._events:
+            if until in event.ending:
+                return chain.rollout(event.ending)
             before = [times[index] + 1 for index in event.after if index < len(times)]
             times.append(chain.reassign(event, before))
         return chain.rollout()
@@ -221,10 +224,12 @@ class _Chain:
             atom, predicate = str(literal.ground(simulation.binding)), literal.predicate
             self.conditions.append(Condition(where, atom, predicate.unit, predicate.scale, margins[:, column]))
 
-    def rollout(self) -> Rollout:
-        """Return what came of the population."""
+    def rollout(self, ending: tuple[str, ...] | None = None) -> Rollout:
+        """Return what came of the population: at the plan's end, or at the exit of these instances."""
+        for name in ending or ():
+            self._exit_of(name)
         final = State(self.task.state.layout, self.now)
-        for atom in self.task.goal:
+        for atom in () if ending else self.task.goal:
             predicate = self.task.domain.predicate_by_name[atom.predicate]
             margin = Literal(predicate, atom.arguments, atom.positive).margin(final, self.task.token_by_name)
             margins = np.array(np.broadcast_to(margin, (self.count,)))
@@ -232,5 +237,5 @@ class _Chain:
         value = np.zeros(self.count)
         for name, simulation in self.simulations.items():
             for measure in simulation.block.performance:
-                value = value + measure.weight * self.figures[name, measure.name] / measure.scale
+                value = value + measure.weight * self.figures.get((name, measure.name), 0.0) / measure.scale
         return Rollout(tuple(self.conditions), self.figures, value, final, self.intervals, self.failed)

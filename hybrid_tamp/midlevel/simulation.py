@@ -19,6 +19,7 @@ from hybrid_tamp.model.state import FloatArray, State, StateLayout
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
+BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
 _CHUNK = 48
@@ -45,7 +46,7 @@ class Stretch:
     steps: IntArray
     exits: FloatArray
     figures: FloatArray
-    finite: NDArray[np.bool_]
+    finite: BoolArray
 
     def rows(self, index: IntArray) -> "Stretch":
         """Return some candidates, in the order of the index."""
@@ -114,7 +115,7 @@ class Simulation:
             elapsed = np.asarray((begun.steps + step) * CONTROL_PERIOD, dtype=np.float64)
             with np.errstate(all="ignore"):
                 after = self._step(policy, elapsed, self.state(state))[0].values
-            held = np.where((step < more)[:, None] & np.isfinite(after).all(axis=1, keepdims=True), after, held)
+            held = np.where((step < more)[:, None], after, held)
             if step % _CHUNK == _CHUNK - 1 and np.abs(after - state).max() < _STILL / _CHUNK:
                 break
             state = after
@@ -153,10 +154,22 @@ class Simulation:
     def _policy(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> Policy | None:
         return None if self.block.policy is None else self.block.policy(self.binding, self.state(start), chosen)
 
-    def _step(self, policy: Policy | None, elapsed: FloatArray, state: State) -> tuple[State, Commands]:
-        """Return the state one control period later, and what was commanded."""
+    def _step(self, policy: Policy | None, elapsed: FloatArray, state: State) -> tuple[State, Commands, BoolArray]:
+        """Return the state one control period later, what was commanded, and for which candidates both are finite.
+
+        The others stay where they are, so that what is computed of them next spoils nothing.
+        """
         commands = {} if policy is None else self._limited(policy(elapsed, state))
-        return self.block.system(self.binding, state, commands, CONTROL_PERIOD), commands
+        finite = np.ones(state.values.shape[:-1], dtype=bool)
+        for key, command in commands.items():
+            if not np.isfinite(command).all():
+                finite &= np.isfinite(command).all(axis=-1)
+                commands[key] = np.where(np.isfinite(command), command, 0.0)
+        after = self.block.system(self.binding, state, commands, CONTROL_PERIOD)
+        if not np.isfinite(after.values).all():
+            finite &= np.isfinite(after.values).all(axis=-1)
+            after = self.state(np.where(finite[..., None], after.values, state.values))
+        return after, commands, finite
 
     def _limited(self, commands: Commands) -> Commands:
         """Scale commands down to the limits of their tokens, as every backend does."""
@@ -200,8 +213,11 @@ class _Population:
         """Take a chunk of steps, look at every state of it, and retire the candidates that have come to an end."""
         count = min(_CHUNK, self.simulation._longest - self.done)
         values, commanded = [self.state.values], []
+        finite = np.ones(len(self.rows), dtype=bool)
         for step in range(self.done, self.done + count):
-            self.state, commands = self.simulation._step(self.policy, np.float64(step * CONTROL_PERIOD), self.state)
+            elapsed = np.float64(step * CONTROL_PERIOD)
+            self.state, commands, sound = self.simulation._step(self.policy, elapsed, self.state)
+            finite &= sound
             values.append(self.state.values)
             commanded.append(commands)
         chunk = np.stack(values[1:])  # (t, n, m)
@@ -209,7 +225,6 @@ class _Population:
         margins = self.simulation.exits(run)  # (t, n, e)
         elapsed = (self.done + 1 + np.arange(count)) * CONTROL_PERIOD
         reached = (margins >= 0).all(axis=-1) & (elapsed >= self.simulation._shortest)[:, None]
-        finite = np.asarray(np.isfinite(chunk).all(axis=(0, 2)))
         self.done += count
         ends = self.done >= self.simulation._longest
         still = (np.abs(chunk[-1] - values[0]).max(axis=-1) < _STILL) & (self.done * CONTROL_PERIOD > _AWAKE)
@@ -232,7 +247,7 @@ class _Population:
         if left.any() and 2 * np.count_nonzero(left) <= len(left):
             self._restrict(self.rows[left])
 
-    def _measure(self, run: State, commanded: list[Commands], counted: NDArray[np.bool_]) -> None:
+    def _measure(self, run: State, commanded: list[Commands], counted: BoolArray) -> None:
         """Add what the chunk ``(t, n)`` contributes to peaks and integrals, of the states that count."""
         counted = counted & self.pending[self.rows]
         binding = self.simulation.binding

@@ -148,6 +148,21 @@ class Duration:
     expected: Callable[[Binding, State, Hyperparameters], float]
 
 
+@dataclass(frozen=True)
+class Movement:
+    """What the motor primitive of a block's reference trajectory moves, and what demonstrates it.
+
+    Attributes:
+        slot: the slot whose token shows it.
+        moves: the varying property of that token that moves: ``position`` or ``orientation``.
+        dimensions: 3 for the position itself [m], 1 for the travelled share of the way or of the angle.
+    """
+
+    slot: str
+    moves: str
+    dimensions: int
+
+
 Outcome = Callable[[Binding, State], State]
 """``outcome(binding, state)``: where the tokens in the slots are going to be when the exit conditions hold; pure."""
 
@@ -183,7 +198,8 @@ class Block:
         system: the forward model.
         performance: how good one execution was: the weighted sum of these measures, maximised.
         taught: ``taught(primitive)``: the block with another motor primitive (a `motion.dmp.DMP`) for its reference
-            trajectory, or None where it has none.
+            trajectory, or None where it has none; all else stays as it is.
+        movement: what that primitive moves, or None.
         outcome: estimate of where its tokens are in the end, for schedules, or None where they stay where they are.
         description: what it does, one line.
     """
@@ -203,6 +219,7 @@ class Block:
     system: ContinuousSystem = _rest
     performance: tuple[Measure, ...] = ()
     taught: Callable[[Any], "Block"] | None = None
+    movement: Movement | None = None
     outcome: Outcome | None = None
     description: str = ""
 

@@ -12,7 +12,7 @@ from itertools import product
 from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.token import Token, different
 
 
 def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[Atom]:
@@ -25,8 +25,8 @@ def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[At
     known = known or StaticFacts(task)
     found: set[Atom] = set()
     for predicate in task.domain.predicates:
-        if predicate.static and _of_symbols_alone(predicate):
-            found.update(_relation(predicate))
+        if predicate.static and of_symbols_alone(predicate):
+            found.update(relation(predicate))
         elif predicate.static:
             found.update(atom for atom, values in _atoms(task, predicate) if known.holds(atom, values))
     return frozenset(found)
@@ -42,10 +42,10 @@ class StaticFacts:
     def __contains__(self, atom: Atom) -> bool:
         """Say whether the positive atom is one of `static_facts`."""
         predicate = self._task.domain.predicate_by_name[atom.predicate]
-        if _of_symbols_alone(predicate):
-            return atom in _relation(predicate)
+        if of_symbols_alone(predicate):
+            return atom in relation(predicate)
         values = tuple(map(self._task.value, atom.arguments))
-        return all(map(_fits, values, predicate.parameters)) and _different(values) and self.holds(atom, values)
+        return all(map(_fits, values, predicate.parameters)) and different(values) and self.holds(atom, values)
 
     def holds(self, atom: Atom, values: tuple[Value, ...]) -> bool:
         """Say whether the positive atom, which is well-typed and has these values, holds."""
@@ -61,12 +61,13 @@ def _fits(value: Value, parameter: Parameter) -> bool:
     return isinstance(value, Token) and value.is_member(parameter.sort)
 
 
-def _of_symbols_alone(predicate: Predicate) -> bool:
+def of_symbols_alone(predicate: Predicate) -> bool:
+    """Say whether no token is among a predicate's arguments."""
     return all(isinstance(parameter.sort, SymbolSort) for parameter in predicate.parameters)
 
 
 @lru_cache(maxsize=1024)
-def _relation(predicate: Predicate) -> frozenset[Atom]:
+def relation(predicate: Predicate) -> frozenset[Atom]:
     """Return the atoms of a static predicate over symbols alone, which hold in every task or in none."""
     nothing = State.of((), {})
     symbols = [parameter.sort.symbols for parameter in predicate.parameters if isinstance(parameter.sort, SymbolSort)]
@@ -75,11 +76,17 @@ def _relation(predicate: Predicate) -> frozenset[Atom]:
     )
 
 
-def facts(task: Task, state: State | None = None) -> frozenset[Atom]:
-    """Return the atoms of changing predicates that hold in the state (the initial one by default)."""
+def facts(task: Task, state: State | None = None, predicates: Iterable[Predicate] | None = None) -> frozenset[Atom]:
+    """Return the atoms of changing predicates that hold.
+
+    Args:
+        task: the task.
+        state: in which state; by default in the initial one.
+        predicates: of which predicates; by default of all that the domain has.
+    """
     state = task.state if state is None else state
     found: set[Atom] = set()
-    for predicate in task.domain.predicates:
+    for predicate in task.domain.predicates if predicates is None else predicates:
         if predicate.static or predicate.maintained:
             continue
         holding = [(atom, margin) for atom, margin in margins(task, state, predicate) if margin >= 0]
@@ -100,13 +107,8 @@ def margins(task: Task, state: State, predicate: Predicate) -> Iterable[tuple[At
 def _atoms(task: Task, predicate: Predicate) -> Iterable[tuple[Atom, tuple[Value, ...]]]:
     """Yield every well-typed atom of the predicate over different tokens, with its arguments."""
     for values in product(*(task.values_of(parameter.sort) for parameter in predicate.parameters)):
-        if _different(values):
+        if different(values):
             yield Atom(predicate.name, tuple(map(name_of, values))), values
-
-
-def _different(values: tuple[Value, ...]) -> bool:
-    tokens = [value.name for value in values if isinstance(value, Token)]
-    return len(set(tokens)) == len(tokens)
 
 
 def _one_value_each(task: Task, holding: list[tuple[Atom, float]], index: int) -> Iterable[Atom]:

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
 _Length = Annotated[float, Strict(), Field(gt=0, le=100, allow_inf_nan=False)]
 _Coordinate = Annotated[float, Strict(), Field(ge=-100, le=100, allow_inf_nan=False)]
@@ -65,11 +65,20 @@ class SpherePart(Sphere, Placement):
 Part = Annotated[CylinderPart | BoxPart | SpherePart, Field(discriminator="kind")]
 
 
+def _not_empty(parts: tuple[Part, ...]) -> tuple[Part, ...]:
+    # pydantic's own bound on the length would complain whenever a part is wrong.
+    if not parts:
+        raise ValueError("a compound needs at least one part")
+    return parts
+
+
 class Compound(_Shape):
     """Several solids joined in one rigid body, whose centre of mass is the body frame's origin."""
 
     kind: Literal["compound"] = Field(description="which shape")
-    parts: tuple[Part, ...] = Field(description="what it is made of", min_length=1, max_length=100)
+    parts: Annotated[tuple[Part, ...], AfterValidator(_not_empty)] = Field(
+        description="what it is made of", json_schema_extra={"minItems": 1}
+    )
 
 
 Solid = Cylinder | Box | Sphere

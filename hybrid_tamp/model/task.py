@@ -1,6 +1,7 @@
 """A task: tokens of a domain, where they are, who they belong to, and what is wanted."""
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -8,10 +9,11 @@ from pathlib import Path
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.choice import alternatives
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort, Value
+from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.token import Token, different
 
 DEFAULT_PLANNER = "fast-downward"
 
@@ -57,7 +59,7 @@ class Task:
         domain: the domain.
         tokens: all tokens, places included, in the file's order.
         state: the initial continuous state.
-        goal: atoms over tokens that hold at the end.
+        goal: atoms over tokens that hold at the end; `ANY` in one of them leaves a choice.
         agents: agent to the names of its capability tokens.
         assignment: token to the block in which it starts.
         planner: name of the planning engine.
@@ -96,6 +98,17 @@ class Task:
         """Return a copy with other values of some attributes."""
         return replace(self, **changes)  # type: ignore[arg-type]
 
+    def part(self, names: Collection[str], **changes: object) -> "Task":
+        """Return the task with these tokens alone, and with other values of some attributes."""
+        tokens = tuple(token for token in self.tokens if token.name in names)
+        return self.replaced(
+            tokens=tokens,
+            state=State.of(tokens, {(t.name, v.name): self.state[t, v.name] for t in tokens for v in t.varying}),
+            agents={agent: tuple(name for name in own if name in names) for agent, own in self.agents.items()},
+            assignment={name: block for name, block in self.assignment.items() if name in names},
+            **changes,
+        )
+
     def values_of(self, sort: type[ObjectClass] | SymbolSort) -> tuple[Value, ...]:
         """Return the tokens of a class, or the symbols of a sort."""
         if isinstance(sort, SymbolSort):
@@ -114,11 +127,36 @@ class Task:
         """Every binding of a block's roles by classes alone, all tokens different."""
         roles = block.roles
         for values in product(*(self.values_of(sort) for sort in roles.values())):
-            tokens = [value for value in values if isinstance(value, Token)]
-            if len(set(tokens)) == len(tokens):
+            if different(values):
                 yield dict(zip(roles, values, strict=True))
 
     def margin(self, atom: Atom, state: State | None = None) -> float:
-        """Return the signed margin of a ground atom, in the initial state unless another is given."""
+        """Return the signed margin of an atom, in the initial state unless another is given.
+
+        Where the atom leaves a choice, the best one counts; it does not hold if none does. Where there is nothing to
+        choose from, that is minus infinity.
+        """
+        if ANY in atom.arguments:
+            best = max((self.margin(each, state) for each in self.groundings(atom)), default=-math.inf)
+            return best if atom.positive else -best
         literal = Literal(self.domain.predicate_by_name[atom.predicate], atom.arguments, atom.positive)
         return float(literal.margin(state or self.state, self.token_by_name))
+
+    def groundings(self, atom: Atom) -> tuple[Atom, ...]:
+        """Return the positive ground atoms that an atom leaves to choose from, all tokens different."""
+        parameters = self.domain.predicate_by_name[atom.predicate].parameters
+        choices = [
+            self.values_of(parameter.sort) if argument == ANY else (self.value(argument),)
+            for argument, parameter in zip(atom.arguments, parameters, strict=True)
+        ]
+        return tuple(
+            Atom(atom.predicate, tuple(map(name_of, values))) for values in product(*choices) if different(values)
+        )
+
+    def alternatives(self) -> tuple["Task", ...]:
+        """Return the tasks with the ground goals that this one leaves to choose from, the nearest first.
+
+        Raises:
+            InputError: there are too many, or none.
+        """
+        return alternatives(self) if any(ANY in atom.arguments for atom in self.goal) else (self,)

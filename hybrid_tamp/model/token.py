@@ -156,3 +156,9 @@ class Token:
         """The basic actions of the token's capability classes, each once, sorted by name."""
         merged = {action.name: action for member in self.classes for action in member.basic_actions}
         return tuple(merged[name] for name in sorted(merged))
+
+
+def different(values: Iterable[object]) -> bool:
+    """Say whether no token is there twice; symbols may be."""
+    names = [value.name for value in values if isinstance(value, Token)]
+    return len(set(names)) == len(names)

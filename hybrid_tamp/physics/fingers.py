@@ -23,7 +23,7 @@ from hybrid_tamp.model.grasp import (
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotate, rotation_vector
+from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotate
 from hybrid_tamp.motion.segments import nearest_on_segment
 from hybrid_tamp.physics.commands import CommandLayout
 from hybrid_tamp.physics.engine import pybullet
@@ -87,8 +87,9 @@ class Fingers:
         """
         grip, aperture = float(row[self.grip]), state[self.hand, APERTURE]
         way = FINGER_SPEED * CONTROL_PERIOD
-        if self._grasp is not None and (grip <= 0 or self._distance(state, self._grasp.thing) > CAPTURE):
-            self._let_go()
+        if self._grasp is not None and (grip <= 0 or self._has_slipped(self._grasp, state)):
+            # If the handle is still between the fingers, they meet it again at once.
+            self._let_go(self._grasp)
         if grip <= 0:
             aperture[0] = min(aperture[0] + way, self.hand["maximal_aperture"])
             return
@@ -97,10 +98,6 @@ class Fingers:
             thing = self._between(state, narrower, aperture[0])
             aperture[0] = narrower if thing is None else thing["handle_width"]
             self._grasp = None if thing is None else self._grasp_of(thing, state)
-        elif self._has_slipped(self._grasp, state):
-            thing = self._grasp.thing
-            self._let_go()
-            self._grasp = self._grasp_of(thing, state)
         if self._grasp is not None:
             limit = GRIP_FRICTION * grip
             pybullet.changeConstraint(self._grasp.joint, maxForce=limit, physicsClientId=self.client)
@@ -146,10 +143,10 @@ class Fingers:
 
     def _has_slipped(self, grasp: _Grasp, state: State) -> bool:
         position, orientation = self._pose_in(grasp.thing, state)
-        turned = rotation_vector(quaternion_multiply(quaternion_conjugate(grasp.orientation), orientation))
-        return bool(np.linalg.norm(position - grasp.position) > SLIP or np.linalg.norm(turned) > TWIST)
+        # Of two unit quaternions the product is the cosine of half the angle between them.
+        twisted = abs(orientation @ grasp.orientation) < np.cos(TWIST / 2)
+        return bool(twisted or np.linalg.norm(position - grasp.position) > SLIP)
 
-    def _let_go(self) -> None:
-        if self._grasp is not None:
-            pybullet.removeConstraint(self._grasp.joint, physicsClientId=self.client)
-            self._grasp = None
+    def _let_go(self, grasp: _Grasp) -> None:
+        pybullet.removeConstraint(grasp.joint, physicsClientId=self.client)
+        self._grasp = None

@@ -16,17 +16,22 @@ def predict(task: Task, plan: TaskPlan) -> Recording:
         return execute(task, plan, backend)
 
 
-def with_predictions(measured: Recording, predicted: Recording) -> Recording:
-    """Return the measured recording with the other's margins as its predicted ones.
+def with_predictions(measured: Recording, expected: Mapping[tuple[str, str], float | None]) -> Recording:
+    """Return the measured recording with what was predicted beside its margins.
 
-    A condition that the prediction never came to, because it failed before, stays without one.
+    Args:
+        measured: the recording.
+        expected: (instance or ``goal``, atom) to the margin; a condition without one stays without a prediction.
     """
-    exits = {
-        instance: _merged(margins, predicted.exits.get(instance, ())) for instance, margins in measured.exits.items()
-    }
-    return replace(measured, exits=exits, goal=_merged(measured.goal, predicted.goal))
+
+    def merged(where: str, margins: tuple[AtomMargin, ...]) -> tuple[AtomMargin, ...]:
+        return tuple(replace(margin, predicted=expected.get((where, margin.atom))) for margin in margins)
+
+    exits = {instance: merged(instance, margins) for instance, margins in measured.exits.items()}
+    return replace(measured, exits=exits, goal=merged("goal", measured.goal))
 
 
-def _merged(mine: tuple[AtomMargin, ...], theirs: tuple[AtomMargin, ...]) -> tuple[AtomMargin, ...]:
-    expected: Mapping[str, float | None] = {margin.atom: margin.measured for margin in theirs}
-    return tuple(replace(margin, predicted=expected.get(margin.atom)) for margin in mine)
+def margins_of(recording: Recording) -> Mapping[tuple[str, str], float | None]:
+    """Return (instance or ``goal``, atom) to the margin that a recording has of it."""
+    found = {(name, m.atom): m.measured for name, margins in recording.exits.items() for m in margins}
+    return found | {("goal", margin.atom): margin.measured for margin in recording.goal}

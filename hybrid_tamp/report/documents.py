@@ -4,23 +4,16 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.report.entries import Document
+from hybrid_tamp.report.refinement import PerformanceEntry, RefinementEntry
 
 
-class _Document(BaseModel):
-    model_config = ConfigDict(extra="forbid", populate_by_name=True)
-
-    def dump(self) -> dict[str, Any]:
-        """Return plain data with the published keys."""
-        return self.model_dump(by_alias=True, mode="json")
-
-
-class InstanceEntry(_Document):
+class InstanceEntry(Document):
     """One block instance within a step."""
 
     block: str
@@ -31,7 +24,7 @@ class InstanceEntry(_Document):
     hyperparameters: dict[str, float]
 
 
-class StepEntry(_Document):
+class StepEntry(Document):
     """A stretch of time in which no token is reassigned; shows where every token is."""
 
     index: int
@@ -40,7 +33,7 @@ class StepEntry(_Document):
     blocks: list[InstanceEntry]
 
 
-class PlannerEntry(_Document):
+class PlannerEntry(Document):
     """Which engine answered, how long it took, and how the plan was found."""
 
     name: str
@@ -50,16 +43,38 @@ class PlannerEntry(_Document):
     stages: dict[str, float] = Field(default_factory=dict, description="what each stage took [s]")
 
 
-class NetworkEntry(_Document):
+class WholeEntry(Document):
+    """The task that a network was reduced from."""
+
+    blocks: int = Field(description="how many blocks the domain has")
+    edges: int = Field(description="how many edges its network has")
+    tokens: int = Field(description="how many tokens the task has")
+    blocks_left_out: list[str]
+    tokens_left_out: list[str] = Field(description="they rest all the time, but for places")
+
+
+class BroughtEntry(Document):
+    """An object that was brought into the network."""
+
+    token: str
+    classes: list[str]
+    blocks: list[str] = Field(description="blocks that it made fillable")
+    why: str
+
+
+class NetworkEntry(Document):
     """The network that was planned on."""
 
     blocks: list[str]
     edges: list[list[str]] = Field(description="pairs of 'BLOCK.slot', source first")
-    reduced_from: int | None = None
-    expanded_with: list[str] = Field(default_factory=list)
+    tokens: list[str] = Field(default_factory=list, description="tokens that were planned with")
+    reduced_from: WholeEntry | None = Field(None, description="null where nothing was left out")
+    expanded_with: list[BroughtEntry] = Field(
+        default_factory=list, description="objects brought in because there was no plan without them, in their order"
+    )
 
 
-class ReasonEntry(_Document):
+class ReasonEntry(Document):
     """One reason why there is no plan."""
 
     goal: str
@@ -69,17 +84,30 @@ class ReasonEntry(_Document):
     atom: str = ""
     margin: float | None = None
     unit: str = ""
+    lacks: str = Field("", description="the class or the slot 'BLOCK.slot' for which there is too little")
 
 
-class ExplanationEntry(_Document):
+class SuggestionEntry(Document):
+    """A single change with which there is a plan: it was planned."""
+
+    kind: Literal["token", "class", "edge", "fact", "property"]
+    what: str
+    solvable: Literal[True] = True
+    length: int = Field(description="number of PDDL actions of the plan that was found")
+    names: list[str] = Field(description="the token, class, slots, atom or property that it is about")
+
+
+class ExplanationEntry(Document):
     """Why there is no plan."""
 
     kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, time or memory")
     message: str
     reasons: list[ReasonEntry]
+    suggestions: list[SuggestionEntry] = Field(default_factory=list)
+    all_looked_at: bool = Field(False, description="whether no single change beyond the suggestions was left untried")
 
 
-class PlanDocument(_Document):
+class PlanDocument(Document):
     """What `plan --json` prints and `plan.json` holds."""
 
     schema_: Literal["hybrid-tamp/plan/1"] = Field("hybrid-tamp/plan/1", alias="schema")
@@ -95,9 +123,10 @@ class PlanDocument(_Document):
     steps: list[StepEntry]
     network: NetworkEntry
     explanation: ExplanationEntry | None
+    refinement: RefinementEntry | None = Field(None, description="how hyperparameters were optimised; null if not")
 
 
-class AtomEntry(_Document):
+class AtomEntry(Document):
     """A goal atom as measured at the end."""
 
     atom: str
@@ -105,7 +134,7 @@ class AtomEntry(_Document):
     holds: bool
 
 
-class ExitEntry(_Document):
+class ExitEntry(Document):
     """An exit condition of an instance when it ended."""
 
     atom: str
@@ -114,7 +143,7 @@ class ExitEntry(_Document):
     holds: bool
 
 
-class RunEntry(_Document):
+class RunEntry(Document):
     """One block instance that ran."""
 
     instance: str
@@ -123,7 +152,7 @@ class RunEntry(_Document):
     exit: list[ExitEntry]
 
 
-class FailureEntry(_Document):
+class FailureEntry(Document):
     """Why a run stopped early."""
 
     step: int
@@ -132,7 +161,7 @@ class FailureEntry(_Document):
     margins: list[ExitEntry]
 
 
-class ResultDocument(_Document):
+class ResultDocument(Document):
     """What `run --json` prints and `result.json` holds."""
 
     schema_: Literal["hybrid-tamp/result/1"] = Field("hybrid-tamp/result/1", alias="schema")
@@ -148,14 +177,32 @@ class ResultDocument(_Document):
     backend: str
     versions: dict[str, str]
     failure: FailureEntry | None
+    performance: list[PerformanceEntry] = Field(description="performance measures, predicted and measured")
     law: list[str] = Field(description="breaches of the law of assignment by the recording; empty if none")
 
 
-def network_entry(domain: Domain) -> NetworkEntry:
-    """Return the domain's network as data."""
+def network_entry(whole: Task, task: Task, brought: Iterable[BroughtEntry] = ()) -> NetworkEntry:
+    """Return the network that was planned on as data.
+
+    Args:
+        whole: the task.
+        task: what it was reduced to.
+        brought: the objects that were brought in.
+    """
+    kept = {block.name for block in task.domain.blocks}
+    reduced_from = WholeEntry(
+        blocks=len(whole.domain.blocks),
+        edges=whole.domain.network.graph.number_of_edges(),
+        tokens=len(whole.tokens),
+        blocks_left_out=sorted(block.name for block in whole.domain.blocks if block.name not in kept),
+        tokens_left_out=sorted(token.name for token in whole.tokens if token.name not in task.token_by_name),
+    )
     return NetworkEntry(
-        blocks=sorted(block.name for block in domain.blocks),
-        edges=[[".".join(source), ".".join(target)] for source, target in domain.network.edges],
+        blocks=sorted(kept),
+        edges=[[".".join(source), ".".join(target)] for source, target in task.domain.network.edges],
+        tokens=sorted(task.token_by_name),
+        reduced_from=reduced_from if reduced_from.blocks_left_out or reduced_from.tokens_left_out else None,
+        expanded_with=list(brought),
     )
 
 
@@ -165,6 +212,7 @@ def plan_document(
     status: Literal["solved", "unsolvable", "unknown", "limit"],
     planner: PlannerEntry,
     plan: TaskPlan | None,
+    network: NetworkEntry,
     explanation: ExplanationEntry | None,
 ) -> PlanDocument:
     """Return the document of one planning attempt."""
@@ -178,15 +226,17 @@ def plan_document(
         makespan=plan.makespan if plan else None,
         cost=float(len(plan.actions)) if plan else None,
         actions=list(plan.actions) if plan else [],
-        steps=list(_steps(plan)) if plan else [],
-        network=network_entry(task.domain),
+        steps=steps_of(plan) if plan else [],
+        network=network,
         explanation=explanation,
     )
 
 
-def _steps(plan: TaskPlan) -> Iterable[StepEntry]:
-    for step in plan.steps:
-        yield StepEntry(index=step.index, start=step.start, end=step.end, blocks=[_instance(i) for i in step.instances])
+def steps_of(plan: TaskPlan) -> list[StepEntry]:
+    """Return the stretches between reassignments, with where every token is in each."""
+    return [
+        StepEntry(index=s.index, start=s.start, end=s.end, blocks=list(map(_instance, s.instances))) for s in plan.steps
+    ]
 
 
 def _instance(instance: BlockInstance) -> InstanceEntry:
@@ -208,6 +258,7 @@ def result_document(
     metrics: Mapping[str, float],
     versions: Mapping[str, str],
     law: Iterable[str],
+    performance: Iterable[PerformanceEntry] = (),
     replans: int = 0,
 ) -> ResultDocument:
     """Return the document of one run."""
@@ -232,6 +283,7 @@ def result_document(
         )
         if failure
         else None,
+        performance=list(performance),
         law=list(law),
     )
 
@@ -248,10 +300,8 @@ def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-def json_schemas() -> dict[str, dict[str, Any]]:
-    """Return the JSON Schemas of the documents, file stem to schema."""
+def json_schemas(documents: Mapping[str, type[Document]] | None = None) -> dict[str, dict[str, Any]]:
+    """Return the JSON Schemas of the documents, file stem to schema; of plans and results where none are given."""
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    return {
-        "plan-1": dialect | PlanDocument.model_json_schema(by_alias=True),
-        "result-1": dialect | ResultDocument.model_json_schema(by_alias=True),
-    }
+    found = documents or {"plan-1": PlanDocument, "result-1": ResultDocument}
+    return {stem: dialect | document.model_json_schema(by_alias=True) for stem, document in found.items()}

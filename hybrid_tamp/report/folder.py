@@ -20,7 +20,7 @@ RUN_FILES = (
     "video.mp4",
     "report.html",
 )
-STEP_PICTURES = "step-*.png"
+NUMBERED_FILES = ("step-*.png", "primitive-[0-9][0-9].json")
 
 
 class RunFolder:
@@ -69,7 +69,7 @@ class RunFolder:
 
     def _old(self) -> list[Path]:
         named = [self.path / name for name in RUN_FILES if (self.path / name).exists()]
-        return named + sorted(self.path.glob(STEP_PICTURES))
+        return named + sorted(file for pattern in NUMBERED_FILES for file in self.path.glob(pattern))
 
     def write_text(self, name: str, text: str) -> Path:
         """Write a text file under a temporary name, then rename it.

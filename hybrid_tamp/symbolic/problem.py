@@ -12,6 +12,7 @@ from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.encoding.encoder import EncodedDomain, encode_domain, encode_task
+from hybrid_tamp.symbolic.goals import sole_alternative
 from hybrid_tamp.symbolic.naming import Naming, legal
 from hybrid_tamp.symbolic.operators import Fact, PlanningProblem
 from hybrid_tamp.symbolic.vocabulary import COUNT, NONE, locked_targets, no_value, opposite
@@ -95,8 +96,9 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
         chains: whether blocks in series are one step.
 
     Raises:
-        InputError: the goal denies a predicate that changes, which STRIPS goals cannot.
+        InputError: the goal denies a predicate that changes or leaves a choice, which STRIPS goals cannot.
     """
+    task = sole_alternative(task)
     encoded = whole.encoded if whole else encode_task(task) if chains else encode_domain(task.domain)
     own = {name for name, _ in encoded.planning.predicates}
     counts = _counts(task)

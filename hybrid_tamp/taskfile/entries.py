@@ -6,11 +6,11 @@ Everything else that speaks of the form is made from these models: the checks, t
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag, model_validator
 
 from hybrid_tamp.model.affordance import Number, quantity
 from hybrid_tamp.model.shape import Shape
-from hybrid_tamp.model.task import DEFAULT_PLANNER, Limits
+from hybrid_tamp.model.task import DEFAULT_PLANNER, Limits, MidLevel
 
 Text = Annotated[str, Strict(), Field(min_length=1)]
 Whole = Annotated[int, Strict()]
@@ -74,17 +74,63 @@ class LimitsEntry(_Entry):
     )
 
 
+class RangeEntry(_Entry):
+    """What a task says of a hyperparameter, in its own unit; what is left out stays as the block has it."""
+
+    lower: Number | None = Field(default=None, description="lower bound, not below the block's own")
+    upper: Number | None = Field(default=None, description="upper bound, not above the block's own")
+    default: Number | None = Field(default=None, description="its value where nothing optimises it, within the bounds")
+
+
+def _form_of_range(value: Any) -> str:
+    return RangeEntry.__name__ if isinstance(value, dict | RangeEntry) else float.__name__
+
+
+NumberOrRange = Annotated[
+    Annotated[Number, Tag(float.__name__)] | Annotated[RangeEntry, Tag(RangeEntry.__name__)],
+    Discriminator(_form_of_range),
+]
+"""The tags are the names of the types: messages find their way by them."""
+
+
+class MidLevelEntry(_Entry):
+    """How the hyperparameters of a plan are optimised."""
+
+    optimiser: Literal["cma", "grid"] = Field(default="cma", description="CMA-ES, or direct sampling on a grid")
+    evaluations: Whole = quantity(
+        "1", "budget of candidates that are rolled out", default=MidLevel.evaluations, gt=0, le=10**9
+    )
+    seconds: Number = quantity("s", "budget of time", default=MidLevel.seconds, gt=0, le=1e6)
+    refine: Literal["none", "physics"] = Field(
+        default="none", description="physics: go on from the analytic optimum in the physics backend"
+    )
+    weights: dict[str, Number] = Field(
+        default_factory=dict, description="BLOCK.measure to its weight in the value of a plan, negative for a cost"
+    )
+    hyperparameters: dict[str, NumberOrRange] = Field(
+        default_factory=dict, description="BLOCK.name to narrower bounds and a default, or to the value that it has"
+    )
+
+
 class TaskFile(_Entry):
     """A task of hybrid_tamp, in SI units."""
 
     domain: Text = Field(description="name of an installed domain")
     tokens: dict[str, TokenEntry] = Field(description="every object and place by its name", min_length=1)
-    goal: list[Any] = Field(description="atoms that hold at the end: 'predicate: [tokens]'", min_length=1)
+    goal: list[Any] = Field(
+        description="atoms that hold at the end: 'predicate: [tokens]'; '*' stands for any token or symbol",
+        min_length=1,
+    )
     agents: dict[str, Annotated[list[Text], Field(min_length=1)]] = Field(
         default_factory=dict, description="named groups of capability tokens"
     )
     assignment: dict[str, Text] = Field(
         default_factory=dict, description="token to the block in which it starts; default: the domain's resting block"
+    )
+    primitives: dict[str, Text] = Field(
+        default_factory=dict,
+        description="block, or action for all its modes, to the file of the motor primitive that it is taught, as "
+        "'hybrid-tamp learn' writes it; relative to the task file",
     )
     planner: Annotated[Text, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\[\]-]*$")] = Field(
         default=DEFAULT_PLANNER, description="name of the planning engine"
@@ -93,5 +139,8 @@ class TaskFile(_Entry):
         default="length", description="what a plan should be short in: its actions, or its time"
     )
     limits: LimitsEntry = Field(default=LimitsEntry(), description="bounds on the work")
+    midlevel: MidLevelEntry = Field(
+        default=MidLevelEntry(), description="how the hyperparameters of a plan are optimised"
+    )
     seed: Whole = quantity("1", "seed of everything random", default=0, ge=0, le=2**32 - 1)
     name: Text | None = Field(default=None, description="name of the task; default: the file's name without its ending")

@@ -3,7 +3,7 @@
 from typing import Any
 
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort
+from hybrid_tamp.model.predicate import ANY, Atom, Parameter, Predicate, SymbolSort
 from hybrid_tamp.taskfile.places import Faults, KeyPath, plain, shown
 from hybrid_tamp.taskfile.tokens import Scene
 
@@ -81,7 +81,9 @@ def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, fau
     parameters = predicate.parameters if predicate is not None and typed else [None] * len(atom.arguments)
     for index, (argument, parameter) in enumerate(zip(atom.arguments, parameters, strict=True)):
         here = (*path, index)
-        if parameter is not None and isinstance(parameter.sort, SymbolSort):
+        if argument == ANY:
+            _check_choice(atom, parameter, here, faults, scene)
+        elif parameter is not None and isinstance(parameter.sort, SymbolSort):
             if argument not in parameter.sort.symbols:
                 wanted = f"{parameter.name} of {atom.predicate} must be a {parameter.sort.name}"
                 faults.at(here, wanted, shown(argument), parameter.sort.symbols)
@@ -91,6 +93,17 @@ def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, fau
                 faults.at(here, "the goal is about a token that is not there", shown(argument), scene.names)
         elif parameter is not None and argument in scene.outlines:
             _check_class(argument, atom, parameter, here, faults, scene)
+
+
+def _check_choice(atom: Atom, parameter: Parameter | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
+    """Refuse a wildcard for which no token could stand."""
+    known = scene.names is not None and set(scene.outlines) == set(scene.names) and ANY not in scene.names
+    if parameter is None or isinstance(parameter.sort, SymbolSort) or not known:
+        return
+    others = [token for name, token in scene.outlines.items() if name not in atom.arguments]
+    if not any(token.is_member(parameter.sort) for token in others):
+        wanted = f"{shown(ANY)} stands for a member of {parameter.sort.name}, {parameter.name} of {atom.predicate}"
+        faults.at(path, wanted, "none that the atom does not name already", remedy="add such a token")
 
 
 def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) -> None:
@@ -121,7 +134,7 @@ def _check_company(
     faults: Faults,
 ) -> None:
     """Refuse an atom that cannot hold together with an earlier one."""
-    if predicate.functional_index is None:
+    if predicate.functional_index is None or ANY in atom.arguments:
         return
     index = predicate.functional_index
     other = values.setdefault((atom.predicate, atom.arguments[:index], atom.arguments[index + 1 :]), atom)

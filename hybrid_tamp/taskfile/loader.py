@@ -9,11 +9,13 @@ from pydantic import ValidationError
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Limits, Task
+from hybrid_tamp.model.task import Limits, MidLevel, Task
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.goals import read_goal
+from hybrid_tamp.taskfile.midlevel import check_bindings, read_midlevel
 from hybrid_tamp.taskfile.places import Faults, KeyPath
+from hybrid_tamp.taskfile.primitives import teach
 from hybrid_tamp.taskfile.roles import read_agents, read_assignment
 from hybrid_tamp.taskfile.starts import check_starts
 from hybrid_tamp.taskfile.tokens import check_printable, read_scene
@@ -78,21 +80,22 @@ def _load(
     document = parse(text, source)
     data, faults = document.data, document.faults
     file = _check_form(data, faults)
-    domain = _find(data, faults, find_domain)
+    domain = teach(data, faults, _find(data, faults, find_domain), path.parent if path else Path())
     scene = read_scene(data, faults, domain)
     goal = read_goal(data, faults, domain, scene)
     agents = read_agents(data, faults, scene)
     assignment = read_assignment(data, faults, domain, scene)
     check_starts(data, faults, scene)
+    adapted = read_midlevel(data, faults, domain)
     if isinstance(data.get("name"), str):
         check_printable(data["name"], ("name",), faults, "a task needs a name", key=False)
     _check_planner(data, faults, check_planner)
     faults.raise_if_any()
     assert file is not None
-    assert domain is not None
-    return Task(
+    assert adapted is not None
+    task = Task(
         name=file.name or name,
-        domain=domain,
+        domain=adapted,
         tokens=tuple(scene.tokens),
         state=State.of(scene.tokens, scene.given),
         goal=goal,
@@ -102,8 +105,13 @@ def _load(
         limits=Limits(**dict(file.limits)),
         seed=file.seed,
         objective=file.objective,
+        midlevel=MidLevel(**file.midlevel.model_dump(exclude={"weights", "hyperparameters"})),
         source=path,
     )
+    check_bindings(task, data, faults)
+    _check_choices(task, faults)
+    faults.raise_if_any()
+    return task
 
 
 def _check_form(data: dict[str, Any], faults: Faults) -> TaskFile | None:
@@ -133,6 +141,14 @@ def _check_planner(data: dict[str, Any], faults: Faults, check_planner: CheckPla
         check_planner(data["planner"])
     except InputError as error:
         _place(error, path, faults)
+
+
+def _check_choices(task: Task, faults: Faults) -> None:
+    """Note that a goal leaves nothing to choose from, or too much."""
+    try:
+        task.alternatives()
+    except InputError as error:
+        _place(error, ("goal",), faults)
 
 
 def _place(error: InputError, path: KeyPath, faults: Faults) -> None:

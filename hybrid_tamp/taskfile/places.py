@@ -39,6 +39,7 @@ class Faults:
         source: the file's name as messages show it.
         keys: path to the place of its key.
         values: path to the place of its value.
+        spans: path to the first character of a scalar value and the one behind its last.
         written: path to a number, truth value or null as the file writes it.
     """
 
@@ -46,6 +47,7 @@ class Faults:
         self.source = source
         self.keys: dict[KeyPath, Mark] = {}
         self.values: dict[KeyPath, Mark] = {}
+        self.spans: dict[KeyPath, tuple[int, int]] = {}
         self.written: dict[KeyPath, str] = {}
         self._found: dict[tuple[Mark, Issue], None] = {}
         self._faulty: set[KeyPath] = set()

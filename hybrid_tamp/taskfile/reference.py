@@ -9,7 +9,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Literal, Predicate
 from hybrid_tamp.model.shape import Box, Compound, Cylinder, Placement, Sphere
-from hybrid_tamp.taskfile.entries import LimitsEntry, Pose, TaskFile, TokenEntry
+from hybrid_tamp.taskfile.entries import LimitsEntry, MidLevelEntry, Pose, RangeEntry, TaskFile, TokenEntry
 from hybrid_tamp.taskfile.forms import JsonObject, bounds_in_words, form_of, number_in_words, type_in_words
 from hybrid_tamp.taskfile.roles import can_start
 from hybrid_tamp.taskfile.tokens import known_classes
@@ -30,6 +30,7 @@ def reference_page(domains: Sequence[Domain]) -> str:
     parts += [_model(f"`{shape.__name__}`: a shape", shape) for shape in (Cylinder, Box, Sphere, Compound)]
     parts += [_model("`CylinderPart`, `BoxPart`, `SpherePart`: a part", Placement)]
     parts += [_model("`LimitsEntry`: limits", LimitsEntry)]
+    parts += [_model("`MidLevelEntry`: the mid-level planner", MidLevelEntry), _model("`RangeEntry`", RangeEntry)]
     parts += [part for domain in domains for part in _domain(domain)]
     return "\n".join(parts)
 
@@ -121,6 +122,7 @@ def _block(block: Block) -> str:
             f"- hyperparameter `{h.name}`: {h.lower:g} to {h.upper:g} [{h.unit}]. {h.description}".rstrip()
             for h in block.hyperparameters
         ),
+        *(f"- measure `{m.name}` [{m.unit}]: weight {m.weight:g}. {m.description}".rstrip() for m in block.performance),
         "- a task may begin with it: `assignment` can name it" if can_start(block) else "",
     ]
     return "\n".join(line for line in lines if line) + "\n"

@@ -7,10 +7,12 @@ condition on the key ``domain``.
 from collections.abc import Iterable, Sequence
 
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.predicate import Parameter, Predicate, SymbolSort
+from hybrid_tamp.model.predicate import ANY, Parameter, Predicate, SymbolSort
 from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.forms import JsonObject, form_of
+from hybrid_tamp.taskfile.midlevel import names_of
 from hybrid_tamp.taskfile.reference import reference_page
 from hybrid_tamp.taskfile.roles import can_start
 from hybrid_tamp.taskfile.tokens import known_classes
@@ -60,8 +62,34 @@ def _of_domain(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) 
             "tokens": {"additionalProperties": _token(domain, prefix, definitions)},
             "goal": {"items": _atom(domain.predicates, negatable=True)},
             "assignment": {"additionalProperties": {"anyOf": starts}},
+            "midlevel": {"properties": {"weights": _weights(domain), "hyperparameters": _ranges(domain)}},
         }
     }
+
+
+def _weights(domain: Domain) -> JsonObject:
+    keys = {
+        key: {"description": f"default: {'; '.join(dict.fromkeys(_weight(block, name) for block, name in meant))}"}
+        for key, meant in names_of(domain, "weights").items()
+    }
+    return {"properties": keys, "additionalProperties": False}
+
+
+def _weight(block: Block, name: str) -> str:
+    return next(f"{m.weight:g}. {m.description}" for m in block.performance if m.name == name)
+
+
+def _ranges(domain: Domain) -> JsonObject:
+    keys = {
+        key: {"description": "; ".join(dict.fromkeys(_range(block, name) for block, name in meant))}
+        for key, meant in names_of(domain, "hyperparameters").items()
+    }
+    return {"properties": keys, "additionalProperties": False}
+
+
+def _range(block: Block, name: str) -> str:
+    h = next(h for h in block.hyperparameters if h.name == name)
+    return f"{h.lower:g} to {h.upper:g} [{h.unit}]. {h.description}".rstrip()
 
 
 def _choice(value: str, description: str) -> JsonObject:
@@ -125,5 +153,7 @@ def _arguments(predicate: Predicate) -> JsonObject:
 
 def _argument(parameter: Parameter) -> JsonObject:
     if isinstance(parameter.sort, SymbolSort):
-        return {"enum": list(parameter.sort.symbols), "description": f"{parameter.name}: a {parameter.sort.name}"}
-    return {"type": "string", "description": f"{parameter.name}: a token of the class {parameter.sort.name}"}
+        symbols = [*parameter.sort.symbols, ANY]
+        return {"enum": symbols, "description": f"{parameter.name}: a {parameter.sort.name}, {ANY} for any"}
+    description = f"{parameter.name}: a token of the class {parameter.sort.name}, {ANY} for any"
+    return {"type": "string", "description": description}

@@ -8,8 +8,10 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
+from hybrid_tamp.errors import did_you_mean
 from hybrid_tamp.taskfile.places import Faults, KeyPath, plain, shown
 
+_TASK_FILE = "the task file"
 _MAPPING = "must be a mapping of keys to values"
 _WANTED = {
     "bool_type": "must be true or false",
@@ -47,6 +49,7 @@ def add_validation_faults(
     model: type[BaseModel],
     base: KeyPath = (),
     why: Callable[[str], str] = no_reason,
+    whole: str = _TASK_FILE,
 ) -> None:
     """Note everything that pydantic found, each at its place.
 
@@ -56,14 +59,15 @@ def add_validation_faults(
         model: what was validated against; its fields tell units, descriptions and known keys.
         base: path of the validated part within the file.
         why: words on why a missing key is needed, behind its description.
+        whole: what messages call the file itself.
     """
     for details in error.errors(include_url=False):
         way = _Way(model, details["loc"])
         path = base + way.path
         if details["type"] == "missing":
-            _add_missing(faults, way, path, details["input"], why)
+            _add_missing(faults, way, path, details["input"], why, whole)
         elif details["type"] == "extra_forbidden":
-            wanted = f"unknown key in {subject(path[:-1])}"
+            wanted = f"unknown key in {subject(path[:-1], whole)}"
             faults.at(path, wanted, shown(path[-1]), way.siblings, key=True)
         elif details["type"] == "union_tag_invalid":
             tags = [tag.strip(" '") for tag in details["ctx"]["expected_tags"].split(",")]
@@ -71,7 +75,10 @@ def add_validation_faults(
             faults.at(path, f"{subject(path)} is none of those known", shown(details["ctx"]["tag"]), tags)
         else:
             wanted = _wanted(details, way.unit)
-            faults.at(path, f"{subject(path)} {wanted}", faults.shown(path, details["input"]))
+            # The message names all choices; one is suggested only where it is close.
+            close = did_you_mean(str(details["input"]), way.choices) if details["type"] == "literal_error" else None
+            came = faults.shown(path, details["input"])
+            faults.at(path, f"{subject(path, whole)} {wanted}", came, (close,) if close else ())
 
 
 def _wanted(details: ErrorDetails, unit: str) -> str:
@@ -86,13 +93,13 @@ def _wanted(details: ErrorDetails, unit: str) -> str:
     return template.format(**context) + (unit if details["type"] in _NUMBERS else "")
 
 
-def _add_missing(faults: Faults, way: "_Way", path: KeyPath, came: Any, why: Callable[[str], str]) -> None:
+def _add_missing(faults: Faults, way: "_Way", path: KeyPath, came: Any, why: Callable[[str], str], whole: str) -> None:
     last = path[-1]
     if isinstance(last, int):
         faults.at(path[:-1], f"{subject(path[:-1])} must be a list of {way.length}", shown(came))
         return
     description = ": " + way.field.description if way.field and way.field.description else ""
-    faults.at(path, f"missing key {last!r}{way.unit} in {subject(path[:-1])}{description}{why(last)}")
+    faults.at(path, f"missing key {last!r}{way.unit} in {subject(path[:-1], whole)}{description}{why(last)}")
 
 
 class _Way:
@@ -114,10 +121,15 @@ class _Way:
         for step in loc:
             members = _members(here)
             if len(members) > 1:
-                here = next((m for m in members if step in get_args(m.model_fields["kind"].annotation)), Any)
+                here = next((m for m in members if step in _tags(m)), Any)
             else:
                 here = self._into(members[0], step)
                 self.path += (step,)
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The values that the innermost field may have, where they are few."""
+        return tuple(map(str, get_args(self.field.annotation))) if self.field else ()
 
     @property
     def unit(self) -> str:
@@ -138,6 +150,12 @@ class _Way:
         return next((one for one in reversed(arguments) if one is not Ellipsis), Any)
 
 
+def _tags(member: Any) -> tuple[Any, ...]:
+    """Return what stands for a member of a union in an error's location: its kinds, or its type's name."""
+    kinds = member.model_fields.get("kind") if issubclass(member, BaseModel) else None
+    return get_args(kinds.annotation) if kinds else (member.__name__,)
+
+
 def _members(annotation: Any) -> tuple[Any, ...]:
     """Return the members of a union, None left out, or the one type that it is."""
     if get_origin(annotation) is Annotated:
@@ -147,10 +165,10 @@ def _members(annotation: Any) -> tuple[Any, ...]:
     return tuple(member for one in get_args(annotation) if one is not NoneType for member in _members(one))
 
 
-def subject(path: KeyPath) -> str:
+def subject(path: KeyPath, whole: str = _TASK_FILE) -> str:
     """Return how messages call a part of a task file, e.g. ``pose.position[2] of token 'drum'``."""
     if not path:
-        return "the task file"
+        return whole
     if path[0] != "tokens" or len(path) == 1:
         return _dotted(path)
     token = f"token {shown(path[1])}"

@@ -131,6 +131,7 @@ class Builder:
             mark = self.faults.keys[path]
         value = self._value(event, path, mark)
         self.faults.values.setdefault(path, mark)
+        self.faults.spans.setdefault(path, (event.start_mark.index, event.end_mark.index))
         if isinstance(frame.container, dict):
             # Of two equal keys the first one stays.
             frame.container.setdefault(str(frame.key), value)

@@ -20,6 +20,8 @@ MAX_RUN = 10_000
 """Longest run without blanks and quotes [characters]: on some, the parser's time grows with the square of it."""
 _ENDLESS = re.compile(rf"[^\s\"']{{{MAX_RUN + 1}}}")
 
+_TASK_FILE = "a task file is a mapping with the keys domain, tokens and goal"
+
 
 @dataclass(frozen=True)
 class Document:
@@ -34,25 +36,30 @@ class Document:
     faults: Faults
 
 
-def read_text(path: Path) -> str:
+def read_text(path: Path, what: str = "a task file", most: int = MAX_BYTES) -> str:
     """Read a file of bounded size as UTF-8.
+
+    Args:
+        path: the file.
+        what: what messages call it.
+        most: its largest size [bytes].
 
     Raises:
         InputError: it is missing, a folder, too large, not to be read, or not UTF-8.
     """
     try:
         if path.is_dir():
-            raise InputError([Issue(str(path), "a task file", "a folder", remedy="name a file in it")])
+            raise InputError([Issue(str(path), what, "a folder", remedy="name a file in it")])
         with open(path, "rb", opener=_open_at_once) as file:
-            raw = file.read(MAX_BYTES + 1)
+            raw = file.read(most + 1)
             size = max(os.fstat(file.fileno()).st_size, len(raw))
     except FileNotFoundError as error:
-        raise InputError([Issue(str(path), "a task file", "no file of this name")]) from error
+        raise InputError([Issue(str(path), what, "no file of this name")]) from error
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise InputError([Issue(str(path), "a file that can be read", reason)]) from error
-    check_size(size, str(path))
-    return decode(raw, str(path))
+    check_size(size, str(path), what, most)
+    return decode(raw, str(path), what)
 
 
 def _open_at_once(name: str, flags: int) -> int:
@@ -62,18 +69,18 @@ def _open_at_once(name: str, flags: int) -> int:
     return descriptor
 
 
-def check_size(size: int, source: str) -> None:
+def check_size(size: int, source: str, what: str = "a task file", most: int = MAX_BYTES) -> None:
     """Refuse a text of too many bytes, before anything reads it.
 
     Raises:
-        InputError: there are more than `MAX_BYTES`.
+        InputError: there are more than `most`.
     """
-    if size > MAX_BYTES:
-        wanted = f"a task file has at most {MAX_BYTES} bytes ({MAX_BYTES // 1024**2} MiB)"
+    if size > most:
+        wanted = f"{what} has at most {most} bytes ({most // 1024**2} MiB)"
         raise InputError([Issue(f"{source}:1:1", wanted, f"{size} bytes")])
 
 
-def decode(raw: bytes, source: str) -> str:
+def decode(raw: bytes, source: str, what: str = "a task file") -> str:
     """Decode UTF-8, with or without a byte order mark.
 
     Raises:
@@ -86,15 +93,16 @@ def decode(raw: bytes, source: str) -> str:
         before = error.object[: error.start].decode("utf-8")
         mark = mark_of(before, len(before))
         where, came = f"{source}:{mark.line}:{mark.column}", f"the byte 0x{error.object[error.start]:02x}"
-        raise InputError([Issue(where, "a task file must be UTF-8", came, remedy="save the file as UTF-8")]) from error
+        raise InputError([Issue(where, f"{what} must be UTF-8", came, remedy="save the file as UTF-8")]) from error
 
 
-def parse(text: str, source: str) -> Document:
+def parse(text: str, source: str, wanted: str = _TASK_FILE) -> Document:
     """Build plain data from YAML text.
 
     Args:
         text: the whole file.
         source: its name as messages show it.
+        wanted: what is said of a text that is no mapping.
 
     Returns:
         The data, with the faults that leave the rest readable, e.g. duplicate keys.
@@ -104,8 +112,8 @@ def parse(text: str, source: str) -> Document:
     """
     builder, last = Builder(source), Mark()
     if run := _ENDLESS.search(text):
-        wanted = f"words have at most {MAX_RUN} characters"
-        builder.faults.add(mark_of(text, run.start()), wanted, "a longer one", remedy="put blanks in between")
+        limit = f"words have at most {MAX_RUN} characters"
+        builder.faults.add(mark_of(text, run.start()), limit, "a longer one", remedy="put blanks in between")
         builder.faults.raise_all()
     try:
         for event in YAML(typ="safe", pure=True).parse(text):
@@ -118,7 +126,6 @@ def parse(text: str, source: str) -> Document:
         builder.faults.raise_all()
     root = builder.roots[0] if builder.roots else None
     if not isinstance(root, dict):
-        wanted = "a task file is a mapping with the keys domain, tokens and goal"
         if root is None and builder.faults.sound(()):
             builder.faults.add(Mark(), wanted, "an empty file")
         else:

@@ -71,7 +71,7 @@ def test_no_import_circle() -> None:
 
 
 def test_heavy_libraries_have_one_home() -> None:
-    homes: dict[str, set[str]] = {"unified_planning": set(), "pybullet": set()}
+    homes: dict[str, set[str]] = {"unified_planning": set(), "pybullet": set(), "cmaes": set()}
     for name, tree in modules():
         for module, _ in imports(tree):
             root = module.split(".")[0]
@@ -79,6 +79,7 @@ def test_heavy_libraries_have_one_home() -> None:
                 homes[root].add(name)
     assert all(name.startswith("hybrid_tamp/symbolic/") for name in homes["unified_planning"])
     assert homes["pybullet"] == {"hybrid_tamp/physics/engine.py"}
+    assert homes["cmaes"] == {"hybrid_tamp/midlevel/cma.py"}
 
 
 @pytest.mark.parametrize(
@@ -90,7 +91,7 @@ def test_quick_verbs_import_neither_planner_nor_physics(words: list[str]) -> Non
         "import sys\n"
         "from hybrid_tamp.cli import main\n"
         f"status = main({words!r})\n"
-        "heavy = [m for m in ('unified_planning', 'pybullet', 'scipy') if m in sys.modules]\n"
+        "heavy = [m for m in ('unified_planning', 'pybullet', 'scipy', 'cmaes') if m in sys.modules]\n"
         "print('heavy', heavy)\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT.parent)

@@ -1,17 +1,20 @@
 """Tumbling in PyBullet: one run of each kind, judged by law, measures and contacts; campaigns are in scripts/trials."""
 
-import numpy as np
+from pathlib import Path
+
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
-from hybrid_tamp_domains.rolling_tumbling.turning import arrival
 
 from hybrid_tamp import pipeline
+from hybrid_tamp.affordances.changes import without_token
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_rate
 from hybrid_tamp.physics.backend import open_backend
 from hybrid_tamp.physics.execution import execute
 from hybrid_tamp.report.measures import CONTACT, MEASURED, PLANNED, run_measures
+from hybrid_tamp.taskfile.loader import load_task
+
+PROBLEMS = Path(__file__).parents[2] / "problems"
 
 
 def measured(seed: int, hands: int) -> dict[str, float]:
@@ -44,11 +47,14 @@ def test_a_box_whose_edge_slides_is_tipped_all_the_same() -> None:
     assert measured(25, 2)[CONTACT] < 5.0
 
 
-def test_estimates_end_where_exit_conditions_hold() -> None:
-    amount, duration, near, slow = 0.5, 1.4, 0.06, 0.02
-    end = float(arrival(amount, duration, near, slow))
-    for time, holds in ((end - 0.01, False), (end + 0.01, True)):
-        left = amount * (1.0 - minimum_jerk(time / duration))
-        speed = amount * minimum_jerk_rate(time / duration) / duration
-        assert bool(left <= near and speed <= slow) == holds
-    assert np.allclose(arrival(np.array([0.1, 0.5]), duration, near, slow)[1], end)
+def test_two_one_handed_robots_tumble_a_box_together() -> None:
+    task = load_task(PROBLEMS / "tumble_two_robots.yaml")
+    plan = pipeline.plan(task).required()
+    with open_backend("pybullet") as physics:
+        recording = execute(task, plan, physics)
+    assert recording.success
+    assert not check_law(task, recording.plan, recording.at)
+    assert run_measures(plan, recording)[CONTACT] < 5.0
+    for agent in task.agents:
+        alone = without_token(task, task.token_by_name[task.agents[agent][0]])
+        assert pipeline.plan(alone, suggesting=0.0).document.status == "unsolvable"

@@ -6,7 +6,7 @@ import pytest
 
 from hybrid_tamp.physics.backend import open_backend
 from hybrid_tamp.physics.execution import execute
-from hybrid_tamp.physics.prediction import predict, with_predictions
+from hybrid_tamp.physics.prediction import margins_of, predict, with_predictions
 
 
 def test_every_condition_gets_its_prediction(toys: Any) -> None:
@@ -14,7 +14,7 @@ def test_every_condition_gets_its_prediction(toys: Any) -> None:
     with open_backend("pybullet") as backend:
         measured = execute(task, plan, backend)
     predicted = predict(task, plan)
-    merged = with_predictions(measured, predicted)
+    merged = with_predictions(measured, margins_of(predicted))
     assert merged.exits.keys() == measured.exits.keys()
     for mine, theirs in zip(merged.exits["MOVING-1"], predicted.exits["MOVING-1"], strict=True):
         assert mine.predicted == theirs.measured
@@ -29,5 +29,5 @@ def test_what_was_not_predicted_stays_open(toys: Any) -> None:
     task = toys.one_move_task()
     measured = predict(task, toys.one_move())
     failed = predict(task, toys.one_move(stiffness=float("nan")))
-    merged = with_predictions(measured, failed)
+    merged = with_predictions(measured, margins_of(failed))
     assert [margin.predicted for margin in merged.exits["MOVING-1"]] == [None, None]

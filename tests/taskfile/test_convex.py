@@ -5,7 +5,7 @@ import pybullet
 import pytest
 
 from hybrid_tamp.model.affordance import AffordanceClass
-from hybrid_tamp.model.shape import Box, Cylinder, Shape, Sphere
+from hybrid_tamp.model.shape import Box, BoxPart, Compound, Cylinder, CylinderPart, Shape, Sphere
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import normalized, quaternion_from_rpy
@@ -29,6 +29,14 @@ def body(shape: Shape, position: tuple[float, ...] | FloatArray, orientation: Fl
 CUBE = Box(kind="box", half_extents=(0.1, 0.1, 0.1))
 BALL = Sphere(kind="sphere", radius=0.1)
 LOG = Cylinder(kind="cylinder", radius=0.1, length=0.6)
+# A cross beam on a post: the post lies along x, because the part is turned, and the beam at its end along y.
+TEE = Compound(
+    kind="compound",
+    parts=(
+        CylinderPart(kind="cylinder", radius=0.02, length=0.4, position=(0.0, 0.0, 0.0), rpy=(0.0, np.pi / 2, 0.0)),
+        BoxPart(kind="box", half_extents=(0.05, 0.2, 0.05), position=(0.25, 0.0, 0.0)),
+    ),
+)
 LYING = quaternion_from_rpy(np.array([np.pi / 2, 0.0, 0.0]))
 
 
@@ -39,6 +47,28 @@ def test_the_lowest_point() -> None:
     assert lowest_height(body(LOG, (0, 0, 0.3))) == pytest.approx(0.0)
     assert lowest_height(body(LOG, (0, 0, 0.1), LYING)) == pytest.approx(0.0)
     assert lowest_height(body(BALL, (5, 5, 0.3))) == pytest.approx(0.2)
+
+
+def test_a_compound_reaches_as_far_as_its_parts() -> None:
+    assert lowest_height(body(TEE, (0, 0, 0.05))) == pytest.approx(0.0)
+    head_down = quaternion_from_rpy(np.array([0.0, np.pi / 2, 0.0]))
+    assert lowest_height(body(TEE, (1, 1, 0.3), head_down)) == pytest.approx(0.0)
+
+
+def test_what_is_in_the_corner_of_a_compound_is_clear_of_it() -> None:
+    corner = body(CUBE, (0.05, 0.15, 0.0))
+    assert overlap(body(TEE, (0, 0, 0)), corner) is None
+    in_the_beam = body(CUBE, (0.15, 0.15, 0.0))
+    way = overlap(body(TEE, (0, 0, 0)), in_the_beam)
+    assert way is not None
+    assert overlap(body(TEE, (0, 0, 0)), body(CUBE, np.array([0.15, 0.15, 0.0]) + way)) is None
+    assert overlap(in_the_beam, body(TEE, (0, 0, 0))) is not None
+
+
+def test_pairs_that_pass_through_each_other_are_left_out() -> None:
+    heap = [body(TEE, (0, 0, 0)), body(BALL, (0.2, 0, 0)), body(BALL, (0.25, 0, 0))]
+    found = overlaps(heap, lambda earlier, later: (earlier, later) == (0, 1))
+    assert [(earlier, later) for earlier, later, _ in found] == [(0, 2)]
 
 
 @pytest.mark.parametrize("shape", [CUBE, BALL, LOG])

@@ -30,6 +30,7 @@ def fault(name: str, old: str, new: str, *words: str) -> Any:
     return pytest.param(Fault(name, old, new, words), id=name)
 
 
+CYLINDER = "{kind: cylinder, radius: 0.1, length: 0.3}"
 FAULTS = [
     # The form of the file.
     fault("unknown key", "seed: 7", "«sede: 7", "unknown key", "'sede'", "did you mean 'seed'"),
@@ -59,6 +60,16 @@ FAULTS = [
     fault("shape without a kind", "{kind: cylinder, ", "«{", "shape of token 'drum' needs the key 'kind'"),
     fault("shape without a length", "    shape: {kind: cylinder, radius: 0.1, length: 0.3}",
           "    «shape: {kind: cylinder, radius: 0.1}", "missing key 'length' [m] in shape of token 'drum'"),
+    fault("compound without parts", CYLINDER, "{kind: compound, parts: «[]}", "a compound needs at least one part"),
+    fault("part without a place", CYLINDER, "{kind: compound, parts: [«{kind: sphere, radius: 1}]}",
+          "missing key 'position' [m] in shape.parts[0] of token 'drum'"),
+    fault("part of a flat box", CYLINDER,
+          "{kind: compound, parts: [{kind: box, half_extents: [1, 1, «0], position: [0, 0, 0]}]}",
+          "shape.parts[0].half_extents[2] of token 'drum' must be more than 0 [m]"),
+    fault("part of no kind", CYLINDER, "{kind: compound, parts: [{kind: «bx, position: [0, 0, 0]}]}",
+          "shape.parts[0].kind of token 'drum'", "did you mean 'box'"),
+    fault("compound in a compound", CYLINDER, "{kind: compound, parts: [{kind: «compound, position: [0, 0, 0]}]}",
+          "available: cylinder, box, sphere"),
     fault("pose with NaN", "[0, 0, 0.1]", "[0, 0, «.nan]", "pose.position[2] of token 'drum'", "finite number [m]"),
     fault("pose far away", "[0, 0, 0.1]", "[0, 0, «1e30]", "pose.position[2] of token 'drum' must be at most 1000"),
     fault("pose of two", "[0, 0, 0.1]", "«[0, 0]", "pose.position of token 'drum' must be a list of 3"),

@@ -2,11 +2,17 @@
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from workbench import DOMAIN, ON_ITS_HEAD, block, held
 
 from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.grasp import pass_through
+from hybrid_tamp.model.predicate import Parameter, Predicate
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
 
 TWO_HANDS = (Path(__file__).parents[2] / "problems" / "tumble_two_hands.yaml").read_text(encoding="utf-8")
@@ -126,3 +132,52 @@ def test_a_pipe_that_nobody_writes_to_is_an_empty_file(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(InputError, match="an empty file"):
         load_task(tmp_path / "pipe")
+
+
+def test_only_hands_that_grip_pass_through_and_only_what_can_be_gripped() -> None:
+    hand, hammer, thing = held(0.1, ON_ITS_HEAD, block=block()).tokens
+    assert pass_through(hand, hammer)
+    assert pass_through(hammer, hand)
+    assert not pass_through(hand, thing)
+    assert not pass_through(hammer, thing)
+    assert not pass_through(hammer, hammer)
+
+
+ROD = """
+domain: bench
+tokens:
+  hand:
+    classes: [HAND]
+    properties: {mass: 1}
+    shape: {kind: sphere, radius: 0.03}
+    pose: {position: [0.3, 0, 0.1]}
+  rod:
+    classes: [TOOL]
+    properties: {mass: 1}
+    shape:
+      kind: compound
+      parts:
+        - {kind: box, half_extents: [0.1, 0.01, 0.01], position: [-0.3, 0, 0]}
+        - {kind: sphere, radius: 0.05, position: [-0.2, 0, 0]}
+    pose: {position: [0.3, 0, 0.1], rpy: [0, 0, 3.141592653589793]}
+  thing:
+    classes: [THING]
+    properties: {mass: 1}
+    shape: {kind: box, half_extents: [0.02, 0.02, 0.05]}
+    pose: {position: [0.3, 0, 0.1]}
+goal: [{still: [rod]}]
+"""
+
+
+def bench(name: str) -> Domain:
+    return replace(DOMAIN, predicates=(Predicate("still", (Parameter("token", TOKEN),), lambda state, token: 0.0),))
+
+
+def test_a_hand_may_start_about_what_it_grips_and_nothing_else_in_a_part_of_it() -> None:
+    apart = ROD.replace("[0.3, 0, 0.1]}\n  rod", "[0.6, 0, 0.1]}\n  rod")
+    load_task_text(apart, "t.yaml", bench)
+    load_task_text(apart.replace("[0.02, 0.02, 0.05]", "[0.14, 0.02, 0.05]"), "t.yaml", bench)
+    with pytest.raises(InputError, match="inside token 'rod'"):
+        load_task_text(apart.replace("[0.02, 0.02, 0.05]", "[0.16, 0.02, 0.05]"), "t.yaml", bench)
+    with pytest.raises(InputError, match="inside token 'thing'"):
+        load_task_text(ROD, "t.yaml", bench)

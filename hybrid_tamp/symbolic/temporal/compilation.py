@@ -10,6 +10,7 @@ from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.predicate import Atom, Predicate, name_of
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.goals import sole_alternative
 from hybrid_tamp.symbolic.naming import Naming, legal
 from hybrid_tamp.symbolic.operators import Fact
 from hybrid_tamp.symbolic.temporal.encoder import TemporalEncoding, encode_durative
@@ -58,8 +59,9 @@ def compile_durative(task: Task) -> TemporalCompilation:
     """Compile a task to durative actions.
 
     Raises:
-        InputError: the goal denies a predicate that changes.
+        InputError: the goal denies a predicate that changes, or leaves a choice.
     """
+    task = sole_alternative(task)
     encoding = encode_durative(task.domain)
     fluents = {fluent.name for fluent in encoding.planning.fluents}
     taken = encoding.vocabulary.names.all | encoding.names.all | fluents

@@ -1,0 +1,45 @@
+"""The command line: arguments, printing, exit codes. Nothing heavy is imported before it is needed.
+
+Each module holds a group of verbs; `app` puts them together. A verb is a function of plain arguments.
+"""
+
+import sys
+from typing import cast
+
+import typer
+
+from hybrid_tamp.cli.app import app
+from hybrid_tamp.console import output_failed, report_error
+from hybrid_tamp.errors import HybridTampError, InputError, Issue
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return its exit status."""
+    words = sys.argv[1:] if arguments is None else arguments
+    # UsageError of whichever click typer brings.
+    usage_error = cast(type[Exception], typer.BadParameter.__mro__[1])
+    try:
+        if not words:
+            words = ["--help"]
+        status = app(args=words, prog_name="hybrid-tamp", standalone_mode=False)
+        if sys.stdout is not None:  # None where it was closed before we began
+            sys.stdout.flush()
+    except HybridTampError as error:
+        report_error(error, "--json" in words)
+        return error.exit_status
+    except usage_error as error:
+        message = error.format_message() if hasattr(error, "format_message") else str(error)
+        wrong = InputError([Issue("", message.rstrip("."), remedy="see 'hybrid-tamp --help'")])
+        report_error(wrong, "--json" in words)
+        return InputError.exit_status
+    except (KeyboardInterrupt, typer.Abort):
+        typer.echo("interrupted", err=True)
+        return 130
+    except OSError as error:
+        return output_failed(error)
+    except SystemExit as end:
+        # That is what typer makes of a reader that went away, e.g. `| head`.
+        if not isinstance(end.__context__, BrokenPipeError):
+            raise
+        return output_failed(end.__context__)
+    return int(status or 0)

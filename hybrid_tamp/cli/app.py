@@ -1,0 +1,43 @@
+"""The command itself and what is said before a verb."""
+
+import logging
+import sys
+from importlib import metadata
+from typing import Annotated
+
+import typer
+
+from hybrid_tamp.cli.listing import domains, schema
+from hybrid_tamp.cli.planning import check, pddl, plan, run
+from hybrid_tamp.cli.questions import affordances, explain
+from hybrid_tamp.cli.recordings import learn, replay
+
+app = typer.Typer(
+    name="hybrid-tamp",
+    help="Plan a manipulation task, export its PDDL, run it in physics, or learn why it cannot be done.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"hybrid-tamp {metadata.version('hybrid-tamp')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log what is done to standard error")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", help="print the version", is_eager=True, callback=_version)
+    ] = False,
+) -> None:
+    level = logging.INFO if verbose else logging.WARNING
+    logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s", stream=sys.stderr)
+
+
+# In the order of the help.
+for verb in (check, plan, pddl, run, replay, learn, explain, affordances, domains, schema):
+    app.command()(verb)

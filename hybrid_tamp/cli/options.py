@@ -1,0 +1,44 @@
+"""Arguments and options that verbs share."""
+
+from enum import Enum
+from typing import Annotated
+
+import typer
+
+
+class Objective(str, Enum):
+    """What a plan should be short in."""
+
+    length = "length"
+    makespan = "makespan"
+
+
+class Encoding(str, Enum):
+    """How blocks become planning actions."""
+
+    classical = "classical"
+    temporal = "temporal"
+
+
+class Document(str, Enum):
+    """Documents whose JSON Schema can be printed."""
+
+    task = "task"
+    plan = "plan"
+    result = "result"
+    explain = "explain"
+    affordances = "affordances"
+
+
+TaskArgument = Annotated[str, typer.Argument(metavar="TASK", help="a YAML task file, or the name of a bundled one")]
+JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON document and nothing else")]
+PlannerOption = Annotated[str | None, typer.Option("--planner", metavar="NAME", help="planning engine")]
+SeedOption = Annotated[int | None, typer.Option("--seed", min=0, max=2**32 - 1, help="seed of everything random")]
+TimeOption = Annotated[float | None, typer.Option("--time-limit", min=0.001, help="of the planner [s]")]
+MemoryOption = Annotated[float | None, typer.Option("--memory-limit", min=1, help="of the planner [MiB]")]
+DomainOption = Annotated[
+    str | None,
+    typer.Option("--domain", metavar="NAME", help="use this domain: a name, package.module:ATTRIBUTE, or a .py file"),
+]
+ObjectiveOption = Annotated[Objective | None, typer.Option("--objective", help="what a plan should be short in")]
+ForceOption = Annotated[bool, typer.Option("--force", help="replace another run in the output folder")]

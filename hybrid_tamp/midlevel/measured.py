@@ -1,0 +1,79 @@
+"""A run, judged as a rollout is: the same conditions and the same performance measures, from measured states."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from hybrid_tamp.midlevel.rollout import GOAL, Condition, Key, Rollout
+from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.task import Task
+
+
+def measured_rollout(task: Task, recording: Recording) -> Rollout:
+    """Return a recording as the rollout of a population of one.
+
+    What a run that failed never came to counts as not finite.
+    """
+    conditions: list[Condition] = []
+    figures: dict[Key, FloatArray] = {}
+    for instance in recording.instances:
+        conditions += _conditions(task, recording, instance)
+        figures |= {(instance.name, name): figure for name, figure in _figures(task, recording, instance)}
+    for atom in task.goal:
+        predicate = task.domain.predicate_by_name[atom.predicate]
+        margin = np.array([task.margin(atom, recording.state(-1))])
+        conditions.append(Condition(GOAL, str(atom), predicate.unit, predicate.scale, margin))
+    weights = [
+        measure.weight * figures[instance.name, measure.name] / measure.scale
+        for instance in recording.instances
+        for measure in task.domain.block_by_name[instance.block].performance
+    ]
+    value = np.asarray(np.sum(weights, axis=0) + np.zeros(1))
+    failed = {recording.failure.instance: np.array([True])} if recording.failure else {}
+    intervals = {i.name: (np.array([i.start]), np.array([i.end])) for i in recording.instances}
+    final = State(recording.layout, recording.states[-1:])
+    return Rollout(tuple(conditions), figures, value, final, intervals, failed)
+
+
+def _conditions(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[Condition]:
+    block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
+    sides = [(block.measured_exits, instance.end)]
+    if instance.start > 0:
+        sides.insert(0, (block.measured_entries, instance.start))
+    for literals, time in sides:
+        state = recording.at(time)
+        for literal in literals:
+            margin = np.array([float(literal.margin(state, binding))])
+            atom, predicate = str(literal.ground(binding)), literal.predicate
+            yield Condition(instance.name, atom, predicate.unit, predicate.scale, margin)
+
+
+def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, FloatArray]]:
+    """Yield the figures of an instance's measures, from its beginning until its exit conditions held."""
+    block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
+    end = instance.end if instance.reached is None else min(instance.reached, instance.end)
+    first, last = (round(time / recording.timestep) for time in (instance.start, end))
+    run = State(recording.layout, recording.states[first + 1 : last + 1])
+    commands = _commands(recording, first, last)
+    chosen = {name: np.asarray(value) for name, value in instance.hyperparameters.items()}
+    for measure in block.performance:
+        if measure.end is not None:
+            figure = float(measure.end(binding, recording.state(first), recording.state(last), chosen))
+        elif measure.peak is not None:
+            figure = float(np.max(measure.peak(binding, run), initial=-np.inf))
+        else:
+            assert measure.rate is not None, "a measure has one of the three"
+            figure = float(np.sum(measure.rate(binding, run, commands))) * recording.timestep
+        yield measure.name, np.array([figure])
+
+
+def _commands(recording: Recording, first: int, last: int) -> Commands:
+    found: Commands = {}
+    column = 0
+    for token, action, size in recording.commands_layout:
+        found[token, action] = recording.commands[first:last, column : column + size]
+        column += size
+    return found

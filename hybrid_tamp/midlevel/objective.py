@@ -1,0 +1,80 @@
+"""The objective of the mid-level planner: violations first, then the weighted sum of performance measures.
+
+It is the same whoever rolls out: the blocks' forward models, a whole population at once, or physics.
+"""
+
+from collections.abc import Callable, Iterable
+from typing import Protocol
+
+import numpy as np
+
+from hybrid_tamp.midlevel.rollout import Chosen, Key, Rollout
+from hybrid_tamp.midlevel.scores import Scores
+from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace, Variable
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.task import Task
+
+
+class RollOut(Protocol):
+    """A way to find out what comes of a population."""
+
+    def __call__(self, chosen: Chosen, count: int, until: str | None = None) -> Rollout:
+        """Return what comes of it, until the exit of one instance at least; as `Rollouts` does."""
+
+
+def variable_name(key: Key) -> str:
+    """Return the name of an instance's hyperparameter, e.g. ``GRASPING-1.grasp_location``."""
+    return ".".join(key)
+
+
+class Objective:
+    """V and J of a plan as functions of its hyperparameters.
+
+    Attributes:
+        space: the hyperparameters of all instances, in the order of the plan.
+        keys: (instance, hyperparameter) of each variable.
+        last: the last population that was rolled out.
+    """
+
+    def __init__(self, task: Task, plan: TaskPlan, roll_out: RollOut) -> None:
+        self.task = task
+        self.plan = plan
+        self._roll_out = roll_out
+        found = dict(_variables(task, plan))
+        self.keys = tuple(found)
+        self.space = SearchSpace(tuple(found.values()))
+        self.last: Rollout | None = None
+
+    def __call__(self, points: FloatArray) -> Scores:
+        """Return the scores of points ``(n, d)`` of the space."""
+        self.last = self.rollout(points)
+        return Scores(self.last.violation, self.last.value)
+
+    def rollout(self, points: FloatArray, until: str | None = None) -> Rollout:
+        """Roll out points ``(n, d)``, until the exit of one instance at least."""
+        columns = dict(zip(self.keys, np.asarray(points, dtype=np.float64).T, strict=True))
+        return self._roll_out(columns, len(points), until)
+
+    def own(self, instance: BlockInstance) -> Callable[[FloatArray], Scores]:
+        """Return the objective of one instance alone: its own conditions and its own measures."""
+
+        def evaluate(points: FloatArray) -> Scores:
+            rollout = self.rollout(points, instance.name)
+            mine = [c.violation for c in rollout.conditions if c.where == instance.name]
+            violation = np.sum(mine, axis=0) + np.zeros(len(points))
+            bad = np.logical_or.reduce([np.zeros(len(points), dtype=bool), *rollout.failed.values()])
+            return Scores(np.where(bad, np.inf, violation), rollout.value_of(self.task, instance))
+
+        return evaluate
+
+
+def _variables(task: Task, plan: TaskPlan) -> Iterable[tuple[Key, Variable]]:
+    """Yield the hyperparameters of the plan; the default is the plan's value, else a guess at the start."""
+    for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
+        block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
+        for h in block.hyperparameters:
+            lower, upper = h.bounds(binding)
+            given = instance.hyperparameters.get(h.name)
+            default = float(h.initial(binding, task.state)) if given is None else given
+            key = (instance.name, h.name)
+            yield key, Variable(variable_name(key), h.unit, lower, upper, float(np.clip(default, lower, upper)))

@@ -1,0 +1,83 @@
+"""How good candidates are: violation first, then value."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int_]
+BoolArray = NDArray[np.bool_]
+
+SAME = 1e-12
+"""Relative difference up to which two figures are the same but for rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scores:
+    """Violation and value of n candidates.
+
+    One candidate is better than another if its violation is smaller or, at equal violations, its value is larger:
+    so one with ``violation > 0`` ranks below every one with ``violation == 0``. A rollout that failed (NaN or infinite
+    in either) is kept as violation inf and value -inf, and so ranks below everything.
+
+    Attributes:
+        violation: V, of the conditions, 0 where all hold, shape ``(n,)``.
+        value: J, the weighted sum of the performance measures, maximised, shape ``(n,)``.
+
+    Raises:
+        ValueError: the arrays are not of one and the same length, or a violation is negative.
+    """
+
+    violation: FloatArray
+    value: FloatArray
+
+    def __post_init__(self) -> None:
+        """Mark failed rollouts in both arrays."""
+        violation, value = (np.asarray(each, dtype=np.float64) for each in (self.violation, self.value))
+        if violation.ndim != 1 or violation.shape != value.shape:
+            raise ValueError(f"violation and value must both have shape (n,), got {violation.shape} and {value.shape}")
+        if np.any(violation < 0.0):
+            raise ValueError(f"violations must not be negative, got {np.nanmin(violation)}")
+        finite = np.isfinite(violation) & np.isfinite(value)
+        object.__setattr__(self, "violation", np.where(finite, violation, np.inf))
+        object.__setattr__(self, "value", np.where(finite, value, -np.inf))
+
+    @classmethod
+    def joined(cls, parts: Iterable["Scores"]) -> "Scores":
+        """Return the scores of all the parts' candidates, in order; at least one part."""
+        several = tuple(parts)
+        return cls(*(np.concatenate([getattr(s, name) for s in several]) for name in ("violation", "value")))
+
+    def __len__(self) -> int:
+        return len(self.violation)
+
+    def __getitem__(self, part: slice) -> "Scores":
+        return Scores(self.violation[part], self.value[part])
+
+    @property
+    def finite(self) -> BoolArray:
+        """Whether the rollout did not fail, shape ``(n,)``."""
+        return np.isfinite(self.violation)
+
+    def ranks(self) -> IntArray:
+        """Return the rank of each candidate, shape ``(n,)``: 0 for the best; equal candidates share one."""
+        order = np.lexsort((-self.value, self.violation))
+        violation, value = self.violation[order], self.value[order]
+        worse = (violation[1:] != violation[:-1]) | (value[1:] != value[:-1])
+        ranks = np.zeros(len(self), dtype=np.int_)
+        ranks[order[1:]] = np.cumsum(worse)
+        return ranks
+
+    def best(self) -> BoolArray:
+        """Return which candidates are the best but for rounding, shape ``(n,)``; all, if all failed.
+
+        A violation of 0 is 0 exactly: rounding excuses no violation.
+        """
+        least = np.min(self.violation)
+        if not np.isfinite(least):
+            return np.ones(len(self), dtype=np.bool_)
+        met = self.violation <= least * (1.0 + SAME)
+        highest = np.max(self.value[met])
+        return np.asarray(met & (self.value >= highest - SAME * max(1.0, abs(highest))))

@@ -1,0 +1,58 @@
+"""Each action optimised on its own, in the order of the plan: what planning ahead is compared with.
+
+An instance's own conditions and measures are all that counts, and what comes later is not looked at. Of choices that
+are equally good the middle of their interval is taken.
+"""
+
+import numpy as np
+
+from hybrid_tamp.midlevel.objective import Objective
+from hybrid_tamp.midlevel.optimiser import Evaluate
+from hybrid_tamp.midlevel.search_space import FloatArray
+
+_POINTS = 121
+_SWEEPS = 2
+_EQUAL = 1e-6
+"""Difference of values, as a part of their spread over a scan, that counts as none."""
+
+
+def optimised_apart(objective: Objective, relevant: set[str]) -> FloatArray:
+    """Return the point ``(d,)`` at which each action is the best on its own.
+
+    Args:
+        objective: of the whole plan.
+        relevant: the variables that are moved; the others keep their defaults.
+    """
+    point: FloatArray = objective.space.default.copy()
+    for instance in sorted(objective.plan.instances, key=lambda i: (i.start, i.name)):
+        mine = [
+            index
+            for index, (key, name) in enumerate(zip(objective.keys, objective.space.names, strict=True))
+            if key[0] == instance.name and name in relevant
+        ]
+        # One variable after the other; a second time round where one's best may depend on the others.
+        for index in mine * (_SWEEPS if len(mine) > 1 else 1):
+            point[index] = _best(objective, objective.own(instance), point, index)
+    return point
+
+
+def _best(objective: Objective, evaluate: Evaluate, point: FloatArray, index: int) -> float:
+    """Return the middle of the best interval of one variable, the others kept."""
+    low, high = objective.space.lower[index], objective.space.upper[index]
+    for _ in range(2):  # the whole range, then between the neighbours of the best
+        values = np.linspace(low, high, _POINTS)
+        points = np.tile(point, (_POINTS, 1))
+        points[:, index] = values
+        scores = evaluate(points)
+        least = np.min(scores.violation)
+        met = scores.violation <= least
+        if not np.isfinite(least):
+            return float(point[index])
+        spread = float(np.ptp(scores.value[met]))
+        best = met & (scores.value >= np.max(scores.value[met]) - _EQUAL * spread)
+        first = int(np.argmax(best))
+        last = first + int(np.argmin(np.append(best[first:], False))) - 1
+        if last > first:
+            return float((values[first] + values[last]) / 2)
+        low, high = values[max(first - 1, 0)], values[min(first + 1, _POINTS - 1)]
+    return float(values[first])

@@ -1,0 +1,111 @@
+"""Bindings that may not be used again: what failed in the forward models is denied to the task planner.
+
+A forbidden binding is a feasibility fact that fails: one more static predicate among a block's entry conditions, over
+its roles. So the planner, the law and the explanation honour it as they do any other fact. Symbols that follow from
+others by the block's own conditions (of a face and two postures, say, the last) are left out, for every binding is a
+fact that the planner is told.
+"""
+
+from dataclasses import dataclass, replace
+from math import prod
+
+import numpy as np
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.facts import of_symbols_alone, relation
+from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.predicate import Literal, Parameter, Predicate, Value, name_of
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.task import Task
+
+MOST_FACTS = 200_000
+"""A block with more bindings is not restrained: each of them is a fact for the planner."""
+
+
+@dataclass(frozen=True)
+class _Permission:
+    """The margin of a binding: 1, or -1 where it is forbidden."""
+
+    forbidden: frozenset[tuple[str, ...]]
+
+    def __call__(self, state: State, *values: Value) -> FloatArray:
+        margin = -1.0 if tuple(map(name_of, values)) in self.forbidden else 1.0
+        return np.full(state.values.shape[:-1], margin)
+
+
+def forbid(task: Task, instance: BlockInstance) -> Task:
+    """Return the same task, in which the instance's block may not be bound to the same tokens and targets again.
+
+    Args:
+        task: the task; bindings that it forbids already stay forbidden.
+        instance: an instance of one of its domain's blocks, e.g. of a plan that failed in the forward models.
+
+    Raises:
+        InputError: the block has more than `MOST_FACTS` bindings.
+    """
+    block = task.domain.block_by_name[instance.block]
+    roles = deciding_roles(block)
+    count = prod(len(task.values_of(block.roles[role])) for role in roles)
+    if count > MOST_FACTS:
+        wanted = f"a block whose bindings can be forbidden has at most {MOST_FACTS} of them"
+        raise InputError([Issue(block.name, wanted, str(count), remedy="leave out tokens that are not needed")])
+    forbidden = {tuple(instance.roles[role] for role in roles), *forbidden_bindings(task, block.name)}
+    predicate = _permitted(block, roles, frozenset(forbidden))
+    entry = (*_declared(block), Literal(predicate, roles))
+    return task.replaced(domain=task.domain.with_blocks([replace(block, entry=entry)], [predicate]))
+
+
+def forbidden_bindings(task: Task, block: str) -> frozenset[tuple[str, ...]]:
+    """Return the bindings of a block that the task forbids: names in the order of its `deciding_roles`."""
+    permissions = [each.predicate.margin for each in task.domain.block_by_name[block].entry]
+    return frozenset().union(*(each.forbidden for each in permissions if isinstance(each, _Permission)))
+
+
+def deciding_roles(block: Block) -> tuple[str, ...]:
+    """Return the roles of a block, but for symbols that follow from the others by its own conditions."""
+    kept = list(block.roles)
+    for literal in _declared(block):
+        twice = len(set(literal.arguments)) < len(literal.arguments)
+        if literal.positive and literal.predicate.static and of_symbols_alone(literal.predicate) and not twice:
+            rows = [dict(zip(literal.arguments, atom.arguments, strict=True)) for atom in relation(literal.predicate)]
+            # An argument that is no role is a symbol, which stands for itself.
+            rows = [row for row in rows if all(name in (row[name], *block.roles) for name in row)]
+            for role in reversed(literal.arguments):
+                others = [name for name in literal.arguments if name in kept and name != role]
+                if role in kept and len({tuple(row[name] for name in others) for row in rows}) == len(rows):
+                    kept.remove(role)
+    return tuple(kept)
+
+
+def _declared(block: Block) -> tuple[Literal, ...]:
+    """Return the entry conditions but that of an earlier call."""
+    return tuple(literal for literal in block.entry if not isinstance(literal.predicate.margin, _Permission))
+
+
+def _name(block: str) -> str:
+    return "permitted_" + block.replace(":", "_")
+
+
+def _permitted(block: Block, roles: tuple[str, ...], forbidden: frozenset[tuple[str, ...]]) -> Predicate:
+    """Return the predicate that all bindings of a block but the forbidden ones meet."""
+    said = _sentence(block, roles)
+    return Predicate(
+        name=_name(block.name),
+        parameters=tuple(Parameter(role, block.roles[role]) for role in roles),
+        margin=_Permission(forbidden),
+        static=True,
+        description=f"{said} is not forbidden",
+        denial=f"{said} failed in the forward models",
+    )
+
+
+def _sentence(block: Block, roles: tuple[str, ...]) -> str:
+    """Name block and roles, e.g. ``ROLLING of {object} by {hand} to {region}``."""
+    others = [slot.name for slot in block.others]
+    targets = [target.name for target in block.targets if target.name in roles]
+    parts = [f"{block.name} of {{{block.anchor}}}"]
+    for word, names in (("by", others), ("to", targets)):
+        if names:
+            parts.append(f"{word} " + " and ".join(f"{{{name}}}" for name in names))
+    return " ".join(parts)

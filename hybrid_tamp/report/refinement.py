@@ -1,0 +1,179 @@
+"""What the mid-level planner did, for programs and for people."""
+
+from collections.abc import Iterable, Mapping
+
+from pydantic import Field
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from hybrid_tamp.model.refined import Performance, RefinedPlan, Shortfall, Tuned, Value
+from hybrid_tamp.report.entries import Document
+
+
+class ValueEntry(Document):
+    """How good a choice of hyperparameters is: the violation first, then the value."""
+
+    violation: float = Field(description="sum of what conditions miss, each in units of its scale; 0 if all hold")
+    value: float = Field(description="weighted sum of the performance measures, maximised")
+
+
+class HyperparameterEntry(Document):
+    """One hyperparameter of one instance."""
+
+    instance: str
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    default: float
+    value: float
+    status: str = Field(description="optimised; free: without an effect over its whole bounds; or kept at its default")
+    moves: list[str] = Field(description="performance measures on which it has an effect")
+    apart: float | None = Field(description="its value where each action is optimised on its own")
+
+
+class PerformanceEntry(Document):
+    """One performance measure of one instance."""
+
+    instance: str
+    measure: str
+    unit: str
+    weight: float
+    predicted: float | None
+    measured: float | None = None
+
+
+class MilestoneEntry(Document):
+    """The best after so many evaluations."""
+
+    evaluations: int
+    violation: float | None
+    value: float | None
+
+
+class RoundEntry(Document):
+    """A plan that was given up, because no hyperparameters meet a condition of it."""
+
+    block: str
+    roles: dict[str, str]
+    where: str
+    atom: str
+    margin: float
+    unit: str
+
+
+class RefinementEntry(Document):
+    """How the hyperparameters of a plan were optimised."""
+
+    optimiser: str = Field(description="empty if there was nothing to optimise")
+    evaluations: int
+    seconds: float
+    stopped: str
+    best: ValueEntry
+    defaults: ValueEntry
+    apart: ValueEntry | None = Field(description="where each action is optimised on its own")
+    hyperparameters: list[HyperparameterEntry]
+    performance: list[PerformanceEntry]
+    history: list[MilestoneEntry] = Field(description="the convergence curve")
+    rounds: list[RoundEntry] = Field(description="plans that were given up before this one")
+
+
+GivenUp = Iterable[tuple[str, Mapping[str, str], Shortfall]]
+"""Of each plan that was given up: the block to blame, its roles, and the condition that is not met."""
+
+
+def refinement_entry(refined: RefinedPlan, given_up: GivenUp = ()) -> RefinementEntry:
+    """Return what the mid-level planner did, as data."""
+    return RefinementEntry(
+        optimiser=refined.optimiser,
+        evaluations=refined.evaluations,
+        seconds=refined.seconds,
+        stopped=refined.stopped,
+        best=_value(refined.best),
+        defaults=_value(refined.defaults),
+        apart=None if refined.apart is None else _value(refined.apart),
+        hyperparameters=[_hyperparameter(tuned) for tuned in refined.hyperparameters],
+        performance=list(performance_entries(refined.performance)),
+        history=[
+            MilestoneEntry(evaluations=m.evaluations, violation=_finite(m.violation), value=_finite(m.value))
+            for m in refined.history
+        ],
+        rounds=[RoundEntry(block=block, roles=dict(roles), **short.__dict__) for block, roles, short in given_up],
+    )
+
+
+def _value(value: Value) -> ValueEntry:
+    return ValueEntry(violation=value.violation, value=value.value)
+
+
+def _hyperparameter(tuned: Tuned) -> HyperparameterEntry:
+    return HyperparameterEntry(**{**tuned.__dict__, "moves": list(tuned.moves)})
+
+
+def performance_entries(
+    expected: Iterable[Performance], measured: Mapping[tuple[str, str], float] | None = None
+) -> Iterable[PerformanceEntry]:
+    """Yield the measures, predicted and, where a run measured them, measured."""
+    for each in expected:
+        yield PerformanceEntry(
+            instance=each.instance,
+            measure=each.measure,
+            unit=each.unit,
+            weight=each.weight,
+            predicted=_finite(each.figure),
+            measured=_finite((measured or {}).get((each.instance, each.measure))),
+        )
+
+
+def _finite(value: float | None) -> float | None:
+    """JSON has neither infinity nor NaN."""
+    return None if value is None or value != value or abs(value) == float("inf") else value
+
+
+def refinement_tables(entry: RefinementEntry) -> RenderableType:
+    """Return the hyperparameters, what they were optimised for, and what planning ahead gains."""
+    table = Table(title="Hyperparameters", title_justify="left", header_style="bold")
+    for heading in ("instance", "hyperparameter"):
+        table.add_column(heading)
+    for heading in ("value", "default", "apart"):
+        table.add_column(heading, justify="right")
+    for heading in ("unit", "bounds", "", "moves"):
+        table.add_column(heading)
+    before = ""
+    for each in entry.hyperparameters:
+        numbers = (each.value, each.default, each.apart)
+        bounds = f"[{each.lower:g}, {each.upper:g}]"
+        # Built as Text, because brackets would be markup.
+        words = (each.unit, bounds, each.status, ", ".join(each.moves))
+        shown = "" if each.instance == before else each.instance
+        table.add_row(*map(Text, (shown, each.name, *map(_number, numbers), *words)))
+        before = each.instance
+    lines: list[RenderableType] = [table] if entry.hyperparameters else []
+    return Group(*lines, *map(Text, _summary(entry)))
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4g}"
+
+
+def _summary(entry: RefinementEntry) -> Iterable[str]:
+    for each in entry.rounds:
+        tokens = ", ".join(each.roles.values())
+        yield f"given up: {each.block} of {tokens}: {each.atom} fails by {-each.margin:.3g} {each.unit}"
+    if not entry.optimiser:
+        yield "The defaults meet every condition, and there is no performance measure to improve."
+        return
+    yield (
+        f"value {entry.best.value:.4g} with {entry.optimiser} after {entry.evaluations} rollouts in "
+        f"{entry.seconds:.1f} s ({entry.stopped})"
+    )
+    for name, other in (("the defaults", entry.defaults), ("each action on its own", entry.apart)):
+        if other is not None:
+            yield f"  {name}: {_compared(entry.best, other)}"
+
+
+def _compared(best: ValueEntry, other: ValueEntry) -> str:
+    if other.violation > 0:
+        return f"conditions are missed by {other.violation:.3g} scales in all"
+    return f"{other.value:.4g}, so planning ahead gains {best.value - other.value:.3g}"

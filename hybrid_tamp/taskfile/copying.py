@@ -1,0 +1,32 @@
+"""A task file for another folder: its text, with the files that it names beside it."""
+
+from pathlib import Path
+
+from hybrid_tamp.taskfile.yaml_nodes import parse, read_text
+
+
+def portable(path: Path) -> tuple[str, dict[str, str]]:
+    """Return a sound task file's text as it may stand in another folder, and the files that go beside it.
+
+    Whatever else the text says stays as it is, letter for letter.
+
+    Args:
+        path: the task file.
+
+    Returns:
+        The text, and name to text of the primitive files that it names.
+
+    Raises:
+        InputError: a file cannot be read.
+    """
+    text = read_text(path)
+    document = parse(text, str(path))
+    files: dict[str, str] = {}
+    places: list[tuple[int, int, str]] = []
+    for number, (key, named) in enumerate(document.data.get("primitives", {}).items(), start=1):
+        name = f"primitive-{number:02d}.json"
+        files[name] = read_text(path.parent / named, "a primitive file")
+        places.append((*document.faults.spans["primitives", key], name))
+    for first, last, name in reversed(places):
+        text = text[:first] + name + text[last:]
+    return text, files

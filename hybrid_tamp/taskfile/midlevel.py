@@ -1,0 +1,136 @@
+"""What a task file says of hyperparameters and performance measures; its domain is changed accordingly.
+
+``BLOCK.name`` speaks of a block, mode included, or of all modes of an action; what is said of a mode goes first.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import Any, Literal
+
+import numpy as np
+
+from hybrid_tamp.model.block import Binding, Block, Hyperparameter
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+
+MOST_BINDINGS = 10_000
+"""So many bindings of a block are looked at."""
+MOST_SHOWN = 5
+"""So many of their bounds are shown."""
+
+Kind = Literal["weights", "hyperparameters"]
+_WORDS: Mapping[Kind, str] = {"weights": "measure", "hyperparameters": "hyperparameter"}
+
+
+@dataclass(frozen=True)
+class _Constant:
+    """The guess that a task gives."""
+
+    value: float
+
+    def __call__(self, binding: Binding, state: State) -> FloatArray:
+        return np.full(state.values.shape[:-1], self.value)
+
+
+def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -> Domain | None:
+    """Return the domain with the task's weights and bounds, the same one if there are none; note their faults."""
+    if domain is None:
+        return None
+    weights = _said(data, "weights", faults, domain)
+    ranges = _said(data, "hyperparameters", faults, domain)
+    changed = [_changed(block, weights, ranges, faults) for block in domain.blocks]
+    new = [block for block in changed if block not in domain.blocks]
+    return domain.with_blocks(new) if new and faults.sound(("midlevel",)) else domain
+
+
+def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
+    """Note bounds that leave nothing to any tokens of the task, e.g. a place beyond the end of every handle."""
+    for (block, name), (path, _) in _said(data, "hyperparameters", faults, task.domain).items():
+        part = next(each for each in task.domain.block_by_name[block].hyperparameters if each.name == name)
+        if part.within is None:
+            continue
+        ranges = list(map(part.within, islice(task.bindings(task.domain.block_by_name[block]), MOST_BINDINGS)))
+        if ranges and all(high < part.lower or low > part.upper for low, high in ranges):
+            allowed = ", ".join(list(dict.fromkeys(f"{low:g} to {high:g}" for low, high in ranges))[:MOST_SHOWN])
+            wanted = f"{path[-1]} is within what some tokens of the task allow: {allowed}"
+            faults.at(path, wanted, f"{part.lower:g} to {part.upper:g}")
+
+
+def names_of(domain: Domain, kind: Kind) -> dict[str, list[tuple[Block, str]]]:
+    """Return every ``BLOCK.name`` that a task file may use, with what it means: blocks, and the name in each."""
+    found: dict[str, list[tuple[Block, str]]] = {}
+    for block in domain.blocks:
+        parts = block.performance if kind == "weights" else block.hyperparameters
+        for part in parts:
+            for owner in dict.fromkeys((block.name, block.action)):
+                found.setdefault(f"{owner}.{part.name}", []).append((block, part.name))
+    return found
+
+
+_Said = dict[tuple[str, str], tuple[KeyPath, Any]]
+"""Name of a block and of a part of it to what the file says of it, and where."""
+
+
+def _said(data: dict[str, Any], kind: Kind, faults: Faults, domain: Domain) -> _Said:
+    section = data.get("midlevel")
+    given = section.get(kind) if isinstance(section, dict) else None
+    entries = given if isinstance(given, dict) else {}
+    known = names_of(domain, kind)
+    found: _Said = {}
+    # What is said of an action comes first, so that what is said of a mode replaces it.
+    for key in sorted(entries, key=lambda key: ":" in key):
+        path: KeyPath = ("midlevel", kind, key)
+        if key not in known:
+            wanted = f"unknown {_WORDS[kind]} in the domain {domain.name}: it is 'BLOCK.name'"
+            remedy = "" if known else f"no block of {domain.name} has a {_WORDS[kind]}"
+            faults.at(path, wanted, shown(key), list(known), remedy, key=True)
+        elif faults.sound(path):
+            found |= {(block.name, name): (path, entries[key]) for block, name in known[key]}
+    return found
+
+
+def _changed(block: Block, weights: _Said, ranges: _Said, faults: Faults) -> Block:
+    """Return the block as the file wants it, itself if the file says nothing of it."""
+    measures = tuple(
+        replace(each, weight=float(weights[block.name, each.name][1])) if (block.name, each.name) in weights else each
+        for each in block.performance
+    )
+    hyperparameters = tuple(
+        _narrowed(each, *ranges[block.name, each.name], faults) if (block.name, each.name) in ranges else each
+        for each in block.hyperparameters
+    )
+    if measures == block.performance and hyperparameters == block.hyperparameters:
+        return block
+    return replace(block, performance=measures, hyperparameters=hyperparameters)
+
+
+def _narrowed(own: Hyperparameter, path: KeyPath, said: Any, faults: Faults) -> Hyperparameter:
+    """Return a hyperparameter with a task's bounds and default, which are within its own; or fixed at a number."""
+    if not isinstance(said, dict):
+        number = float(said)
+        _check_within(number, own, f"{path[-1]} is fixed within its bounds", path, faults)
+        return replace(own, lower=number, upper=number, guess=_Constant(number))
+    given = {key: float(value) for key, value in said.items() if value is not None}
+    for key in ("lower", "upper"):
+        if key in given:
+            _check_within(given[key], own, f"{key} narrows the bounds of {path[-1]}", (*path, key), faults)
+    narrow = replace(own, lower=given.get("lower", own.lower), upper=given.get("upper", own.upper))
+    if not faults.sound(path):
+        return own
+    if narrow.lower > narrow.upper:
+        came = f"{narrow.lower:g} and {narrow.upper:g}"
+        faults.at(path, f"{path[-1]} needs lower <= upper", came, remedy="exchange them")
+    elif "default" in given:
+        default, place = given["default"], (*path, "default")
+        _check_within(default, narrow, f"the default of {path[-1]} is within its bounds", place, faults)
+        return replace(narrow, guess=_Constant(default))
+    return narrow
+
+
+def _check_within(value: float, bounds: Hyperparameter, wanted: str, path: KeyPath, faults: Faults) -> None:
+    if not bounds.lower <= value <= bounds.upper:
+        unit = "" if bounds.unit == "1" else f" [{bounds.unit}]"
+        faults.at(path, f"{wanted}, {bounds.lower:g} to {bounds.upper:g}{unit}", faults.shown(path, value))

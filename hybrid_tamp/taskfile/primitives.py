@@ -1,0 +1,141 @@
+"""Motor primitives as files, and the blocks of a domain that a task file has them taught to.
+
+A primitive file is JSON. It is read as any task file is, so that every fault has its line and column, and nothing in
+it is ever run.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from hybrid_tamp.errors import InputError
+from hybrid_tamp.model.affordance import Number
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.motion.dmp import DMP
+from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+from hybrid_tamp.taskfile.wording import add_validation_faults
+from hybrid_tamp.taskfile.yaml_nodes import parse, read_text
+
+PRIMITIVE = "hybrid-tamp/primitive/1"
+_FILE = "a primitive file is a JSON object as 'hybrid-tamp learn' writes it"
+Weight = Annotated[Number, Field(ge=-1e9, le=1e9)]
+Rate = Annotated[Number, Field(gt=0, le=1e4)]
+"""Per normalised time."""
+
+
+class PrimitiveFile(BaseModel):
+    """A motor primitive, and what it was learnt from."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+    schema_: Literal["hybrid-tamp/primitive/1"] = Field(alias="schema", description="the form of the file")
+    block: str = Field(description="the block or action whose movements were shown", min_length=1)
+    dimensions: Literal[1, 3] = Field(description="3 for a position, 1 for the travelled share of the way")
+    weights: list[list[Weight]] = Field(description="a row a basis function [m, or share of the way]", min_length=1)
+    alpha: Rate = Field(description="damping of the spring")
+    beta: Rate = Field(description="stiffness over damping")
+    alpha_phase: Rate = Field(description="decay of the phase")
+    soft_start: bool = Field(description="whether the pull to the goal grows from 0")
+    sources: list[str] = Field(description="names of the demonstrations")
+    rms: Annotated[Number, Field(ge=0)] = Field(description="root mean square of the distance from them [unit]")
+    unit: Literal["m", "rad"] = Field(description="unit of rms")
+
+    @classmethod
+    def of(cls, primitive: DMP, block: str, sources: Sequence[str], rms: float, unit: str) -> "PrimitiveFile":
+        """Return the file of a primitive that was learnt from these sources."""
+        return cls.model_validate(
+            {
+                "schema": PRIMITIVE,
+                "block": block,
+                "dimensions": primitive.weights.shape[1],
+                "weights": primitive.weights.tolist(),
+                "alpha": primitive.alpha,
+                "beta": primitive.beta,
+                "alpha_phase": primitive.alpha_phase,
+                "soft_start": primitive.soft_start,
+                "sources": list(sources),
+                "rms": rms,
+                "unit": unit,
+            }
+        )
+
+    @property
+    def primitive(self) -> DMP:
+        """The primitive itself."""
+        return DMP(np.array(self.weights), self.alpha, self.beta, self.alpha_phase, self.soft_start)
+
+    def dump(self) -> dict[str, Any]:
+        """Return the JSON object."""
+        return self.model_dump(by_alias=True)
+
+
+def read_primitive(path: Path | str) -> PrimitiveFile:
+    """Read a primitive file.
+
+    Raises:
+        InputError: everything that is wrong with the file, each fault with its line and column.
+    """
+    document = parse(read_text(Path(path), "a primitive file"), str(path), _FILE)
+    faults = document.faults
+    try:
+        file = PrimitiveFile.model_validate(document.data)
+    except ValidationError as error:
+        add_validation_faults(faults, error, PrimitiveFile, whole="the primitive file")
+        faults.raise_all()
+    for index, row in enumerate(file.weights):
+        if len(row) != file.dimensions:
+            faults.at(
+                ("weights", index), f"a row of weights has {file.dimensions} numbers, one a dimension", f"{len(row)}"
+            )
+    faults.raise_if_any()
+    return file
+
+
+def teach(data: dict[str, Any], faults: Faults, domain: Domain | None, folder: Path) -> Domain | None:
+    """Return the domain with the primitives that a task file names; note what is wrong with them.
+
+    Args:
+        data: the task file.
+        faults: its places and faults.
+        domain: its domain, or None where that was not found.
+        folder: what its paths are relative to.
+    """
+    entries = data.get("primitives", {})
+    if domain is None or not isinstance(entries, dict):
+        return domain
+    taught: dict[str, Block] = {}
+    # What is said of a mode counts more than what is said of the whole action.
+    for key in sorted(entries, key=lambda name: name in domain.block_by_name):
+        path: KeyPath = ("primitives", key)
+        if faults.sound(path) and isinstance(entries[key], str):
+            taught |= {block.name: block for block in _taught(key, folder / entries[key], path, faults, domain)}
+    return domain.with_blocks(taught.values()) if taught else domain
+
+
+def _taught(key: str, file: Path, path: KeyPath, faults: Faults, domain: Domain) -> list[Block]:
+    named = [block for block in domain.blocks if key in (block.name, block.action)]
+    able = [block for block in domain.blocks if block.taught and block.movement]
+    if not any(block in able for block in named):
+        names = sorted({name for block in able for name in (block.name, block.action)})
+        wanted = f"no block of the domain {domain.name} that has a motor primitive"
+        faults.at(path, wanted, shown(key), names, key=True)
+        return []
+    try:
+        primitive = read_primitive(file)
+    except InputError as error:
+        for issue in error.issues:
+            faults.at(path, f"{issue.where}: {issue.wanted}", issue.came, issue.available, issue.remedy)
+        return []
+    fitting = [
+        block.taught(primitive.primitive)
+        for block in named
+        if block.taught and block.movement and block.movement.dimensions == primitive.dimensions
+    ]
+    if not fitting:
+        needed = " or ".join(sorted({str(block.movement.dimensions) for block in named if block.movement}))
+        faults.at(path, f"{key} takes a primitive in {needed} dimensions", f"one in {primitive.dimensions}")
+    return fitting

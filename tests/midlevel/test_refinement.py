@@ -1,0 +1,118 @@
+"""The mid-level planner on a toy world with closed forms."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from midlevel.pucks import APART, FIRST, JOINT, SECOND, puck_plan, puck_task, with_dummies
+
+from hybrid_tamp.midlevel.refinement import NotFinite, refine
+from hybrid_tamp.model.block import Measure
+from hybrid_tamp.model.refined import RefinedPlan
+
+
+def values(refined: RefinedPlan) -> dict[str, float]:
+    return {tuned.name: tuned.value for tuned in refined.hyperparameters}
+
+
+@pytest.mark.parametrize("optimiser", ["cma", "grid"])
+def test_planning_ahead_finds_the_joint_optimum(optimiser: str) -> None:
+    refined = refine(puck_task(optimiser=optimiser), puck_plan())
+    tolerance = 2e-3 if optimiser == "cma" else 0.05
+    assert values(refined) == pytest.approx({"a": 0.5, "b": 0.5}, abs=tolerance)
+    assert refined.best.value == pytest.approx(JOINT, abs=tolerance**2 * 6)
+    assert refined.best.violation == 0.0
+    assert refined.apart is not None
+    assert refined.apart.value == pytest.approx(APART, abs=1e-3)
+    assert [tuned.apart for tuned in refined.hyperparameters] == pytest.approx([0.2, 0.2], abs=1e-2)
+    assert refined.defaults.value == pytest.approx(-(0.2**2) - 0.8**2)
+    assert refined.plan.timeline("puck")[1][0].hyperparameters["a"] == values(refined)["a"]
+
+
+def test_it_is_told_what_each_hyperparameter_moves() -> None:
+    moves = {tuned.name: tuned.moves for tuned in refine(puck_task(), puck_plan()).hyperparameters}
+    assert moves == {"a": ("FIRST-1.start", "SECOND-1.later", "SECOND-1.along"), "b": ("SECOND-1.along",)}
+
+
+def test_where_actions_do_not_interact_the_joint_optimum_is_the_separate_one() -> None:
+    second = replace(SECOND, performance=(Measure("own", "m^2", 1.0, end=_second_alone),))
+    refined = refine(puck_task(second=second), puck_plan())
+    assert values(refined) == pytest.approx({"a": 0.2, "b": -0.3}, abs=2e-3)
+    assert refined.apart is not None
+    assert refined.best.value == pytest.approx(refined.apart.value, abs=1e-5)
+
+
+def _second_alone(b: Any, before: Any, after: Any, h: Any) -> Any:
+    return -((after[b["puck"], "place"][..., 1] + 0.3) ** 2)
+
+
+def test_equal_choices_are_taken_from_the_middle() -> None:
+    def plateau(b: Any, before: Any, after: Any, h: Any) -> Any:
+        return -np.maximum(np.abs(after[b["puck"], "place"][..., 0] - 0.4) - 0.3, 0.0)
+
+    first = replace(FIRST, performance=(Measure("plateau", "m", 1.0, end=plateau),))
+    refined = refine(puck_task(first=first), puck_plan())
+    assert refined.hyperparameters[0].apart == pytest.approx(0.4, abs=0.01)
+
+
+def test_dummies_are_free_and_what_acts_through_an_interaction_is_not() -> None:
+    def together(b: Any, before: Any, after: Any, h: Any) -> Any:
+        # At the defaults, all zero, neither of them has an effect.
+        return 0.1 * h["c"] * (h["d"] - 0.0) - 0.05 * h["d"] ** 2
+
+    along = SECOND.performance[1]
+    second = with_dummies(["c", "d", "z1", "z2"], SECOND)
+    second = replace(second, performance=(along, Measure("together", "1", 1.0, end=together)))
+    refined = refine(puck_task(with_dummies(["z3", "z4", "z5"]), second), puck_plan())
+    status = {tuned.name: tuned.status for tuned in refined.hyperparameters}
+    assert {name for name, each in status.items() if each == "free"} == {"z1", "z2", "z3", "z4", "z5"}
+    free = [tuned for tuned in refined.hyperparameters if tuned.status == "free"]
+    assert all(tuned.value == tuned.default and not tuned.moves for tuned in free)
+
+
+def test_the_same_seed_gives_the_same_bits() -> None:
+    one, other = (refine(puck_task(), puck_plan()) for _ in range(2))
+    assert one.hyperparameters == other.hyperparameters
+    assert (one.best, one.history) == (other.best, other.history)
+    another = refine(puck_task().replaced(seed=1), puck_plan())
+    assert another.history != one.history
+
+
+def test_weights_decide() -> None:
+    start = FIRST.performance[0]
+    first = replace(FIRST, performance=(replace(start, weight=1000.0),))
+    assert values(refine(puck_task(first=first), puck_plan()))["a"] == pytest.approx(0.2, abs=5e-3)
+
+
+def test_without_measures_defaults_that_do_are_kept() -> None:
+    task = puck_task(*(replace(block, performance=()) for block in (FIRST, SECOND)))
+    refined = refine(task, puck_plan())
+    assert {tuned.status for tuned in refined.hyperparameters} == {"kept"}
+    assert (refined.evaluations, refined.optimiser) == (1, "")
+
+
+def test_what_is_not_a_number_everywhere_names_the_block() -> None:
+    def nothing(b: Any, before: Any, after: Any, h: Any) -> Any:
+        return after[b["puck"], "place"][..., 0] * np.nan
+
+    second = replace(SECOND, performance=(Measure("nothing", "m", 1.0, end=nothing),))
+    with pytest.raises(NotFinite, match=r"SECOND-1.*block SECOND"):
+        refine(puck_task(second=second), puck_plan())
+
+
+def test_the_violation_comes_first() -> None:
+    # SECOND's exit asks for y < 2: a weight that draws b beyond what is allowed buys nothing.
+    def far(b: Any, before: Any, after: Any, h: Any) -> Any:
+        return after[b["puck"], "place"][..., 1]
+
+    def low(state: Any, puck: Any) -> Any:
+        return 0.25 - state[puck, "place"][..., 1]
+
+    task = puck_task(second=replace(SECOND, performance=(Measure("far", "m", 1e6, end=far),)))
+    strict = replace(task.domain.predicates[0], margin=low)
+    blocks = [replace(block, exit=(strict("puck"),)) for block in task.domain.blocks[:2]]
+    domain = replace(task.domain, predicates=(strict,), blocks=(*blocks, task.domain.blocks[2]))
+    refined = refine(task.replaced(domain=domain), puck_plan())
+    assert refined.best.violation == 0.0
+    assert values(refined)["b"] == pytest.approx(0.25, abs=2e-3)

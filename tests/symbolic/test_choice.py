@@ -1,0 +1,140 @@
+"""Goals with a choice are planned: every alternative, the best plan wins, and 'unsolvable' means each of them."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import rolling_task
+from serial import COLOURS, Part, block, changing, domain, task
+
+from hybrid_tamp import pipeline
+from hybrid_tamp.errors import InputError, LimitReached
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.predicate import ANY, Atom, Parameter, Predicate
+from hybrid_tamp.model.task import Limits, Task
+from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.symbolic.operators import PlanningProblem
+from hybrid_tamp.symbolic.planner import PlannerAnswer, PlannerProcess
+from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.stage import plan_task
+from hybrid_tamp.symbolic.temporal.compilation import compile_durative
+from hybrid_tamp.taskfile.loader import load_task
+
+EITHER = Path(__file__).parents[2] / "problems" / "roll_to_either_region.yaml"
+SOME = Atom("inside", ("drum 0", ANY))
+PAINTED = Predicate(
+    "painted",
+    (Parameter("part", Part), Parameter("colour", COLOURS)),
+    lambda state, part, colour: np.asarray(-1.0 - COLOURS.symbols.index(colour)),
+    functional="colour",
+)
+
+
+def some_region(*regions: tuple[float, float]) -> Task:
+    return rolling_task(regions=regions).replaced(goal=(SOME,))
+
+
+def painting() -> Task:
+    """Return a task in which red is the nearest colour, and takes two blocks where green takes one."""
+    primed = changing("primed", Part)
+    prime = block("PRIMING", {"part": Part}, [], [primed("part")])
+    red = block("RED", {"part": Part}, [primed("part")], [PAINTED("part", "red")])
+    green = block("GREEN", {"part": Part}, [], [PAINTED("part", "green")])
+    edges = [(one, other) for name in ("PRIMING", "RED", "GREEN") for one, other in _both(f"{name}.part")]
+    return task(domain([prime, red, green], [primed, PAINTED], edges), [("painted", "part 0", ANY)])
+
+
+def _both(slot: str) -> list[tuple[str, str]]:
+    return [("RESTING.token", slot), (slot, "RESTING.token")]
+
+
+class Slow:
+    """A planner that reaches its limit on the first problems, and remembers how long it was given."""
+
+    def __init__(self, planner: PlannerProcess, failing: int) -> None:
+        self.planner = planner
+        self.failing = failing
+        self.given: list[float] = []
+
+    def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
+        self.given.append(limits.time)
+        if len(self.given) <= self.failing:
+            raise LimitReached("too late", limit="time")
+        return self.planner.solve(problem, engine, limits)
+
+
+def test_the_region_that_works_is_found() -> None:
+    given = load_task(EITHER)
+    outcome = pipeline.plan(given)
+    plan = outcome.required()
+    assert outcome.task is given
+    assert outcome.chosen is not None
+    assert outcome.chosen.goal == (Atom("inside", ("drum", "far")),)
+    assert check_law(given, plan) == check_law(outcome.chosen, plan) == []
+
+
+def test_of_equal_plans_the_nearer_goal_wins() -> None:
+    with PlannerProcess() as planner:
+        planned = plan_task(some_region((0.9, 0.0), (0.6, 0.0)), planner)
+    assert planned.task is not None
+    assert planned.task.goal[0].arguments[1] == "region 1"
+
+
+def test_a_shorter_plan_beats_a_nearer_goal() -> None:
+    given = painting()
+    assert [each.goal[0].arguments[1] for each in given.alternatives()] == ["red", "green", "blue"]
+    with PlannerProcess() as planner:
+        planned = plan_task(given, planner)
+    assert planned.task is not None
+    assert planned.task.goal[0].arguments[1] == "green"
+    assert planned.task.limits == given.limits
+
+
+def test_the_first_choice_that_holds_already_ends_the_search() -> None:
+    with PlannerProcess() as process:
+        planner = Slow(process, 0)
+        planned = plan_task(some_region((0.9, 0.0), (0.0, 0.0)), planner)
+    assert planned.plan is not None
+    assert (planned.plan.actions, len(planner.given)) == ((), 1)
+
+
+def test_unsolvable_is_proven_for_each_and_explained_for_each() -> None:
+    outcome = pipeline.plan(some_region((0.7, 0.1), (0.9, 0.2)))
+    assert outcome.document.status == "unsolvable"
+    assert "inside(drum 0, region 0): ROLLING" in str(outcome.error)
+    assert "inside(drum 0, region 1): ROLLING" in str(outcome.error)
+
+
+def test_alternatives_share_the_time_and_one_that_takes_too_long_is_left() -> None:
+    with PlannerProcess() as process:
+        planner = Slow(process, 1)
+        planned = plan_task(some_region((0.6, 0.0), (0.9, 0.0)).replaced(limits=Limits(time=40.0)), planner)
+    assert planned.task is not None
+    assert planned.task.goal[0].arguments[1] == "region 1"
+    assert 19 < planner.given[0] <= 20
+    assert 30 < planner.given[1] <= 40
+
+
+def test_where_one_is_undecided_nothing_is_proven() -> None:
+    with PlannerProcess() as process, pytest.raises(LimitReached, match="its time limit of 40 s"):
+        plan_task(some_region((0.6, 0.1), (0.9, 0.1)).replaced(limits=Limits(time=40.0)), Slow(process, 1))
+
+
+def test_pddl_needs_a_goal_without_a_choice(tmp_path: Path) -> None:
+    folder = RunFolder.create(tmp_path)
+    given = some_region((0.6, 0.1), (0.9, 0.0))
+    for encoding in ("classical", "temporal"):
+        with pytest.raises(InputError, match="2 choices; name tokens instead of '\\*'; the nearest choice is inside"):
+            pipeline.export(given, folder, encoding=encoding)
+    assert compile_task(some_region((0.6, 0.0))).goal == compile_task(rolling_task(regions=[(0.6, 0.0)])).goal
+    one = compile_durative(some_region((0.6, 0.0))).problem
+    assert one.goal == compile_durative(rolling_task(regions=[(0.6, 0.0)])).problem.goal
+    pipeline.export(given, folder, pipeline.plan(given).required())
+    assert "(inside drum-0 region-1)" in (tmp_path / "problem.pddl").read_text()
+
+
+def test_a_choice_that_cannot_be_made_leaves_the_document_alone(tmp_path: Path) -> None:
+    pipeline.save_plan(pipeline.plan(some_region((0.7, 0.1), (0.9, 0.2))), RunFolder.create(tmp_path))
+    assert [path.name for path in tmp_path.iterdir()] == ["plan.json"]
+    assert json.loads((tmp_path / "plan.json").read_text())["status"] == "unsolvable"
