@@ -15,8 +15,8 @@ _SAMPLES = 201
 _AHEAD = 0.5
 """How far ahead the demonstrated reach goes, along its x axis [m]."""
 
-Reference = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
-"""Elapsed time ``(...)`` [s] to position [m], velocity [m/s] and acceleration [m/s^2], each ``(..., 3)``."""
+Reference = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""Elapsed time ``(...)`` [s] to position [m] and velocity [m/s], each ``(..., 3)``."""
 
 
 @cache
@@ -55,8 +55,8 @@ def reach_over(start: FloatArray, goal: FloatArray, duration: FloatArray) -> Ref
     begin, way = start * level, (goal - start) * level
     movement = demonstrated_reach().trajectory(start * up, goal * up + _AHEAD * np.array([1.0, 0.0, 0.0]), duration)
 
-    def at(elapsed: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        position, velocity, acceleration = (each[..., :1] / _AHEAD * way + each * up for each in movement.at(elapsed))
-        return begin + position, velocity, acceleration
+    def at(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        position, velocity = (each[..., :1] / _AHEAD * way + each * up for each in movement.at(elapsed)[:2])
+        return begin + position, velocity
 
     return at
