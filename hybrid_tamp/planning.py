@@ -4,9 +4,9 @@ import time
 from dataclasses import dataclass
 from typing import Literal
 
-from hybrid_tamp.affordances.explanation import Reason, explain
 from hybrid_tamp.affordances.tailoring import Tailoring
 from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
+from hybrid_tamp.explaining import SUGGESTING, explained
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.report.documents import (
@@ -15,7 +15,6 @@ from hybrid_tamp.report.documents import (
     NetworkEntry,
     PlanDocument,
     PlannerEntry,
-    ReasonEntry,
     network_entry,
     plan_document,
 )
@@ -28,9 +27,6 @@ _SAID = {
     "planner_crashed": "The planner crashed.",
     "plan_refused": "The planner returned a plan that is wrong; it was refused.",
 }
-
-MOST_EXPLAINED = 5
-"""Of a goal with a choice, why so many alternatives cannot be reached is told."""
 
 
 @dataclass(frozen=True)
@@ -63,19 +59,20 @@ class PlanOutcome:
         return self.plan
 
 
-def plan(task: Task, planner: Planner | None = None) -> PlanOutcome:
+def plan(task: Task, planner: Planner | None = None, suggesting: float = SUGGESTING) -> PlanOutcome:
     """Plan a task and judge the plan.
 
     Args:
         task: the task.
         planner: a running planner process; without one, one is started for this call.
+        suggesting: how long to look for a single change that gives a plan, where there is none [s].
 
     Raises:
         InputError: the engine is unknown or not installed.
     """
     if planner is None:
         with PlannerProcess() as process:
-            return plan(task, process)
+            return plan(task, process, suggesting)
     began = time.monotonic()
     tailoring = Tailoring(task)
     try:
@@ -86,7 +83,7 @@ def plan(task: Task, planner: Planner | None = None) -> PlanOutcome:
         network = _network(tailoring)
         document = plan_document(task, status="limit", planner=entry, plan=None, network=network, explanation=said)
         return PlanOutcome(task, document, None, limit)
-    return _outcome(task, planned, _network(tailoring))
+    return _outcome(task, planned, _network(tailoring), suggesting)
 
 
 def _network(tailoring: Tailoring) -> NetworkEntry:
@@ -97,7 +94,7 @@ def _network(tailoring: Tailoring) -> NetworkEntry:
     return network_entry(tailoring.task, tailoring.reduction.task, brought)
 
 
-def _outcome(task: Task, planned: Planned, network: NetworkEntry) -> PlanOutcome:
+def _outcome(task: Task, planned: Planned, network: NetworkEntry, suggesting: float) -> PlanOutcome:
     answer = planned.answer
     entry = PlannerEntry(
         name=answer.engine,
@@ -114,15 +111,11 @@ def _outcome(task: Task, planned: Planned, network: NetworkEntry) -> PlanOutcome
     proven = planned.status == "unsolvable"
     detail = planned.refusal or ("" if proven else answer.message)
     said = " ".join(filter(None, [_SAID[planned.status], detail]))
-    reasons = [ReasonEntry(**reason.__dict__) for reason in _reasons(task, proven)] if not detail else []
-    explanation = ExplanationEntry(kind=planned.status, message=said, reasons=reasons)
+    if detail:
+        explanation = ExplanationEntry(kind=planned.status, message=said, reasons=[])
+    else:
+        explanation = explained(task, planned.status, said, proven, suggesting)
     status: Literal["unsolvable", "unknown"] = "unsolvable" if proven else "unknown"
     document = plan_document(task, status=status, planner=entry, plan=None, network=network, explanation=explanation)
-    message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in reasons)])
+    message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in explanation.reasons)])
     return PlanOutcome(task, document, None, NoPlan(message, proven=proven, kind=planned.status))
-
-
-def _reasons(task: Task, proven: bool) -> list[Reason]:
-    """Return why the goal cannot be reached; of a goal with a choice, why none of the nearest alternatives can."""
-    nearest = task.alternatives()[:MOST_EXPLAINED]
-    return list(dict.fromkeys(reason for each in nearest for reason in explain(each, proven)))

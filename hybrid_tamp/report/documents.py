@@ -84,6 +84,17 @@ class ReasonEntry(Document):
     atom: str = ""
     margin: float | None = None
     unit: str = ""
+    lacks: str = Field("", description="the class or the slot 'BLOCK.slot' for which there is too little")
+
+
+class SuggestionEntry(Document):
+    """A single change with which there is a plan: it was planned."""
+
+    kind: Literal["token", "class", "edge", "fact", "property"]
+    what: str
+    solvable: Literal[True] = True
+    length: int = Field(description="number of PDDL actions of the plan that was found")
+    names: list[str] = Field(description="the token, class, slots, atom or property that it is about")
 
 
 class ExplanationEntry(Document):
@@ -92,6 +103,8 @@ class ExplanationEntry(Document):
     kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, time or memory")
     message: str
     reasons: list[ReasonEntry]
+    suggestions: list[SuggestionEntry] = Field(default_factory=list)
+    all_looked_at: bool = Field(False, description="whether no single change beyond the suggestions was left untried")
 
 
 class PlanDocument(Document):
@@ -287,10 +300,8 @@ def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-def json_schemas() -> dict[str, dict[str, Any]]:
-    """Return the JSON Schemas of the documents, file stem to schema."""
+def json_schemas(documents: Mapping[str, type[Document]] | None = None) -> dict[str, dict[str, Any]]:
+    """Return the JSON Schemas of the documents, file stem to schema; of plans and results where none are given."""
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    return {
-        "plan-1": dialect | PlanDocument.model_json_schema(by_alias=True),
-        "result-1": dialect | ResultDocument.model_json_schema(by_alias=True),
-    }
+    found = documents or {"plan-1": PlanDocument, "result-1": ResultDocument}
+    return {stem: dialect | document.model_json_schema(by_alias=True) for stem, document in found.items()}
