@@ -1,8 +1,8 @@
 (define (problem tool_among_distractors)
   (:domain tool_use)
   (:objects
-    block brick paddle - token
-    hammer stick - graspable
+    block brick - token
+    hammer paddle stick - graspable
     hand - n-2-virtual-fingered-hand
     rack - region
     n1 - how-many
