@@ -73,10 +73,10 @@ class Observation:
     def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False) -> Truth:
         """Return where a condition holds as measured, row by row; unless `strict`, also where it about holds."""
 
-        def find() -> FloatArray:
-            holds = literal.margin(self.measured, binding) >= 0
+        def find() -> Truth:
+            holds = np.asarray(literal.margin(self.measured, binding) >= 0)
             least = -ALLOWANCE * literal.predicate.scale
-            return holds if strict else holds | (literal.margin(self.trajectory, binding) >= least)
+            return holds if strict else np.asarray(holds | (literal.margin(self.trajectory, binding) >= least))
 
         return self._known((literal.ground(binding), strict), find)
 
@@ -93,7 +93,7 @@ class Observation:
 
     def place(self, token: str, row: int) -> FloatArray:
         """Return where a token is in a row, ``(3,)`` [m]."""
-        return self.trajectory[token, "position"][row]
+        return np.asarray(self.trajectory[token, "position"][row])
 
     def _moved(self, token: str, row: int, tolerances: tuple[float, float]) -> Truth:
         position = self.trajectory[token, "position"]
@@ -108,7 +108,7 @@ class Observation:
     def _slices(self) -> frozenset[tuple[str, str]]:
         return frozenset(self.trajectory.layout.slices)
 
-    def _known(self, key: object, find: Callable[[], FloatArray]) -> Truth:
+    def _known(self, key: object, find: Callable[[], Truth]) -> Truth:
         if key not in self._truths:
             self._truths[key] = np.broadcast_to(np.asarray(find(), dtype=bool), self.times.shape)
         return self._truths[key]
