@@ -15,6 +15,7 @@ import numpy as np
 
 from hybrid_tamp.affordances.observation import Observation, Truth
 from hybrid_tamp.affordances.pauses import unexpected_pauses
+from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort
@@ -123,8 +124,7 @@ class Guesser:
         if not len(ready):
             return None
         reached = int(ready[0])
-        moved = {slot for slot, written in block.writes.items() if set(written) & set(_POSE)}
-        departs = min(seen.departure(token, reached if slot in moved else start) for slot, token in slots)
+        departs = min(self._departure(block, slot, token, start, reached) for slot, token in slots)
         if departs <= reached or self._disturbed(block, targets, start, reached):
             return None
         misfit = self._misfit(block, slots, targets, start, reached)
@@ -178,6 +178,31 @@ class Guesser:
     def _holds(self, literal: Literal, roles: Roles) -> bool:
         atom = literal.ground(self.task.bind(dict(roles)))
         return (Atom(atom.predicate, atom.arguments) in self.static) == literal.positive
+
+    def _departure(self, block: Block, slot: str, token: str, start: int, reached: int) -> int:
+        """Return the row by which a token has left: what a block writes changes until `reached`, the rest never."""
+        written = set(block.writes.get(slot, ()))
+        rows = [self.observation.departure(token, reached if written & set(_POSE) else start)]
+        for (name, varying), changes in self._changes.items():
+            since = reached if varying in written else start
+            rows += [row for row in changes if name == token and row > since]
+        return min(rows)
+
+    @cached_property
+    def _changes(self) -> dict[tuple[str, str], tuple[int, ...]]:
+        """(token, property that is no pose or velocity) to the rows at which a predicate of the token alone changes."""
+        found: dict[tuple[str, str], tuple[int, ...]] = {}
+        bodies = {varying.name for varying in BODY_STATE}
+        for predicate, token in product(self.task.domain.predicates, self.task.assigned):
+            parameters = predicate.parameters
+            if predicate.static or predicate.maintained or len(parameters) > 1:
+                continue
+            sort, read = parameters[0].sort, set(predicate.reads.get(parameters[0].name, ())) - bodies
+            if read and not isinstance(sort, SymbolSort) and token.is_member(sort):
+                holds = self.observation.truth(predicate("token"), {"token": token})
+                rows = tuple((np.flatnonzero(np.diff(holds.astype(int))) + 1).tolist())
+                found |= {(token.name, name): (*found.get((token.name, name), ()), *rows) for name in read}
+        return found
 
     def _disturbed(self, block: Block, targets: Roles, start: int, reached: int) -> bool:
         """Say whether something that it reads of a target changes before its exit conditions hold."""

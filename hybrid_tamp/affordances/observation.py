@@ -134,6 +134,6 @@ def _smoothed(layout: StateLayout, values: FloatArray, window: int) -> FloatArra
         padded = np.concatenate([np.repeat(column[:1], half, 0), column, np.repeat(column[-1:], half, 0)])
         mean = np.stack([np.convolve(each, kernel, mode="valid") for each in padded.T], axis=-1)
         if name == "orientation":
-            mean = mean / np.linalg.norm(mean, axis=-1, keepdims=True)
+            mean /= np.linalg.norm(mean, axis=-1, keepdims=True)
         found[:, part] = mean
-    return found
+    return np.asarray(found)

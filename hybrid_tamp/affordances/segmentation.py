@@ -235,10 +235,11 @@ class _Search:
         row = min(max(due.reached, due.due), self.seen.last)
         resting = self.task.domain.resting
         anchor = self.guesser.block(resting).anchor
-        started = [
-            self.guesser.guess(resting, ((anchor, token),), (), row) or self.guesser.unexplained(token, row)
-            for token in due.tokens
-        ]
+        first, *others = sorted(due.tokens, key=lambda token: self.seen.departure(token, due.reached))
+        started = [self.guesser.unexplained(first, row)]
+        for token in others:
+            rest = self.guesser.guess(resting, ((anchor, token),), (), row)
+            started.append(rest or self.guesser.unexplained(token, row))
         return _after(explanation, (due,), started, row)
 
 
