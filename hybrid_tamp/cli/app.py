@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from hybrid_tamp.cli.imitating import imitate
 from hybrid_tamp.cli.listing import domains, schema
 from hybrid_tamp.cli.planning import check, pddl, plan, run
 from hybrid_tamp.cli.recordings import learn, replay
@@ -38,5 +39,5 @@ def _options(
 
 
 # In the order of the help.
-for verb in (check, plan, pddl, run, replay, learn, domains, schema):
+for verb in (check, plan, pddl, run, replay, learn, imitate, domains, schema):
     app.command()(verb)
