@@ -18,6 +18,7 @@ from hybrid_tamp.affordances.pauses import unexpected_pauses
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts
+from hybrid_tamp.model.plan import TIME_TOLERANCE
 from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -118,7 +119,7 @@ class Guesser:
     def _made(self, name: str, slots: Roles, targets: Roles, start: int) -> Guess | None:
         block, seen = self.block(name), self.observation
         earliest = seen.times[start] + block.duration.minimum
-        if earliest > seen.times[-1] + 1e-9 and start < seen.last and block.moves:
+        if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:
             return None
         ready = np.flatnonzero(self.truth(block.measured_exits, slots + targets) & self._from(seen.row(earliest)))
         if not len(ready):
