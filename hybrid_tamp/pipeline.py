@@ -27,6 +27,7 @@ from hybrid_tamp.report.versions import versions
 from hybrid_tamp.rounds import Rounds, plan_in_rounds
 from hybrid_tamp.symbolic.pddl import domain_text, problem_text
 from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.reencode import plan_lines
 from hybrid_tamp.symbolic.stage import Planner
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.domains import installed_domain
@@ -83,13 +84,14 @@ def export(
         task = next(each for each in task.alternatives() if not check_law(each, plan))
     if encoding == "temporal":
         return _export_temporal(task, folder, plan)
-    problem = compile_task(task).problem
+    compilation = compile_task(task)
+    problem = compilation.problem
     files = [
         folder.write_text("domain.pddl", domain_text(problem.domain)),
         folder.write_text("problem.pddl", problem_text(problem)),
     ]
     if plan is not None:
-        files.append(folder.write_text("plan.pddl", "".join(f"{line}\n" for line in plan.actions)))
+        files.append(folder.write_text("plan.pddl", "".join(f"{line}\n" for line in plan_lines(compilation, plan))))
     return files
 
 

@@ -40,6 +40,8 @@ class Document(str, Enum):
     task = "task"
     plan = "plan"
     result = "result"
+    explain = "explain"
+    affordances = "affordances"
 
 
 TaskArgument = Annotated[str, typer.Argument(metavar="TASK", help="a YAML task file, or the name of a bundled one")]

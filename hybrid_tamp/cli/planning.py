@@ -21,7 +21,7 @@ from hybrid_tamp.cli.options import (
     TaskArgument,
     TimeOption,
 )
-from hybrid_tamp.console import explain, print_json, say, show
+from hybrid_tamp.console import explain, print_json, say, show, tell_network
 from hybrid_tamp.errors import InputError, Issue
 
 if TYPE_CHECKING:
@@ -86,6 +86,9 @@ def plan(
         _show_plan(outcome)
     if outcome.error is not None:
         explain(outcome.document.explanation, as_json)
+    if not as_json:
+        tell_network(outcome.document)
+    if outcome.error is not None:
         raise typer.Exit(outcome.error.exit_status)
 
 

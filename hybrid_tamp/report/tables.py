@@ -12,6 +12,11 @@ from hybrid_tamp.report.documents import ExplanationEntry, InstanceEntry, PlanDo
 
 _WIDTH = 60
 """Characters of a timeline."""
+_NAMED = 8
+"""So many of the names that were left out are said; programs are told all."""
+
+_NO_SINGLE_CHANGE = "No single change gives it a plan: no token, class, edge, fact or property."
+_NONE_FOUND = "No single change was found in time that gives it a plan; 'hybrid-tamp explain --seconds N' looks longer."
 
 
 def plan_table(document: PlanDocument) -> RenderableType:
@@ -41,6 +46,26 @@ def plan_footer(document: PlanDocument) -> str:
     if document.objective == "makespan":
         said += f" ({planner.way}; {'' if planner.proven_shortest else 'not '}proven the shortest in time)"
     return said
+
+
+def network_text(document: PlanDocument) -> str:
+    """Return what part of the network was planned on, and what was brought in and why; empty if it was the whole."""
+    network, whole = document.network, document.network.reduced_from
+    lines = []
+    if whole is not None:
+        blocks, tokens = (
+            f"{len(network.blocks)} of {whole.blocks} blocks",
+            f"{len(network.tokens)} of {whole.tokens} tokens",
+        )
+        left_out = [*whole.blocks_left_out, *whole.tokens_left_out]
+        more = f" and {len(left_out) - _NAMED} more" if len(left_out) > _NAMED else ""
+        lines.append(f"reduced network: {blocks}, {tokens}; left out: {', '.join(left_out[:_NAMED])}{more}")
+    for brought in network.expanded_with[:_NAMED]:
+        fills = f" for {', '.join(brought.blocks)}" if brought.blocks else ""
+        lines.append(f"brought in {brought.token} ({', '.join(brought.classes)}){fills}: {brought.why}")
+    if len(network.expanded_with) > _NAMED:
+        lines.append(f"brought in {len(network.expanded_with) - _NAMED} more")
+    return "\n".join(lines)
 
 
 def allocation(entry: InstanceEntry) -> str:
@@ -77,6 +102,9 @@ def explanation_text(entry: ExplanationEntry) -> RenderableType:
     """Return why there is no plan."""
     lines: list[RenderableType] = [Text(entry.message, style="bold red")]
     lines += [Text(f"  {reason.goal}: {reason.message}") for reason in entry.reasons]
+    lines += [Text(f"  There is a plan of {each.length} actions with {each.what}.") for each in entry.suggestions]
+    if entry.kind == "unsolvable" and not entry.suggestions:
+        lines.append(Text(f"  {_NO_SINGLE_CHANGE if entry.all_looked_at else _NONE_FOUND}"))
     return Group(*lines)
 
 
