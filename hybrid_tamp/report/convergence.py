@@ -31,7 +31,7 @@ def convergence_picture(entry: RefinementEntry) -> bytes | None:
         _draw_violation(axes, history)
     axes.set_xlim(0, 1.02 * history[-1].evaluations)
     axes.grid(color="#e4e7eb")
-    axes.legend(loc="lower right", fontsize="small")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, fontsize="small", frameon=False)
     picture = BytesIO()
     # Without the version of matplotlib in it: the same run, the same file.
     figure.savefig(picture, format="png", metadata={"Software": None})

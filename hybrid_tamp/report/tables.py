@@ -130,7 +130,7 @@ def result_table(document: ResultDocument) -> RenderableType:
     table.add_column("predicted", justify="right")
     table.add_column("measured", justify="right")
     table.add_column("")
-    for run in document.blocks:
+    for run in (each for each in document.blocks if each.exit):
         table.add_row(Text(f"{run.instance}, {run.start:.2f} to {run.end:.2f} s"))
         for condition in run.exit:
             numbers = (margin(condition.predicted), margin(condition.measured))
