@@ -17,9 +17,11 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning import PlanOutcome, plan
+from hybrid_tamp.report.convergence import convergence_picture
 from hybrid_tamp.report.documents import ResultDocument, result_document, steps_of
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.report.measures import run_measures
+from hybrid_tamp.report.page import write_page
 from hybrid_tamp.report.refinement import performance_entries, refinement_entry
 from hybrid_tamp.report.versions import versions
 from hybrid_tamp.rounds import Rounds, plan_in_rounds
@@ -110,7 +112,7 @@ def _export_temporal(task: Task, folder: RunFolder, plan: TaskPlan | None) -> li
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Write a plan's document and PDDL files, the task file and what it names, in place of another run's.
+    """Write a plan's document, convergence curve and PDDL, the task file and what it names, in place of another run's.
 
     A goal with a choice of which none was made has no PDDL.
     """
@@ -120,6 +122,10 @@ def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
     for name, content in {**({} if text is None else {"task.yaml": text}), **named}.items():
         folder.write_text(name, content)
     folder.write_json("plan.json", outcome.document.dump())
+    refinement = outcome.document.refinement
+    curve = None if refinement is None else convergence_picture(refinement)
+    if curve is not None:
+        folder.write_bytes("convergence.png", curve)
     if outcome.plan is not None or len(outcome.task.alternatives()) == 1:
         export(outcome.chosen or outcome.task, folder, outcome.plan)
 
@@ -190,6 +196,7 @@ def run(
     with open_backend(backend) as physics:
         rounds = refine(task, planner, progress)
         save_plan(rounds.outcome, folder)
+        write_page(folder)  # of the plan, or of why there is none
         chosen = rounds.outcome.required()
         with EventLog(folder.path / "events.jsonl") as events:
             recording = execute(task, chosen, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
@@ -197,6 +204,7 @@ def run(
     save(outcome.recording, folder.path / "recording.npz")
     folder.write_json("result.json", outcome.document.dump())
     draw(task, outcome.recording, folder, video, tell)
+    write_page(folder)
     return outcome
 
 

@@ -8,7 +8,7 @@ from rich.text import Text
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.report.documents import ExplanationEntry, InstanceEntry, PlanDocument, ResultDocument
+from hybrid_tamp.report.documents import ExplanationEntry, InstanceEntry, PlanDocument, ResultDocument, StepEntry
 
 _WIDTH = 60
 """Characters of a timeline."""
@@ -27,12 +27,16 @@ def plan_table(document: PlanDocument) -> RenderableType:
     table.add_column("to [s]", justify="right")
     table.add_column("which tokens are in which blocks")
     for step in document.steps:
-        busy = [allocation(entry) for entry in step.blocks if entry.block != "RESTING"]
-        resting = [token for entry in step.blocks if entry.block == "RESTING" for token in entry.slots.values()]
-        if resting:
-            busy.append(f"RESTING: {', '.join(sorted(resting))}")
-        table.add_row(str(step.index), f"{step.start:.2f}", f"{step.end:.2f}", Text("\n".join(busy)))
+        lines = Text("\n".join(allocations(step)))
+        table.add_row(str(step.index), f"{step.start:.2f}", f"{step.end:.2f}", lines)
     return table
+
+
+def allocations(step: StepEntry) -> list[str]:
+    """Return which tokens are in which blocks: a line for each busy instance, and one for all that rests."""
+    busy = [allocation(entry) for entry in step.blocks if entry.block != "RESTING"]
+    resting = [token for entry in step.blocks if entry.block == "RESTING" for token in entry.slots.values()]
+    return [*busy, f"RESTING: {', '.join(sorted(resting))}"] if resting else busy
 
 
 def plan_footer(document: PlanDocument) -> str:
@@ -106,24 +110,28 @@ def explanation_text(entry: ExplanationEntry) -> RenderableType:
 
 def result_table(document: ResultDocument) -> RenderableType:
     """Return what a run did: predicted against measured exit margins, the goal, the domain's measures."""
-    table = Table(title=f"Run of {document.task} in {document.backend}", title_justify="left", header_style="bold")
-    for heading in ("block", "from [s]", "to [s]", "exit condition", "predicted", "measured", ""):
-        # Folded, not cut: a condition without its last argument says nothing.
-        table.add_column(heading, justify="right" if heading in ("from [s]", "to [s]") else "left", overflow="fold")
+    table = Table(title=f"\nRun of {document.task} in {document.backend}", title_justify="left", header_style="bold")
+    table.box, table.pad_edge = None, False
+    # Folded, not cut: a condition without its last argument says nothing.
+    table.add_column("exit conditions", overflow="fold")
+    table.add_column("predicted", justify="right")
+    table.add_column("measured", justify="right")
+    table.add_column("")
     for run in document.blocks:
-        for index, condition in enumerate(run.exit):
-            first = (run.instance, f"{run.start:.2f}", f"{run.end:.2f}") if index == 0 else ("", "", "")
-            numbers = (_number(condition.predicted), _number(condition.measured))
-            table.add_row(*map(Text, first), Text(condition.atom), *numbers, "holds" if condition.holds else "fails")
+        table.add_row(Text(f"{run.instance}, {run.start:.2f} to {run.end:.2f} s"))
+        for condition in run.exit:
+            numbers = (margin(condition.predicted), margin(condition.measured))
+            table.add_row(Text(f"  {condition.atom}"), *numbers, "holds" if condition.holds else "FAILS")
     goal = Table(box=None, show_header=False, pad_edge=False)
     for atom in document.goal:
-        goal.add_row("goal", Text(atom.atom), _number(atom.margin), "holds" if atom.holds else "FAILS")
+        goal.add_row("goal", Text(atom.atom), margin(atom.margin), "holds" if atom.holds else "FAILS")
     for name, value in document.metrics.items():
         goal.add_row("measured", Text(name), f"{value:.4g}", "")
     return Group(table, goal)
 
 
-def _number(value: float | None) -> str:
+def margin(value: float | None) -> str:
+    """Return a signed margin, or a dash where there is none."""
     return "-" if value is None else f"{value:+.4f}"
 
 
@@ -135,4 +143,18 @@ def domains_table(domains: Iterable[Domain]) -> RenderableType:
     for domain in domains:
         classes = ", ".join(c.name for c in domain.classes)
         table.add_row(domain.name, domain.description, classes, ", ".join(b.name for b in domain.blocks))
+    return table
+
+
+def network_table(domain: Domain) -> RenderableType:
+    """Return one row a slot: what it takes, and to which slots a token may go from there."""
+    title = f"{domain.name}: {len(domain.blocks)} blocks, {len(domain.network.edges)} edges"
+    table = Table(title=title, title_justify="left", header_style="bold", box=None, pad_edge=False)
+    for heading in ("slot", "class", "goes on to"):
+        table.add_column(heading, overflow="fold")
+    for block in domain.blocks:
+        table.add_row(Text(block.name))
+        for slot in block.slots:
+            onward = ", ".join(map(".".join, domain.network.destinations((block.name, slot.name))))
+            table.add_row(*map(Text, (f"  {slot.name}", slot.object_class.name, onward or "-")))
     return table
