@@ -50,6 +50,8 @@ __all__ = [
 if TYPE_CHECKING:
     from hybrid_tamp.physics.replay import ReplayReport
 
+Planning = Callable[[Task], PlanOutcome]
+"""A way to a plan other than by a planner, e.g. by imitation."""
 Progress = Callable[[float, str], None]
 """Called with the share done, 0 to 1, and what is being done."""
 
@@ -130,7 +132,12 @@ def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
         export(outcome.chosen or outcome.task, folder, outcome.plan)
 
 
-def refine(task: Task, planner: Planner | None = None, progress: Progress | None = None) -> Rounds:
+def refine(
+    task: Task,
+    planner: Planner | None = None,
+    progress: Progress | None = None,
+    planning: Planning | None = None,
+) -> Rounds:
     """Plan a task and optimise the hyperparameters of the whole plan; plan anew where none do.
 
     The document of the outcome has the optimised values, and how they were found.
@@ -139,6 +146,7 @@ def refine(task: Task, planner: Planner | None = None, progress: Progress | None
         task: the task.
         planner: a running planner process; without one, one is started for each round.
         progress: told how far the work is, and the best value so far.
+        planning: how plans are found, if not by the planner.
 
     Raises:
         InputError: the planner is unknown.
@@ -150,7 +158,7 @@ def refine(task: Task, planner: Planner | None = None, progress: Progress | None
             said = f"V {best.violation:.3g}" if best.violation > 0 else f"value {best.value:.4g}"
             progress(share, f"optimising: {said}")
 
-    rounds = plan_in_rounds(task, lambda each: plan(each, planner), tell)
+    rounds = plan_in_rounds(task, planning or (lambda each: plan(each, planner)), tell)
     if rounds.refined is None:
         return rounds
     refined, outcome = rounds.refined, rounds.outcome
@@ -168,6 +176,7 @@ def run(
     backend: str = "pybullet",
     video: Path | None = None,
     progress: Progress | None = None,
+    planning: Planning | None = None,
 ) -> RunOutcome:
     """Plan a task, optimise its hyperparameters, carry the plan out, record it and judge the recording.
 
@@ -178,6 +187,7 @@ def run(
         backend: name of the physics backend.
         video: where the video goes; without it only one picture a step is drawn.
         progress: told how far the work is.
+        planning: how plans are found, if not by the planner.
 
     Raises:
         NoPlan: there is no plan, or none was found that the forward models can carry out.
@@ -194,7 +204,7 @@ def run(
     tell = progress or (lambda share, what: None)
     check_video(video)
     with open_backend(backend) as physics:
-        rounds = refine(task, planner, progress)
+        rounds = refine(task, planner, progress, planning)
         save_plan(rounds.outcome, folder)
         write_page(folder)  # of the plan, or of why there is none
         chosen = rounds.outcome.required()

@@ -25,7 +25,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import rotate
 
 from ..common.predicates import AT_REST
-from ..common.primitives import straight_movement
+from ..common.primitives import straight_profile
 from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE, turn_between, turning_rate
 from .classes import DexterousHand, Strikable, Striker
 from .feasibility import ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME
@@ -109,17 +109,18 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     hand, tool, thing = _roles(binding)
     arc = _Arc(binding, start, hyperparameters)
     origin, from_angle, direction = start[hand, "position"].copy(), swing_angle(start, tool), yaw(start, tool)
-    winding = straight_movement().trajectory(np.zeros(1), np.ones(1), arc.winding)
+    profile = straight_profile()
     turn = arc.beginning - from_angle
     taken = start[thing, "impulse"][..., 0].copy()
     over = tool_orientation(direction, LEVEL - _ABOVE)
     above = arc.hand_at(np.full_like(turn, LEVEL - _ABOVE))
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        done, speed, change = winding.at(elapsed)
-        wound = tool_orientation(direction, from_angle + done[..., 0] * turn)
-        rate = (speed[..., 0] * turn)[..., None] * arc.axis
-        before = keeping(state, hand, origin + done * arc.way, speed * arc.way, change * arc.way)
+        phase = elapsed / arc.winding
+        done, speed = profile.share(phase), profile.rate(phase) / arc.winding
+        wound = tool_orientation(direction, from_angle + done * turn)
+        rate = (speed * turn)[..., None] * arc.axis
+        before = keeping(state, hand, origin + done[..., None] * arc.way, speed[..., None] * arc.way)
         hit = ((state[thing, "impulse"][..., 0] > taken) | (elapsed > arc.latest))[..., None]
         swinging = (elapsed > arc.winding)[..., None]
         spin = dot(state[tool, "angular_velocity"], arc.axis)

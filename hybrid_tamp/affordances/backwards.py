@@ -114,7 +114,7 @@ class Backwards:
             else:
                 ways.reasons.extend(self._infeasible(block, literals, allowed))
         if not ways.waits and not ways.reasons:
-            message = f"no block of {self.task.domain.name} brings about {atom.predicate}"
+            message = f"no block of {self.task.domain.name} brings about {atom.predicate}, whatever its conditions are"
             ways.reasons = never or [Reason("", "", "no_block", message)]
         return ways
 

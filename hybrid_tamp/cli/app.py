@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from hybrid_tamp.cli.imitating import imitate
 from hybrid_tamp.cli.listing import domains, network, schema
 from hybrid_tamp.cli.planning import check, pddl, plan, run
 from hybrid_tamp.cli.questions import affordances, explain
@@ -39,5 +40,19 @@ def _options(
 
 
 # In the order of the help.
-for verb in (check, plan, pddl, run, replay, report, learn, explain, affordances, network, domains, schema):
+for verb in (
+    check,
+    plan,
+    pddl,
+    run,
+    replay,
+    report,
+    learn,
+    imitate,
+    explain,
+    affordances,
+    network,
+    domains,
+    schema,
+):
     app.command()(verb)

@@ -75,6 +75,19 @@ def allocation(entry: InstanceEntry) -> str:
     return f"{entry.instance}: {slots}" + (f" -> {targets}" if targets else "")
 
 
+def timetable(title: str, plan: TaskPlan) -> RenderableType:
+    """Return one row an instance: from when to when which tokens are in which block."""
+    table = Table(title=title, title_justify="left", header_style="bold")
+    for heading in ("from [s]", "to [s]"):
+        table.add_column(heading, justify="right")
+    for heading in ("block", "tokens and targets"):
+        table.add_column(heading, overflow="fold")
+    for instance in sorted(plan.instances, key=lambda i: (i.start, i.end, i.name)):
+        roles = ", ".join(f"{role}={name}" for role, name in instance.roles.items())
+        table.add_row(f"{instance.start:.2f}", f"{instance.end:.2f}", Text(instance.block), Text(roles))
+    return table
+
+
 def timeline(plan: TaskPlan, tokens: Iterable[str]) -> RenderableType:
     """Return one row a token: its blocks over time, to scale; dots where it rests."""
     table = Table(box=None, show_header=False, pad_edge=False)

@@ -31,6 +31,8 @@ from hybrid_tamp.symbolic.planner import PlannerAnswer
 from hybrid_tamp.symbolic.problem import compile_task
 from hybrid_tamp.symbolic.reencode import plan_lines
 from hybrid_tamp.symbolic.stage import plan_task
+from hybrid_tamp.taskfile.domains import find_task_file
+from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.roles import can_start
 
 
@@ -334,3 +336,17 @@ def test_unrelated_tokens_and_blocks_are_seen_neither_by_the_facts_nor_by_the_co
 
 def _never(*_: Token) -> None:
     raise AssertionError("a fact about something unrelated was asked for")
+
+
+# -- bundled tasks -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "left_out"), [("tool_among_distractors", "paddle"), ("tool_choice", "mallet")])
+def test_the_hammer_of_a_bundled_task_is_brought_in_and_grasped(name: str, left_out: str) -> None:
+    outcome = pipeline.plan(load_task(find_task_file(name)))
+    network = outcome.document.network
+    assert brought(outcome) == ["hammer"]
+    assert network.reduced_from is not None
+    assert left_out in network.reduced_from.tokens_left_out
+    grasped = [i.slots["tool"] for i in outcome.required().instances if i.block == "GRASPING"]
+    assert grasped == ["hammer"]

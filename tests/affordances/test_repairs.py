@@ -83,10 +83,11 @@ def test_the_least_property_that_makes_a_fact_hold(task: Callable[[], Task], ato
 
 
 def test_every_candidate_is_one_change_and_comes_once() -> None:
-    task = problem("tumble_one_hand")
+    task = workshop_task((at(),), hands=(50.0,))
     found = [(change.kind, change.key) for change in candidates(task, explain(task))]
     assert len(set(found)) == len(found)
-    assert found[0][0] == "token"
+    assert found[0] == ("token", ("hand 0", ""))
+    assert {kind for kind, _ in found} == {"token", "edge"}
 
 
 def test_a_plan_document_suggests_what_to_change() -> None:
