@@ -2,8 +2,8 @@
 
 The story, in order: `classes` (what grasps, what is grasped, pushed and struck), `geometry` (where a tool is held and
 used), `holding` (hand and tool as one body), `swing` (the closed form of a strike), `predicates`, `feasibility`, then
-one module a block: `grasping` (D7), `carrying` (D10), `pushing` (D9), `striking` (D8) and `releasing` (D11), and
-`network` (Fig. 4). REACHING (D5) and RESTING (D6) come from `..common`.
+one module a block: `grasping` (D7), `carrying` (D10), `pushing` (D9), `striking` (D8, with `arc`, the way of its swing)
+and `releasing` (D11), and `network` (Fig. 4). REACHING (D5) and RESTING (D6) come from `..common`.
 """
 
 from hybrid_tamp.model.domain import Domain
