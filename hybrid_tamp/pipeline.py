@@ -17,6 +17,7 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning import PlanOutcome, plan
+from hybrid_tamp.rehearsal import Rehearsal, available_processors
 from hybrid_tamp.report.documents import ResultDocument, result_document, steps_of
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.report.measures import run_measures
@@ -122,7 +123,14 @@ def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
         export(outcome.chosen or outcome.task, folder, outcome.plan)
 
 
-def refine(task: Task, planner: Planner | None = None, progress: Progress | None = None) -> Rounds:
+def refine(
+    task: Task,
+    planner: Planner | None = None,
+    progress: Progress | None = None,
+    *,
+    backend: str = "pybullet",
+    processes: int | None = None,
+) -> Rounds:
     """Plan a task and optimise the hyperparameters of the whole plan; plan anew where none do.
 
     The document of the outcome has the optimised values, and how they were found.
@@ -131,9 +139,11 @@ def refine(task: Task, planner: Planner | None = None, progress: Progress | None
         task: the task.
         planner: a running planner process; without one, one is started for each round.
         progress: told how far the work is, and the best value so far.
+        backend: name of the physics backend in which a task with ``refine: physics`` tries candidates.
+        processes: how many it may use at once, by default one for each processor; the result does not depend on it.
 
     Raises:
-        InputError: the planner is unknown.
+        InputError: the planner or the backend is unknown.
         NotFinite: every rollout of a plan failed.
     """
 
@@ -142,7 +152,12 @@ def refine(task: Task, planner: Planner | None = None, progress: Progress | None
             said = f"V {best.violation:.3g}" if best.violation > 0 else f"value {best.value:.4g}"
             progress(share, f"optimising: {said}")
 
-    rounds = plan_in_rounds(task, lambda each: plan(each, planner), tell)
+    rounds = plan_in_rounds(
+        task,
+        lambda each: plan(each, planner),
+        tell,
+        lambda each, found: Rehearsal(each, found, backend, processes or available_processors()),
+    )
     if rounds.refined is None:
         return rounds
     refined, outcome = rounds.refined, rounds.outcome
@@ -186,7 +201,7 @@ def run(
     tell = progress or (lambda share, what: None)
     check_video(video)
     with open_backend(backend) as physics:
-        rounds = refine(task, planner, progress)
+        rounds = refine(task, planner, progress, backend=backend)
         save_plan(rounds.outcome, folder)
         chosen = rounds.outcome.required()
         with EventLog(folder.path / "events.jsonl") as events:

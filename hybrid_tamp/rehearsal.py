@@ -1,5 +1,6 @@
 """Candidates of the mid-level planner tried in physics, and judged as rollouts are."""
 
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -52,6 +53,11 @@ class Rehearsal:
         work = (delayed(_run)(self.task, part, self.backend, until) for part in parts)
         found: Iterable[list[Rollout]] = Parallel(n_jobs=len(parts), backend="loky")(work)
         return merged([run for part in found for run in part])
+
+
+def available_processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _variant(plan: TaskPlan, chosen: Chosen, candidate: int) -> TaskPlan:
