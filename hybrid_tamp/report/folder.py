@@ -20,7 +20,7 @@ RUN_FILES = (
     "video.mp4",
     "report.html",
 )
-NUMBERED_FILES = ("step-*.png", "primitive-[0-9][0-9].json")
+NUMBERED_FILES = ("step-*.png", "primitive-[0-9][0-9].json", "mesh-[0-9][0-9].obj")
 
 
 class RunFolder:
