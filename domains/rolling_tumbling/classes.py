@@ -5,6 +5,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator
 
+from hybrid_tamp.affordances.features import rolling_likelihood, tumbling_likelihood
 from hybrid_tamp.model.affordance import AffordanceClass, Direction, Vector3, quantity
 from hybrid_tamp.model.mesh import MeshShape
 from hybrid_tamp.model.shape import Box, Cylinder, Shape
@@ -32,6 +33,11 @@ class Rollable(AffordanceClass):
         strict=True,
         allow_inf_nan=False,
     )
+
+    @classmethod
+    def features(cls, shape: Shape) -> float:
+        """Return how round the shape is about its roundest axis."""
+        return rolling_likelihood(shape)
 
     @staticmethod
     def consistent(token: Token) -> str | None:
@@ -70,6 +76,11 @@ class Tumblable(AffordanceClass):
     # Declared exactly as in ROLLABLE, so that a token may be a member of both.
     mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
     friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
+
+    @classmethod
+    def features(cls, shape: Shape) -> float:
+        """Return how flat and wide the shape stands on four sides about some axis."""
+        return tumbling_likelihood(shape)
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
