@@ -9,6 +9,7 @@ import typer
 
 from hybrid_tamp.cli.listing import domains, schema
 from hybrid_tamp.cli.planning import check, pddl, plan, run
+from hybrid_tamp.cli.probing import probe
 from hybrid_tamp.cli.recordings import learn, replay
 
 app = typer.Typer(
@@ -38,5 +39,5 @@ def _options(
 
 
 # In the order of the help.
-for verb in (check, plan, pddl, run, replay, learn, domains, schema):
+for verb in (check, plan, pddl, run, replay, learn, probe, domains, schema):
     app.command()(verb)
