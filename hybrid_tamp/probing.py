@@ -8,7 +8,8 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
-from hybrid_tamp.affordances.probing import STARTS, Prober, ProbeReport, Tell, Verdict
+from hybrid_tamp.affordances.probing import STARTS, Prober, Tell
+from hybrid_tamp.affordances.verdicts import ProbeReport, Verdict
 from hybrid_tamp.errors import ExecutionFailed, InputError, Issue
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning import plan

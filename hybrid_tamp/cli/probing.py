@@ -10,7 +10,7 @@ from hybrid_tamp.cli.options import DomainOption, ForceOption, JsonOption, SeedO
 from hybrid_tamp.console import print_json, show
 
 if TYPE_CHECKING:
-    from hybrid_tamp.affordances.probing import ProbeReport
+    from hybrid_tamp.affordances.verdicts import ProbeReport
 
 
 def probe(

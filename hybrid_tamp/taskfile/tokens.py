@@ -119,7 +119,13 @@ def _classes(
 ) -> tuple[type[ObjectClass], ...] | None:
     """Return the classes that a token names, or None if they are not sound."""
     path = (*path, "classes")
-    return _named(entry["classes"], path, (), faults, domain) if "classes" in entry and faults.sound(path) else None
+    if "classes" not in entry or not faults.sound(path):
+        return None
+    if not entry["classes"]:
+        remedy = f"write [{TOKEN.name}] for a thing with which nothing is done"
+        faults.at(path, "a token is a member of one class at least", "[]", sorted(domain.class_by_name), remedy)
+        return None
+    return _named(entry["classes"], path, (), faults, domain)
 
 
 def _unknown(

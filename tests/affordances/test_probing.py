@@ -17,8 +17,9 @@ from hybrid_tamp.affordances.features import (
     roundest_axis,
     tumbling_likelihood,
 )
-from hybrid_tamp.affordances.probing import Prober, ProbeReport, Trial, Verdict
+from hybrid_tamp.affordances.probing import Prober
 from hybrid_tamp.affordances.surfaces import outer_surface, volume_of
+from hybrid_tamp.affordances.verdicts import ProbeReport, Trial, Verdict
 from hybrid_tamp.affordances.warp import warp
 from hybrid_tamp.errors import ExecutionFailed, InputError, LimitReached, NoPlan
 from hybrid_tamp.model.affordance import ObjectClass
