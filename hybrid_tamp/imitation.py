@@ -22,7 +22,7 @@ from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.state import State, StateLayout
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning import PlanOutcome
-from hybrid_tamp.report.documents import PlannerEntry, plan_document
+from hybrid_tamp.report.documents import PlannerEntry, network_entry, plan_document
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.domains import installed_domain
@@ -188,11 +188,11 @@ def _taught(
 
 def _outcome(task: Task, chosen: Task, plan: TaskPlan, seconds: float) -> PlanOutcome:
     """Return the plan that was carried over as the outcome of planning a task, which may forbid it by now."""
-    planner = PlannerEntry(name=_WAY, seconds=seconds, way=_WAY)
+    planner, network = PlannerEntry(name=_WAY, seconds=seconds, way=_WAY), network_entry(task, task)
     breaches = check_law(task, plan)
     if breaches:
         said = f"what was seen is no plan of the task: {breaches[0]}"
-        document = plan_document(task, status="unknown", planner=planner, plan=None, explanation=None)
+        document = plan_document(task, status="unknown", planner=planner, plan=None, network=network, explanation=None)
         return PlanOutcome(task, document, None, NoPlan(said, proven=False, kind=KIND))
-    document = plan_document(task, status="solved", planner=planner, plan=plan, explanation=None)
+    document = plan_document(task, status="solved", planner=planner, plan=plan, network=network, explanation=None)
     return PlanOutcome(task, document, plan, None, chosen)

@@ -23,7 +23,7 @@ from hybrid_tamp.model.block import (
     Slot,
     Target,
 )
-from hybrid_tamp.model.predicate import Literal
+from hybrid_tamp.model.predicate import Literal, Predicate
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.dmp import DMP
@@ -31,7 +31,7 @@ from hybrid_tamp.motion.dmp import DMP
 from .classes import StaticEndEffector
 from .predicates import AT_REST
 from .primitives import demonstrated_reach
-from .servos import force_on, free_motion, position_servo
+from .servos import force_on, free_motion, hand_servo
 
 LIFT = 0.36
 """How far above its start and goal the demonstrated reach carries the hand [m]."""
@@ -48,12 +48,16 @@ class ReachGoal:
         position: ``position(binding, state)`` of the hand's centre when it has arrived, ``(..., 3)`` [m].
         entry: conditions under which the reach makes sense.
         arrived: the conditions that say the hand is there.
+        hand_class: the hands that reach there.
+        keeps: predicates that stay as they are although they read where the hand is.
     """
 
     targets: tuple[Target, ...]
     position: Callable[[Binding, State], FloatArray]
     entry: tuple[Literal, ...]
     arrived: tuple[Literal, ...]
+    hand_class: type[StaticEndEffector] = StaticEndEffector
+    keeps: tuple[Predicate, ...] = ()
 
 
 def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
@@ -80,9 +84,11 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
             start[hand, "position"], goal.position(binding, start), hyperparameters["duration"]
         )
 
+        servo = hand_servo(hand, start)
+
         def policy(elapsed: FloatArray, state: State) -> Commands:
             position, velocity, _ = reference.at(elapsed)
-            return {(hand.name, "force"): position_servo(hand, state, position, velocity)}
+            return servo(state, position, velocity)
 
         return policy
 
@@ -91,12 +97,13 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
 
     return Block(
         name="REACHING" if mode is None else f"REACHING:{mode}",
-        slots=(Slot("hand", StaticEndEffector),),
+        slots=(Slot("hand", goal.hand_class),),
         anchor="hand",
         targets=goal.targets,
         entry=goal.entry,
         exit=(*goal.arrived, AT_REST("hand")),
         writes={"hand": ("position", "velocity")},
+        keeps=goal.keeps,
         hyperparameters=(Hyperparameter("duration", "s", 0.8, 8.0, duration_guess, "how long the reach takes"),),
         duration=Duration(0.3, 12.0, expected),
         hold=True,

@@ -117,6 +117,10 @@ def _classes(
     if "classes" not in entry or not faults.sound(path):
         return None
     known = known_classes(domain)
+    if not entry["classes"]:
+        remedy = f"write [{TOKEN.name}] for a thing with which nothing is done"
+        faults.at(path, "a token is a member of one class at least", "[]", sorted(domain.class_by_name), remedy)
+        return None
     found: list[type[ObjectClass]] = []
     for index, class_name in enumerate(entry["classes"]):
         here = (*path, index)
