@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from ruamel.yaml import YAML
 
 from hybrid_tamp.midlevel.objective import Objective, RollOut
@@ -104,17 +105,25 @@ class Scan:
 
     grasps: FloatArray
     scores: Scores
+    equal: float = 0.0
+    """Difference of values up to which grasps are equally good, beyond rounding."""
+
+    @property
+    def _good(self) -> NDArray[np.bool_]:
+        met = self.scores.violation <= np.min(self.scores.violation)
+        high = np.max(self.scores.value[met]) - self.equal
+        return np.asarray(self.scores.best() | (met & (self.scores.value >= high)))
 
     @property
     def best(self) -> float:
         """The best grasp [m]; of equal ones the nearest to the middle of the handle."""
         away = np.abs(self.grasps - (self.grasps[0] + self.grasps[-1]) / 2)
-        return float(self.grasps[np.argmin(np.where(self.scores.best(), away, np.inf))])
+        return float(self.grasps[np.argmin(np.where(self._good, away, np.inf))])
 
     @property
     def tie(self) -> tuple[float, float]:
         """The smallest and the largest of the best grasps [m]."""
-        best = self.grasps[self.scores.best()]
+        best = self.grasps[self._good]
         return float(best.min()), float(best.max())
 
 

@@ -4,20 +4,24 @@ Push then strike is run for every location; its push, which comes first, is what
 strike alone is run at one location: where the block lies does not matter to it.
 """
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hammer_figures import GRASP, LOCATIONS, figure_plan, figure_task
+from hammer_figures import GRASP, LOCATIONS, Scan, figure_plan, figure_task
 
 from hybrid_tamp.midlevel.rollout import GOAL, Rollout
+from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.rehearsal import Rehearsal
 
 STRIKE_AT = 0.5
 """Where a strike alone is run [m]."""
 MOVING_AT, RADIUS = 0.4, 0.2
 """Where the strike with a moving hand is run, and how far the hand is from the elbow [m]."""
+EQUAL = 1e-3
+"""Values that differ by less than this count as equal: a push of no distance is not quite without torque."""
 _LAST = "STRIKING-1"
 _BEFORE_STRIKE = ("REACHING-1", "GRASPING-1", "CARRYING-1", "PUSHING-1")
 
@@ -48,17 +52,32 @@ def scan(kind: str, x: float, grasps: int, processes: int, radius: float = 0.0) 
     }
 
 
-def campaign(grasps: int, processes: int) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield everything that the figure needs from PyBullet."""
-    yield "moving", scan("both", MOVING_AT, grasps, processes, RADIUS)
-    yield "strike", scan("strike", STRIKE_AT, grasps, processes)
-    for x in LOCATIONS:
-        yield f"both {x}", scan("both", x, grasps, processes)
+def campaign(path: Path, grasps: int, processes: int) -> Iterator[str]:
+    """Run everything that the figure needs from PyBullet, but for what a file has; yield the name of each scan."""
+    known = read(path)
+    wanted = [(f"both {x}", "both", x, 0.0) for x in LOCATIONS]
+    wanted += [("strike", "strike", STRIKE_AT, 0.0), ("moving", "both", MOVING_AT, RADIUS)]
+    for name, kind, x, radius in wanted:
+        if name not in known:
+            data = scan(kind, x, grasps, processes, radius)
+            with path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps({"name": name, **data}) + "\n")
+        yield name
 
 
-def keep(path: Path, name: str, data: dict[str, Any]) -> None:
-    """Add a scan to a file, a line each."""
-    import json
+def read(path: Path) -> dict[str, Any]:
+    """Return the scans of a file by their names; none if there is no such file."""
+    if not path.exists():
+        return {}
+    lines = map(json.loads, path.read_text(encoding="utf-8").splitlines())
+    return {line["name"]: line for line in lines}
 
-    with path.open("a", encoding="utf-8") as file:
-        file.write(json.dumps({"name": name, **data}) + "\n")
+
+def measured(data: dict[str, Any], kind: str, weights: Mapping[str, float]) -> Scan:
+    """Return the scores of a scan by the measures of one kind: of a push then strike also those of its push."""
+    counted = {"push": ("contact", "torque_work"), "strike": ("contact", "tip_speed_squared", "hand_speed")}
+    names = counted.get(kind, tuple(dict.fromkeys(name for each in counted.values() for name in each)))
+    figures = {key.partition("/")[2]: np.array(values, dtype=float) for key, values in data["figures"].items()}
+    value = np.sum([weights[name] * figures[name] for name in names], axis=0)
+    violation = data["push_violation" if kind == "push" else "violation"]
+    return Scan(np.array(data["grasps"]), Scores(np.array(violation, dtype=float), value), EQUAL)

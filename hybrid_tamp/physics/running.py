@@ -56,7 +56,7 @@ class Running:
         self._task = task
         self._held = frozenset(instance.slots.values())
         self._binding = task.bind(instance.roles)
-        self._exits = self.block.measured_exits
+        self._exits = self._asked_first = self.block.measured_exits
         self.hyperparameters = self._chosen(state)
         arrays = {name: np.asarray(value) for name, value in self.hyperparameters.items()}
         maker = self.block.policy
@@ -84,10 +84,19 @@ class Running:
             return False
         if time != self._asked:
             self._asked = time
-            self._holds = all(float(literal.margin(state, self._binding)) >= 0 for literal in self._exits)
+            self._holds = self._all_hold(state)
             if self._holds and self.reached is None:
                 self.reached = time
         return self._holds
+
+    def _all_hold(self, state: State) -> bool:
+        for literal in self._asked_first:
+            if not float(literal.margin(state, self._binding)) >= 0:
+                # It most likely does not hold at the next step either, and the others need not be looked at.
+                if literal is not self._asked_first[0]:
+                    self._asked_first = (literal, *(other for other in self._asked_first if other is not literal))
+                return False
+        return True
 
     def check_overdue(self, time: float, state: State) -> None:
         """Refuse to go on beyond its maximum.
