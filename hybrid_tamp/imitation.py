@@ -11,7 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from hybrid_tamp import pipeline
-from hybrid_tamp.affordances.observation import Observation
+from hybrid_tamp.affordances.observation import ALLOWANCE, Observation
 from hybrid_tamp.affordances.segmentation import Segmentation, segment
 from hybrid_tamp.affordances.transfer import KIND, transfer
 from hybrid_tamp.errors import InputError, Issue, NoPlan
@@ -32,6 +32,8 @@ from hybrid_tamp.taskfile.primitives import PrimitiveFile
 from hybrid_tamp.taskfile.yaml_nodes import parse
 
 _WAY = "imitation"
+_ALLOWANCE_OF_POSES = 1.0
+"""A file says nothing of velocities, and poses are noted with noise."""
 _logger = logging.getLogger(__name__)
 
 
@@ -79,8 +81,9 @@ def read_shown(
     Raises:
         InputError: the folder holds no run, or the file is wrong.
     """
+    allowance = ALLOWANCE
     if not path.is_dir():
-        actor = actor or task
+        actor, allowance = actor or task, _ALLOWANCE_OF_POSES
         times, states = read_poses(path, actor)
     else:
         from hybrid_tamp.physics.storage import load
@@ -91,7 +94,7 @@ def read_shown(
         if recording.layout != layout:
             raise InputError([Issue(str(path), "a recording of the tokens of its task.yaml", "one of other tokens")])
         times, states = recording.times, State(layout, recording.states)
-    observation = Observation.of(times, states)
+    observation = Observation.of(times, states, allowance)
     return Shown(path.name, actor.replaced(state=observation.at(0.0)), observation)
 
 

@@ -145,7 +145,8 @@ class Guesser:
                 break
             row = left
         row = min(row, seen.last)
-        return Guess(None, (("token", token),), (), start, row, seen.departure(token, row), row, UNEXPLAINED_COST)
+        due = row if start < seen.last else seen.last + 1
+        return Guess(None, (("token", token),), (), start, row, seen.departure(token, row), due, UNEXPLAINED_COST)
 
     def targets(self, block: Block, slots: Roles) -> tuple[Roles, ...]:
         """Return the targets with which the feasibility facts let the block run on these tokens."""

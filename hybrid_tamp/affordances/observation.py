@@ -19,7 +19,7 @@ Truth = NDArray[np.bool_]
 SMOOTHING = 0.02
 """Over how long poses and velocities are averaged [s]: much less than any block lasts."""
 ALLOWANCE = 0.25
-"""A condition is seen to hold from this much of its predicate's scale before it does: what is seen is not exact."""
+"""How inexact what is measured is, in scales of predicates."""
 STILL = (0.01, 0.04)
 """A token whose place [m] and orientation [rad] change by no more than this rests or is held."""
 _ONSET = (0.003, 0.01)
@@ -34,24 +34,32 @@ class Observation:
         times: instant of each row [s], shape ``(t,)``.
         trajectory: state of each row, batch shape ``(t,)``.
         measured: the same before it was smoothed.
+        allowance: a condition is seen to hold from this much of its predicate's scale before it does.
     """
 
     times: FloatArray
     trajectory: State
     measured: State
+    allowance: float
     _truths: dict[object, Truth] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(cls, times: FloatArray, trajectory: State) -> "Observation":
+    def of(cls, times: FloatArray, trajectory: State, allowance: float = ALLOWANCE) -> "Observation":
         """Smooth what was measured at a constant rate.
 
         Args:
             times: instants [s], shape ``(t,)``, evenly spaced.
             trajectory: measured states, batch shape ``(t,)``.
+            allowance: how inexact they are, in scales of predicates.
         """
         period = float(times[1] - times[0]) if len(times) > 1 else 1.0
         window = max(1, round(SMOOTHING / period)) | 1
-        return cls(times, State(trajectory.layout, _smoothed(trajectory.layout, trajectory.values, window)), trajectory)
+        return cls(
+            times,
+            State(trajectory.layout, _smoothed(trajectory.layout, trajectory.values, window)),
+            trajectory,
+            allowance,
+        )
 
     @property
     def last(self) -> int:
@@ -75,7 +83,7 @@ class Observation:
 
         def find() -> Truth:
             holds = np.asarray(literal.margin(self.measured, binding) >= 0)
-            least = -ALLOWANCE * literal.predicate.scale
+            least = -self.allowance * literal.predicate.scale
             return holds if strict else np.asarray(holds | (literal.margin(self.trajectory, binding) >= least))
 
         return self._known((literal.ground(binding), strict), find)

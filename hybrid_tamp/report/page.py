@@ -10,8 +10,8 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.report.documents import PlanDocument, ResultDocument
 from hybrid_tamp.report.entries import Document
 from hybrid_tamp.report.folder import NUMBERED_FILES, RUN_FILES, RunFolder
-from hybrid_tamp.report.refinement_tables import KEPT, effort, given_up, number, values
-from hybrid_tamp.report.tables import allocation, allocations, margin, plan_footer
+from hybrid_tamp.report.refinement_tables import KEPT, efforts, given_up, number, values
+from hybrid_tamp.report.tables import allocation, allocations, margin, network_text, plan_footer, reasons
 
 PAGE = "report.html"
 
@@ -38,7 +38,8 @@ def _template() -> Any:
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    environment.filters |= {"allocations": allocations, "given_up": given_up, "margin": margin, "number": number}
+    for function in (allocations, given_up, margin, number, reasons):
+        environment.filters[function.__name__] = function
     return environment.from_string(files("hybrid_tamp.report").joinpath("page.html").read_text(encoding="utf-8"))
 
 
@@ -50,9 +51,10 @@ def _content(path: Path, plan: PlanDocument, result: ResultDocument | None) -> d
         "result": result,
         "lanes": lanes(plan),
         "footer": plan_footer(plan) if plan.steps else "",
+        "network": network_text(plan).splitlines(),
         "performance": result.performance if result else refinement.performance if refinement else [],
         "values": list(values(refinement)) if refinement else [],
-        "effort": effort(refinement) if refinement else "",
+        "effort": "; ".join(efforts(refinement)) if refinement else "",
         "kept": KEPT,
         "steps": sorted(file.name for file in path.glob(NUMBERED_FILES[0])),
         "video": "video.mp4" if "video.mp4" in there else "",

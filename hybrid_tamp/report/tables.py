@@ -113,12 +113,16 @@ def _bar(instance: BlockInstance, width: int) -> Text:
 
 def explanation_text(entry: ExplanationEntry) -> RenderableType:
     """Return why there is no plan."""
-    lines: list[RenderableType] = [Text(entry.message, style="bold red")]
-    lines += [Text(f"  {reason.goal}: {reason.message}") for reason in entry.reasons]
-    lines += [Text(f"  There is a plan of {each.length} actions with {each.what}.") for each in entry.suggestions]
+    return Group(Text(entry.message, style="bold red"), *(Text(f"  {line}") for line in reasons(entry)))
+
+
+def reasons(entry: ExplanationEntry) -> list[str]:
+    """Return the reasons why there is no plan, and what would do, a line each."""
+    lines = [f"{reason.goal}: {reason.message}" for reason in entry.reasons]
+    lines += [f"There is a plan of {each.length} actions with {each.what}." for each in entry.suggestions]
     if entry.kind == "unsolvable" and not entry.suggestions:
-        lines.append(Text(f"  {_NO_SINGLE_CHANGE if entry.all_looked_at else _NONE_FOUND}"))
-    return Group(*lines)
+        lines.append(_NO_SINGLE_CHANGE if entry.all_looked_at else _NONE_FOUND)
+    return lines
 
 
 def result_table(document: ResultDocument) -> RenderableType:

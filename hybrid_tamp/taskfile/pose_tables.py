@@ -29,8 +29,10 @@ LONGEST = 600.0
 _PARTS = {"position": ("x", "y", "z"), "orientation": ("qx", "qy", "qz", "qw")}
 _RATES = ("velocity", "angular_velocity")
 _NAME = re.compile(r"^(.*?)\s*(\[[^]]*\])?$")
-_SPAN = 0.1
-"""Over how long velocities are taken [s]: poses are not exact."""
+_SPANS = (0.03, 0.15)
+"""Over how long velocities are taken at least and at most [s]; the less exact poses are, the longer."""
+_SPAN_PER_DEVIATION = 100.0
+"""[s/m]."""
 Columns = Mapping[tuple[str, str], list[int]]
 """(token, property) to the columns of its components."""
 
@@ -128,18 +130,13 @@ def _states(table: FloatArray, columns: Columns, task: Task) -> tuple[FloatArray
         changes[token, name] = (
             values / np.linalg.norm(values, axis=-1, keepdims=True) if name == "orientation" else values
         )
-    half = round(_SPAN / 2.0 / CONTROL_PERIOD)
-    before, after = (
-        np.maximum(np.arange(len(times)) - half, 0),
-        np.minimum(np.arange(len(times)) + half, len(times) - 1),
-    )
-    span = np.maximum(after - before, 1)[:, None] * CONTROL_PERIOD
     for (token, name), values in list(changes.items()):
         if name == "position":
-            changes[token, "velocity"] = (values[after] - values[before]) / span
+            changes[token, "velocity"] = _rates(values, _deviation(table[:, columns[token, name]]))
         elif name == "orientation":
-            turned = quaternion_multiply(values[after], quaternion_conjugate(values[before]))
-            changes[token, "angular_velocity"] = rotation_vector(turned) / span
+            turns = rotation_vector(quaternion_multiply(values[1:], quaternion_conjugate(values[:-1])))
+            turned = np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
+            changes[token, "angular_velocity"] = _rates(turned, _deviation(turned))
     return times, states.replace(changes)
 
 
@@ -147,3 +144,25 @@ def _steady(quaternions: FloatArray) -> FloatArray:
     """Return the quaternions ``(t, 4)`` with signs such that each is near the one before it."""
     flips = np.where(np.sum(quaternions[1:] * quaternions[:-1], axis=-1) < 0, -1.0, 1.0)
     return np.asarray(quaternions * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
+
+
+def _deviation(values: FloatArray) -> float:
+    """Return the standard deviation of the noise of a table of values ``(t, c)``, from their second differences."""
+    bends = np.abs(values[2:] - 2.0 * values[1:-1] + values[:-2])
+    return float(np.median(bends) / (0.6745 * np.sqrt(6.0)))
+
+
+def _rates(values: FloatArray, deviation: float) -> FloatArray:
+    """Return how fast values ``(t, c)`` change [1/s]: of the time before and the time after, the slower counts.
+
+    Where one movement ends and the next one begins at once, a mean over both would never be at rest.
+    """
+    span = float(np.clip(_SPAN_PER_DEVIATION * deviation, *_SPANS))
+    count = max(2, min(round(span / CONTROL_PERIOD), len(values) - 1))
+    offsets = np.arange(count + 1) - count / 2.0
+    kernel = (offsets / (offsets @ offsets) / CONTROL_PERIOD)[::-1]
+    slopes = np.stack([np.convolve(part, kernel, mode="valid") for part in values.T], axis=-1)
+    rows = np.arange(len(values))
+    before, after = slopes[np.maximum(rows - count, 0)], slopes[np.minimum(rows, len(slopes) - 1)]
+    slower = np.linalg.norm(before, axis=-1) < np.linalg.norm(after, axis=-1)
+    return np.asarray(np.where(slower[:, None], before, after))
