@@ -25,8 +25,8 @@ ROLLED: Mapping[str, tuple[float, float]] = {"final_distance [m]": (0.0, TOLERAN
 """The ratio alone would pass what turns once and stops."""
 _OFFSET, _YAW = 0.02, float(np.radians(1.0))
 """How far starts differ, at most [m], [rad]."""
-_HAND = (0.25, -0.6, 0.3)
-"""Where the hand starts: along the way, along the axis, up [m]."""
+_HAND = (0.25, -0.45, 0.3)
+"""Where the hand starts: along the way, beyond the token's end along the axis, up [m]."""
 
 
 def mass_of(token: Token, labelled: Token) -> float:
@@ -96,9 +96,10 @@ def _towards(state: State, member: Token, hand: Token | None, region: Token, sig
     centre = state[member, "position"]
     changes = {(region.name, "position"): (centre + DISTANCE * along) * np.array([1.0, 1.0, 0.0])}
     if hand is not None:
-        ahead, aside, up = _HAND
-        beside = np.cross(UP, along)
-        start = centre * np.array([1.0, 1.0, 0.0]) + ahead * along + aside * beside + up * UP
+        assert member.shape is not None
+        ahead, beyond, up = _HAND
+        aside = beyond - float(np.abs(points_of(member.shape) @ np.asarray(member["axis_of_rotation"])).max())
+        start = centre * np.array([1.0, 1.0, 0.0]) + ahead * along + aside * np.cross(UP, along) + up * UP
         inside = np.clip(start, hand["workspace_lower"], hand["workspace_upper"])
         changes[hand.name, "position"] = inside
     return state.replace(changes)

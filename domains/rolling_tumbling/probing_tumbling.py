@@ -21,8 +21,8 @@ from .tumbling_geometry import GRIP, hand_axis, in_body, normal, sides_across, t
 
 _OFFSET, _YAW = 0.02, float(np.radians(2.0))
 """How far starts differ, at most [m], [rad]."""
-_ASIDE, _UP = 0.5, 0.55
-"""Where hands start beside the token, and above the floor [m]."""
+_ASIDE, _UP = 0.35, 0.55
+"""Where hands start beside the token's longest half, and above the floor [m]."""
 
 
 def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
@@ -85,8 +85,9 @@ def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
         (member.name, "orientation"): turned,
         (member.name, "position"): centre + np.array([x, y, _height(member, turned)]),
     }
+    aside = _ASIDE + max(member["half_extents"])
     for number, hand in enumerate(hands):
-        side = to_the_right(task.state, hand) * (_ASIDE if number % 2 else -_ASIDE)
+        side = to_the_right(task.state, hand) * (aside if number % 2 else -aside)
         given[hand.name, "position"] = centre + side + _UP * UP
         given[hand.name, "orientation"] = task.state[hand, "orientation"]
     state = State.of(tokens, given)

@@ -55,6 +55,7 @@ class MeshShape:
         parts: the convex parts; they touch and do not overlap.
         volume: [m^3].
         moments: moments about the axes over the mass ``3`` [m^2].
+        skew: largest product of inertia over the largest moment; 0 if the axes are the principal ones.
     """
 
     file: str
@@ -63,6 +64,7 @@ class MeshShape:
     parts: tuple[Hull, ...] = field(compare=False, repr=False)
     volume: float = field(compare=False)
     moments: tuple[float, float, float] = field(compare=False)
+    skew: float = field(compare=False)
 
     @classmethod
     def of(cls, file: str, scale: float, digest: str, parts: Sequence[Hull]) -> "MeshShape":
@@ -72,7 +74,8 @@ class MeshShape:
         _, _, second = _sum(moved)
         spread = np.diag(second) / volume
         x, y, z = (float(moment) for moment in spread.sum() - spread)
-        return cls(file, scale, digest, moved, volume, (x, y, z))
+        products = np.abs(second - np.diag(np.diag(second))) / volume
+        return cls(file, scale, digest, moved, volume, (x, y, z), float(products.max() / max(x, y, z)))
 
     @property
     def vertices(self) -> FloatArray:

@@ -18,6 +18,7 @@ MOST_BYTES = 64 * 1024 * 1024
 MOST_PARTS = 1000
 SMALLEST, LARGEST = 0.001, 10.0
 """What the longest edge of a body's box must be between [m]: beyond that the unit is wrong."""
+MOST_SKEW = 0.05
 _WHAT = "a mesh file"
 _THINNEST = 1e-6
 """A part's least volume, as a share of the cube of its longest edge."""
@@ -36,7 +37,8 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
 
     Raises:
         InputError: it is missing, no OBJ, empty, too large, of the wrong unit, or one of its objects is not
-            watertight, degenerate, not in one piece or not convex; with the figure.
+            watertight, degenerate, not in one piece or not convex, or its axes are far from the principal ones; with
+            the figure.
     """
     source = str(path)
     if path.suffix.lower() != ".obj":
@@ -58,7 +60,13 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
         wanted = f"a body between {SMALLEST:g} m and {LARGEST:g} m long"
         raise InputError([Issue(source, wanted, f"one of {size:.4g} m", remedy=remedy)])
     parts = [_part(vertices * written.scale, surface, size, source) for surface in surfaces]
-    return MeshShape.of(written.file, written.scale, hashlib.sha256(text.encode()).hexdigest(), parts)
+    shape = MeshShape.of(written.file, written.scale, hashlib.sha256(text.encode()).hexdigest(), parts)
+    if shape.skew > MOST_SKEW:
+        wanted = f"a mesh whose axes are its principal ones, up to a product of inertia of {MOST_SKEW:g} of its moment"
+        raise InputError(
+            [Issue(source, wanted, f"{shape.skew:.3g}", remedy="turn it in its file and back by its pose")]
+        )
+    return shape
 
 
 def _triangles_in(path: Path) -> int:

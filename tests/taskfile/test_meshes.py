@@ -74,6 +74,8 @@ L_SHAPE = Hull(
     ),
 )
 FLAT = cuboid((1.0, 1.0, 1e-7))
+BAR = cuboid((1.0, 0.1, 0.1))
+TURNED = Hull(BAR.vertices @ np.array([[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, np.sqrt(2.0)]]), BAR.triangles)
 
 
 @pytest.mark.parametrize(
@@ -85,6 +87,7 @@ FLAT = cuboid((1.0, 1.0, 1e-7))
         ([cuboid((1.0, 1.0, 1.0))], lambda t: t.replace("f 1 2 4", "f 1 1 4"), ("1 of 12 have no area",)),
         ([cuboid((1.0, 1.0, 1.0))], lambda t: t.replace("f 1 2 4", "f 1 4 2"), ("watertight", "two orientations")),
         ([FLAT], str, ("degenerate",)),
+        ([TURNED], str, ("axes are its principal ones", "got 0.49;", "turn it in its file")),
         ([L_SHAPE], str, ("convex", "a dent of 1 m")),
         ([cuboid((1.0, 1.0, 1.0))], lambda t: t.replace("f 1 2 4", "f 1 2 99"), ("b.obj:10", "'f 1 2 99'")),
         ([cuboid((1.0, 1.0, 1.0))], lambda t: t.replace("v 1 1 1", "v 1 1 nan"), ("finite coordinates",)),
