@@ -25,28 +25,7 @@ from hybrid_tamp.taskfile.loader import load_task, load_task_text
 from hybrid_tamp.taskfile.pose_tables import read_poses
 
 PROBLEMS = Path(__file__).resolve().parents[2] / "problems"
-OTHER = """
-domain: rolling_tumbling
-agents:
-  gantry: [paddle]
-tokens:
-  barrel:
-    classes: [ROLLABLE]
-    properties: {axis_of_rotation: [0, 0, 1], radius_of_rotation: 0.12, mass: 6, friction: 0.6}
-    shape: {kind: cylinder, radius: 0.12, length: 0.3}
-    pose: {position: [0.2, 0.5, 0.12], rpy: [1.5707963267948966, 0, 0]}
-  yard:
-    classes: [REGION]
-    properties: {radius: 0.02}
-    pose: {position: [-0.4, 0.5, 0]}
-  paddle:
-    classes: [STATIC END-EFFECTOR]
-    properties: {radius: 0.035, length: 0.16, mass: 1.5, maximal_force: 300,
-                 workspace_lower: [-1.4, -0.8, 0.0], workspace_upper: [1.4, 0.9, 1.2]}
-    pose: {position: [0.1, 0.0, 0.35]}
-goal:
-  - inside: [barrel, yard]
-"""
+OTHER = (PROBLEMS / "roll_by_another_agent.yaml").read_text(encoding="utf-8")
 """Another agent with another hand elsewhere, that rolls another thing the other way."""
 
 
