@@ -17,6 +17,7 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning import PlanOutcome, plan
+from hybrid_tamp.rehearsal import Rehearsal, available_processors
 from hybrid_tamp.report.convergence import convergence_picture
 from hybrid_tamp.report.documents import ResultDocument, result_document, steps_of
 from hybrid_tamp.report.folder import RunFolder
@@ -137,6 +138,9 @@ def refine(
     planner: Planner | None = None,
     progress: Progress | None = None,
     planning: Planning | None = None,
+    *,
+    backend: str = "pybullet",
+    processes: int | None = None,
 ) -> Rounds:
     """Plan a task and optimise the hyperparameters of the whole plan; plan anew where none do.
 
@@ -147,9 +151,11 @@ def refine(
         planner: a running planner process; without one, one is started for each round.
         progress: told how far the work is, and the best value so far.
         planning: how plans are found, if not by the planner.
+        backend: name of the physics backend in which a task with ``refine: physics`` tries candidates.
+        processes: how many it may use at once, by default one for each processor; the result does not depend on it.
 
     Raises:
-        InputError: the planner is unknown.
+        InputError: the planner or the backend is unknown.
         NotFinite: every rollout of a plan failed.
     """
 
@@ -158,7 +164,12 @@ def refine(
             said = f"V {best.violation:.3g}" if best.violation > 0 else f"value {best.value:.4g}"
             progress(share, f"optimising: {said}")
 
-    rounds = plan_in_rounds(task, planning or (lambda each: plan(each, planner)), tell)
+    rounds = plan_in_rounds(
+        task,
+        planning or (lambda each: plan(each, planner)),
+        tell,
+        lambda each, found: Rehearsal(each, found, backend, processes or available_processors()),
+    )
     if rounds.refined is None:
         return rounds
     refined, outcome = rounds.refined, rounds.outcome
@@ -204,7 +215,7 @@ def run(
     tell = progress or (lambda share, what: None)
     check_video(video)
     with open_backend(backend) as physics:
-        rounds = refine(task, planner, progress, planning)
+        rounds = refine(task, planner, progress, planning, backend=backend)
         save_plan(rounds.outcome, folder)
         write_page(folder)  # of the plan, or of why there is none
         chosen = rounds.outcome.required()

@@ -5,7 +5,7 @@ by an exhaustive search of its own.
 """
 
 from collections import Counter, defaultdict, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -164,12 +164,12 @@ def repairs(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
     yield from _properties(task)
 
 
-def all_single_repairs(task: Task) -> set[Key]:
-    """Return the keys of all single repairs with which the task has a plan."""
+def all_single_repairs(task: Task, only: Collection[Key] | None = None) -> set[Key]:
+    """Return the keys of all single repairs with which the task has a plan, or of those among some keys only."""
     found = set()
     base = _ground(compile_task(task).problem)
     for key, made in repairs(task):
-        if key in found:
+        if key in found or (only is not None and key not in only):
             continue
         try:
             problem = compile_task(made()).problem

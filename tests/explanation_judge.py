@@ -6,14 +6,14 @@ from brute_force import Key, solvable
 
 from hybrid_tamp.affordances.explanation import Explanation
 from hybrid_tamp.affordances.reasons import Reason
+from hybrid_tamp.affordances.repairs import Suggestion
 from hybrid_tamp.model.task import Task
 
 
 def faults(task: Task, explanation: Explanation, every: Collection[Key]) -> Iterator[str]:
     """Yield what is wrong with an explanation, given the keys of all single repairs."""
     for suggestion in explanation.suggestions:
-        change = suggestion.change
-        key = (change.kind, *change.key[: 1 if change.kind in ("token", "fact") else 2])
+        change, key = suggestion.change, key_of(suggestion)
         if key not in every:
             yield f"{key} is no single repair"
         if not solvable(change.made()):
@@ -27,6 +27,12 @@ def faults(task: Task, explanation: Explanation, every: Collection[Key]) -> Iter
     for reason in explanation.reasons:
         if not is_true(task, reason):
             yield f"not true: {reason.message}"
+
+
+def key_of(suggestion: Suggestion) -> Key:
+    """Return the key of the repair that is suggested."""
+    change = suggestion.change
+    return (change.kind, *change.key[: 1 if change.kind in ("token", "fact") else 2])
 
 
 def is_among(task: Task, reason: Reason, every: Collection[Key]) -> bool:

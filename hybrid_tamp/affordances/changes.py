@@ -11,6 +11,7 @@ from typing import Literal as OneOf
 
 import numpy as np
 
+from hybrid_tamp.affordances.surfaces import points_of
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
@@ -232,12 +233,7 @@ def _granted(predicate: Predicate, wanted: Granted, margin: float) -> Predicate:
 
 def _extent(token: Token) -> float:
     """Return how long a token is along its longest side [m], as far as is known."""
-    shape = token.shape
-    if shape is None:
-        return 0.1
-    sizes = [value for _, value in shape if not isinstance(value, str)]
-    flat = [float(each) for size in sizes for each in (size if isinstance(size, tuple) else (size,))]
-    return 2.0 * max(flat, default=0.1)
+    return 0.1 if token.shape is None else float(np.ptp(points_of(token.shape), axis=0).max())
 
 
 def _classes(token: Token) -> str:

@@ -111,7 +111,7 @@ def _with(task: Task, token: Token, key: str, part: int | None, value: float) ->
         number = tuple(value if place == part else each for place, each in enumerate(token[key]))
     own = [member for member in token.classes if member is not task_root(task)]
     try:
-        made = Token.make(token.name, own, {**token.properties, key: number}, token.shape)
+        made = Token.make(token.name, own, {**token.properties, key: number}, token.shape, token.unknown)
     except ValidationError:
         return None
     if any(member.consistent(made) for member in made.classes):

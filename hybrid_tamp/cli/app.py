@@ -10,6 +10,7 @@ import typer
 from hybrid_tamp.cli.imitating import imitate
 from hybrid_tamp.cli.listing import domains, network, schema
 from hybrid_tamp.cli.planning import check, pddl, plan, run
+from hybrid_tamp.cli.probing import probe
 from hybrid_tamp.cli.questions import affordances, explain
 from hybrid_tamp.cli.recordings import learn, replay, report
 
@@ -51,6 +52,7 @@ for verb in (
     imitate,
     explain,
     affordances,
+    probe,
     network,
     domains,
     schema,

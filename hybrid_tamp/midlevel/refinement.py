@@ -15,6 +15,7 @@ from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.midlevel.objective import Objective, RollOut
 from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum, find_optimiser
 from hybrid_tamp.midlevel.relevance import Relevance, find_relevant
+from hybrid_tamp.midlevel.retuning import Retuner
 from hybrid_tamp.midlevel.rollout import Rollout, Rollouts
 from hybrid_tamp.midlevel.search_space import FloatArray
 from hybrid_tamp.midlevel.separate import optimised_apart
@@ -43,6 +44,7 @@ def refine(
     progress: Progress | None = None,
     roll_out: RollOut | None = None,
     compare: bool = True,
+    measured: RollOut | None = None,
 ) -> RefinedPlan:
     """Optimise the hyperparameters of a plan, by the settings of its task.
 
@@ -52,21 +54,26 @@ def refine(
         progress: told how far the work is.
         roll_out: what rolls candidates out; by default the blocks' forward models.
         compare: whether to tell as well what comes of it when each action is optimised on its own.
+        measured: what runs candidates in physics, for the last refinement where the task asks for one.
 
     Raises:
         NotFinite: every rollout failed.
     """
-    return _Refinement(task, plan, progress, roll_out or Rollouts(task, plan)).refined(compare)
+    return _Refinement(task, plan, progress, roll_out or Rollouts(task, plan), measured).refined(compare)
 
 
 class _Refinement:
     """The work on one plan."""
 
-    def __init__(self, task: Task, plan: TaskPlan, progress: Progress | None, roll_out: RollOut) -> None:
+    def __init__(
+        self, task: Task, plan: TaskPlan, progress: Progress | None, roll_out: RollOut, measured: RollOut | None
+    ) -> None:
         self.task, self.plan = task, plan
         self.began = time.monotonic()
         self.tell = progress or (lambda share, best: None)
         self.objective = Objective(task, plan, roll_out)
+        asked = measured if task.midlevel.refine == "physics" else None
+        self.measured = None if asked is None else Objective(task, plan, asked)
         self.rng = np.random.default_rng(task.seed)
         self.evaluations = 0
         self.moves: dict[str, list[str]] = {}
@@ -85,7 +92,13 @@ class _Refinement:
         if compare and measures:
             apart = optimised_apart(self.objective, set(relevance.relevant))
             point = min((point, apart), key=lambda candidate: _order(self._at(candidate)))
+        retuned = None
+        if self.measured is not None and relevance.relevant:
+            retuner = Retuner(self.objective, self.measured, settings, self.rng, self.tell)
+            point, shortfall, retuned = retuner.retune(point, relevance.relevant)
         outcome = self._outcome(self._at(point), point, defaults, relevance, apart)
+        if retuned is not None:
+            outcome = replace(outcome, physics=retuned, shortfall=shortfall)
         history = tuple(Milestone(*each) for each in best.history)
         return replace(outcome, optimiser=settings.optimiser, stopped=best.stopped, history=history)
 

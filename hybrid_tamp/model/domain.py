@@ -11,6 +11,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain_checks import faults_of
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import Predicate, SymbolSort
+from hybrid_tamp.model.trial import TrialRecipe
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.recording import Recording
@@ -36,6 +37,7 @@ class Domain:
         resting: name of the block that takes whatever nothing manipulates.
         metrics: measures of a finished run for ``result.json``, or None.
         description: one line.
+        trials: how membership of a class is tried, for those classes for which the domain knows.
 
     Raises:
         DomainError: the declarations contradict each other; every fault with its place and remedy.
@@ -52,6 +54,7 @@ class Domain:
     sorts: tuple[SymbolSort, ...] = field(default=())
     disjoint: tuple[tuple[type[ObjectClass], ...], ...] = ()
     reduced: bool = False
+    trials: tuple[TrialRecipe, ...] = ()
 
     def __post_init__(self) -> None:
         faults = [] if self.reduced else faults_of(self)

@@ -21,7 +21,7 @@ RUN_FILES = (
     "convergence.png",
     "report.html",
 )
-NUMBERED_FILES = ("step-*.png", "primitive-[0-9][0-9].json")
+NUMBERED_FILES = ("step-*.png", "primitive-[0-9][0-9].json", "mesh-[0-9][0-9].obj")
 
 
 class RunFolder:

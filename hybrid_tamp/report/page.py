@@ -10,7 +10,7 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.report.documents import PlanDocument, ResultDocument
 from hybrid_tamp.report.entries import Document
 from hybrid_tamp.report.folder import NUMBERED_FILES, RUN_FILES, RunFolder
-from hybrid_tamp.report.refinement_tables import KEPT, effort, given_up, number, values
+from hybrid_tamp.report.refinement_tables import KEPT, efforts, given_up, number, values
 from hybrid_tamp.report.tables import allocation, allocations, margin, network_text, plan_footer, reasons
 
 PAGE = "report.html"
@@ -54,7 +54,7 @@ def _content(path: Path, plan: PlanDocument, result: ResultDocument | None) -> d
         "network": network_text(plan).splitlines(),
         "performance": result.performance if result else refinement.performance if refinement else [],
         "values": list(values(refinement)) if refinement else [],
-        "effort": effort(refinement) if refinement else "",
+        "effort": "; ".join(efforts(refinement)) if refinement else "",
         "kept": KEPT,
         "steps": sorted(file.name for file in path.glob(NUMBERED_FILES[0])),
         "video": "video.mp4" if "video.mp4" in there else "",

@@ -1,10 +1,11 @@
 """What the mid-level planner did, for programs."""
 
 from collections.abc import Iterable, Mapping
+from math import isfinite
 
 from pydantic import Field
 
-from hybrid_tamp.model.refined import Performance, RefinedPlan, Shortfall, Tuned, Value
+from hybrid_tamp.model.refined import Milestone, Performance, RefinedPlan, Retuning, Shortfall, Tuned, Value
 from hybrid_tamp.report.entries import Document
 
 
@@ -62,6 +63,17 @@ class RoundEntry(Document):
     unit: str
 
 
+class PhysicsEntry(Document):
+    """What came of going on in physics from the optimum that the forward models expect."""
+
+    before: ValueEntry | None = Field(description="that optimum in physics, null if its run failed")
+    best: ValueEntry | None = Field(description="the values that were kept, in physics, null if every run failed")
+    evaluations: int
+    seconds: float
+    stopped: str
+    history: list[MilestoneEntry]
+
+
 class RefinementEntry(Document):
     """How the hyperparameters of a plan were optimised."""
 
@@ -76,6 +88,7 @@ class RefinementEntry(Document):
     performance: list[PerformanceEntry]
     history: list[MilestoneEntry] = Field(description="the convergence curve")
     rounds: list[RoundEntry] = Field(description="plans that were given up before this one")
+    physics: PhysicsEntry | None = Field(default=None, description="the last refinement, null if none was asked for")
 
 
 GivenUp = Iterable[tuple[str, Mapping[str, str], Shortfall]]
@@ -94,12 +107,23 @@ def refinement_entry(refined: RefinedPlan, given_up: GivenUp = ()) -> Refinement
         apart=None if refined.apart is None else _value(refined.apart),
         hyperparameters=[_hyperparameter(tuned) for tuned in refined.hyperparameters],
         performance=list(performance_entries(refined.performance)),
-        history=[
-            MilestoneEntry(evaluations=m.evaluations, violation=_finite(m.violation), value=_finite(m.value))
-            for m in refined.history
-        ],
+        history=_history(refined.history),
         rounds=[RoundEntry(block=block, roles=dict(roles), **short.__dict__) for block, roles, short in given_up],
+        physics=refined.physics and _physics(refined.physics),
     )
+
+
+def _physics(retuning: Retuning) -> PhysicsEntry:
+    values = {"before": retuning.before, "best": retuning.best}
+    run = {name: _value(value) if isfinite(value.violation) else None for name, value in values.items()}
+    return PhysicsEntry(**{**retuning.__dict__, **run, "history": _history(retuning.history)})
+
+
+def _history(history: Iterable[Milestone]) -> list[MilestoneEntry]:
+    return [
+        MilestoneEntry(evaluations=m.evaluations, violation=_finite(m.violation), value=_finite(m.value))
+        for m in history
+    ]
 
 
 def _value(value: Value) -> ValueEntry:

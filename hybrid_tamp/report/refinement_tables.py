@@ -24,7 +24,7 @@ def refinement_tables(entry: RefinementEntry, performance: Sequence[PerformanceE
         parts.append(_performance(measures))
     if entry.optimiser:
         numbers = {f"{each.instance}.{each.measure}": number for number, each in enumerate(measures, start=1)}
-        parts += [_hyperparameters(entry.hyperparameters, numbers), _values(entry), Text(effort(entry))]
+        parts += [_hyperparameters(entry.hyperparameters, numbers), _values(entry), *map(Text, efforts(entry))]
     elif entry.hyperparameters:
         parts.append(Text(KEPT))
     return Group(*parts)
@@ -38,9 +38,14 @@ def given_up(entry: RoundEntry) -> str:
     )
 
 
-def effort(entry: RefinementEntry) -> str:
-    """Say in one line how the optimum was found."""
-    return f"optimised by {entry.optimiser}: {entry.evaluations} rollouts in {entry.seconds:.1f} s ({entry.stopped})"
+def efforts(entry: RefinementEntry) -> Iterable[str]:
+    """Say in one line how the optimum was found, and in another what came of going on in physics."""
+    yield f"optimised by {entry.optimiser}: {entry.evaluations} rollouts in {entry.seconds:.1f} s ({entry.stopped})"
+    if entry.physics is not None:
+        tried = entry.physics
+        before, best = (_failed_or_value(each) for each in (tried.before, tried.best))
+        spent = f"{tried.evaluations} runs in {tried.seconds:.1f} s ({tried.stopped})"
+        yield f"in physics: {before} as the forward models say, {best} after {spent}"
 
 
 def values(entry: RefinementEntry) -> Iterable[tuple[str, str, str]]:
@@ -70,6 +75,10 @@ def _value(entry: ValueEntry) -> str:
     if entry.violation is None or entry.value is None:
         return "not finite"
     return f"{entry.value:.4g}" if entry.violation == 0 else f"misses conditions by {entry.violation:.3g} scales"
+
+
+def _failed_or_value(entry: ValueEntry | None) -> str:
+    return "a failed run" if entry is None else _value(entry)
 
 
 def _gain(best: ValueEntry, other: ValueEntry) -> str:
