@@ -13,8 +13,8 @@ from typing import cast
 
 import numpy as np
 
+from hybrid_tamp.affordances.manners import unexpected_pauses
 from hybrid_tamp.affordances.observation import Observation, Truth
-from hybrid_tamp.affordances.pauses import unexpected_pauses
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts
@@ -133,6 +133,8 @@ class Guesser:
             return None
         binding = self.task.bind(dict(slots + targets))
         halts = unexpected_pauses(block, binding, seen, start, reached)
+        if halts is None:
+            return None
         cost = 1.0 + misfit / MISFIT_SCALE + halts * PAUSE_COST
         return Guess(name, slots, targets, start, reached, departs, departs if block.hold else reached, cost)
 

@@ -12,7 +12,7 @@ from itertools import islice
 import numpy as np
 
 from hybrid_tamp.errors import NoPlan
-from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.affordance import TOKEN, ObjectClass
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
 from hybrid_tamp.model.predicate import ANY, Atom
@@ -111,7 +111,7 @@ def _classes(shown: Task, seen: list[BlockInstance]) -> dict[str, set[type[Objec
         roles = shown.domain.block_by_name[instance.block].roles
         for role, name in instance.roles.items():
             sort = roles[role]
-            if name in shown.token_by_name and isinstance(sort, type):
+            if name in shown.token_by_name and isinstance(sort, type) and sort is not TOKEN:
                 found.setdefault(name, set()).add(sort)
     return found
 
