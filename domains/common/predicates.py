@@ -2,10 +2,12 @@
 
 import numpy as np
 
-from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.affordance import TOKEN, ObjectClass
 from hybrid_tamp.model.predicate import Parameter, Predicate
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
+
+from .classes import Region
 
 REST_SPEED = 0.02
 """A token that moves no faster than this is at rest [m/s]."""
@@ -24,3 +26,22 @@ AT_REST = Predicate(
     reads={"token": ("velocity",)},
     description="{token} is at rest",
 )
+
+
+def _depth(state: State, thing: Token, region: Token) -> FloatArray:
+    offset = (state[thing, "position"] - state[region, "position"])[..., :2]
+    return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
+
+
+def inside(movable: type[ObjectClass]) -> Predicate:
+    """Return the predicate that a thing of the class is inside a region; it is inside one at a time."""
+    return Predicate(
+        "inside",
+        (Parameter("object", movable), Parameter("region", Region)),
+        _depth,
+        unit="m",
+        scale=0.01,
+        reads={"object": ("position",), "region": ("position",)},
+        functional="region",
+        description="{object} is inside {region}",
+    )

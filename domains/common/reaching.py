@@ -31,7 +31,7 @@ from hybrid_tamp.motion.dmp import DMP
 from .classes import StaticEndEffector
 from .predicates import AT_REST
 from .primitives import demonstrated_reach
-from .servos import force_on, free_motion, position_servo
+from .servos import force_on, free_motion, hand_servo
 
 LIFT = 0.36
 """How far above its start and goal the demonstrated reach carries the hand [m]."""
@@ -56,12 +56,18 @@ class ReachGoal:
     arrived: tuple[Literal, ...]
 
 
-def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
+def reaching(
+    goal: ReachGoal,
+    mode: str | None = None,
+    hand_class: type[StaticEndEffector] = StaticEndEffector,
+    primitive: DMP | None = None,
+) -> Block:
     """Return REACHING for one kind of goal.
 
     Args:
-        goal: where the hands reach to.
-        mode: its name as one mode of several, or None.
+        goal: where the hand reaches to.
+        mode: name of the mode, where there are several.
+        hand_class: the hands that reach there.
         primitive: the movement, in three dimensions; the demonstrated reach by default.
     """
 
@@ -80,9 +86,11 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
             start[hand, "position"], goal.position(binding, start), hyperparameters["duration"]
         )
 
+        servo = hand_servo(hand, start)
+
         def policy(elapsed: FloatArray, state: State) -> Commands:
             position, velocity, _ = reference.at(elapsed)
-            return {(hand.name, "force"): position_servo(hand, state, position, velocity)}
+            return servo(state, position, velocity)
 
         return policy
 
@@ -91,7 +99,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
 
     return Block(
         name="REACHING" if mode is None else f"REACHING:{mode}",
-        slots=(Slot("hand", StaticEndEffector),),
+        slots=(Slot("hand", hand_class),),
         anchor="hand",
         targets=goal.targets,
         entry=goal.entry,
@@ -102,7 +110,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         hold=True,
         policy=make_policy,
         system=_system,
-        taught=lambda other: reaching(goal, mode, other),
+        taught=lambda other: reaching(goal, mode, hand_class, other),
         movement=Movement("hand", "position", 3),
         outcome=outcome,
         description="the hand moves on a curve to its place beside the object and holds there",

@@ -8,7 +8,7 @@ from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 
 from .predicates import AT_REST
-from .servos import position_servo
+from .servos import hand_servo
 
 
 def _stay(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
@@ -16,12 +16,10 @@ def _stay(binding: Binding, start: State, hyperparameters: Hyperparameters) -> P
     token = cast(Token, binding["token"])
     place = start[token, "position"].copy()
 
+    servo = hand_servo(token, start)
+
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        return {
-            (token.name, action.name): position_servo(token, state, place)
-            for action in token.basic_actions
-            if action.name == "force"
-        }
+        return servo(state, place, 0.0)
 
     return policy
 

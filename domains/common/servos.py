@@ -1,15 +1,24 @@
-"""Servos that turn a hand's basic action, a force, into positions and velocities."""
+"""Servos that turn a hand's basic actions, a force and perhaps a torque, into positions and orientations."""
+
+from collections.abc import Callable
 
 import numpy as np
 
 from hybrid_tamp.model.block import Commands
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply
 
 STIFFNESS = 8000.0
 """Stiffness of the position servo [N/m]."""
 DAMPING_RATIO = 0.9
 """Damping of the position servo as a share of critical damping."""
+
+ORIENTATION_RATE = 40.0
+"""Natural frequency of the orientation servo [rad/s]."""
+
+Servo = Callable[[State, FloatArray, FloatArray | float], Commands]
+"""``servo(state, position, velocity)``: the commands that drive a hand to a moving reference ``(..., 3)``."""
 
 
 def damping(mass: float, stiffness: float = STIFFNESS) -> float:
@@ -28,6 +37,45 @@ def position_servo(hand: Token, state: State, position: FloatArray, velocity: Fl
     """
     stiffness = STIFFNESS * (position - state[hand, "position"])
     return stiffness + damping(hand["mass"]) * (velocity - state[hand, "velocity"])
+
+
+def turn_between(orientation: FloatArray, wanted: FloatArray) -> FloatArray:
+    """Return the turn ``(..., 3)`` [rad] in the world from one orientation to another, for small ones."""
+    error = quaternion_multiply(wanted, quaternion_conjugate(orientation))
+    return np.asarray(2.0 * np.sign(error[..., 3:] + 1e-300) * error[..., :3])
+
+
+def turning_rate(state: State, token: Token, wanted: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
+    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that brings a token to an orientation.
+
+    Args:
+        state: current state.
+        token: the token.
+        wanted: reference orientation ``(..., 4)``.
+        velocity: reference angular velocity ``(..., 3)`` [rad/s].
+    """
+    error = turn_between(state[token, "orientation"], wanted)
+    brake = 2.0 * DAMPING_RATIO * ORIENTATION_RATE * (velocity - state[token, "angular_velocity"])
+    return np.asarray(ORIENTATION_RATE**2 * error + brake)
+
+
+def hand_servo(hand: Token, start: State) -> Servo:
+    """Return the servo of all that a hand is driven by; a wrist that turns keeps the orientation that it starts with.
+
+    For a token without basic actions it commands nothing.
+    """
+    actions = {action.name for action in hand.basic_actions}
+    upright = start[hand, "orientation"].copy()
+
+    def servo(state: State, position: FloatArray, velocity: FloatArray | float) -> Commands:
+        commands: Commands = {}
+        if "force" in actions:
+            commands[hand.name, "force"] = position_servo(hand, state, position, velocity)
+        if "torque" in actions:
+            commands[hand.name, "torque"] = hand["wrist_inertia"] * turning_rate(state, hand, upright)
+        return commands
+
+    return servo
 
 
 def free_motion(state: State, hand: Token, force: FloatArray, dt: float) -> State:

@@ -7,6 +7,7 @@ from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 
 from ..common.classes import Region, StaticEndEffector
+from ..common.predicates import inside
 from .classes import Rollable
 from .geometry import axis, dot, heading, standby, touching, working_height
 
@@ -17,11 +18,6 @@ _TILT_TOLERANCE = np.sin(np.radians(3.0))
 _STANDBY_TOLERANCE = 0.025
 _DRIFT = 0.002
 """How far a rolling thing may drift off its line [m]: so much less is not said to be impossible before it is tried."""
-
-
-def _depth(state: State, thing: Token, region: Token) -> FloatArray:
-    offset = (state[thing, "position"] - state[region, "position"])[..., :2]
-    return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
 
 
 def _close_to_standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
@@ -66,16 +62,7 @@ def _own_room(state: State, hand: Token) -> FloatArray:
     return _depth_in_workspace(hand, state[hand, "position"])
 
 
-INSIDE = Predicate(
-    "inside",
-    (_OBJECT, _REGION),
-    _depth,
-    unit="m",
-    scale=0.01,
-    reads={"object": ("position",), "region": ("position",)},
-    functional="region",
-    description="{object} is inside {region}",
-)
+INSIDE = inside(Rollable)
 BEHIND = Predicate(
     "behind",
     (_HAND, _OBJECT, _REGION),

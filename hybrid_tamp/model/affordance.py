@@ -7,6 +7,7 @@ only names which varying properties its members have.
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import permutations
 from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
@@ -170,6 +171,7 @@ class ClassRelations:
         if is_place(one) != is_place(other):
             return False
         return not any(
-            any(issubclass(one, member) for member in group) and any(issubclass(other, member) for member in group)
+            issubclass(one, mine) and issubclass(other, theirs)
             for group in self._groups
+            for mine, theirs in permutations(group, 2)
         )

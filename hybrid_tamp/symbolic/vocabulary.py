@@ -115,9 +115,9 @@ class Vocabulary:
         return ROOT if object_class is TOKEN or is_place(object_class) else self.word(TOKEN.name)
 
     def token_type(self, token: Token) -> str:
-        """Return the PDDL type of a token: the deepest of its classes that is a type."""
+        """Return the PDDL type of a token: the deepest class that it is a member of and that is a type."""
         deepest = max(
-            (c for c in token.classes if c in self.typed), key=lambda c: (len(c.__mro__), c is not TOKEN), default=None
+            filter(token.is_member, self.typed), key=lambda c: (len(c.__mro__), c is not TOKEN), default=None
         )
         return self.word(deepest.name) if deepest else ROOT
 

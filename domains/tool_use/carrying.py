@@ -1,0 +1,206 @@
+"""CARRYING (paper, D10): a hand brings the tool that it holds to where it is used next, in three modes.
+
+``push``: upright, behind what is to be pushed. ``strike``: raised, above what is to be struck. ``down``: back to where
+it stood at first. The hand follows the demonstrated reach; while it is high it turns the tool.
+"""
+
+from collections.abc import Callable
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.affordance import AffordanceClass
+from hybrid_tamp.model.block import (
+    Binding,
+    Block,
+    Commands,
+    Duration,
+    Hyperparameter,
+    Hyperparameters,
+    Policy,
+    Slot,
+    Target,
+)
+from hybrid_tamp.model.predicate import Literal
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import rotate
+
+from ..common.classes import Region
+from ..common.predicates import AT_REST
+from ..common.primitives import demonstrated_reach, straight_movement
+from ..common.reaching import LIFT
+from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
+from .feasibility import ABLE_TO_PUSH, ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME, PUSH_WITHIN_REACH, SQUARE_TO
+from .geometry import (
+    RAISED,
+    UP,
+    foot,
+    hand_in_tool,
+    norm,
+    push_pose,
+    side,
+    strike_place,
+    swing_angle,
+    tool_orientation,
+    top,
+    yaw,
+)
+from .holding import moved, servo
+from .predicates import HELD, IN_PUSH_STANCE, IN_STRIKE_STANCE, STANDS
+
+Pose = tuple[FloatArray, FloatArray, FloatArray]
+"""Position of the hand ``(..., 3)`` [m], yaw of the tool and angle of its swing ``(...)`` [rad]."""
+Goal = Callable[[Binding, State], Pose]
+
+_MEAN_SPEED = 0.5
+_SETTLING = 0.1
+_TURN = (0.3, 0.4)
+"""When the turn begins and how long it takes, as parts of the reach's duration: the hand is high meanwhile."""
+_BODY = ("position", "orientation", "velocity", "angular_velocity")
+
+
+def _looked_at(object_class: type[AffordanceClass]) -> Target:
+    """Return the object that the hand looks at as it starts: it may be taken up for use before the hand lets it be."""
+    return Target("object", object_class, reads=())
+
+
+def _roles(binding: Binding) -> tuple[Token, Token]:
+    return cast(Token, binding["hand"]), cast(Token, binding["tool"])
+
+
+def _hand_at(binding: Binding, state: State, place: FloatArray, direction: FloatArray, angle: float) -> Pose:
+    """Return the pose of a hand whose tool is somewhere, held as it is."""
+    hand, tool = _roles(binding)
+    arm = rotate(tool_orientation(direction, angle), hand_in_tool(state, hand, tool))
+    return place + arm, direction, np.full_like(direction, angle)
+
+
+def _behind(binding: Binding, state: State) -> Pose:
+    tool, thing, region = (cast(Token, binding[role]) for role in ("tool", "object", "region"))
+    return _hand_at(binding, state, *push_pose(state, tool, thing, region), 0.0)
+
+
+def _above(binding: Binding, state: State) -> Pose:
+    hand, tool = _roles(binding)
+    place = strike_place(state, hand, tool, top(state, cast(Token, binding["object"])))
+    direction = yaw(state, tool)
+    return place, direction, np.full_like(direction, RAISED)
+
+
+def _standing(binding: Binding, state: State) -> Pose:
+    _, tool = _roles(binding)
+    place = state[cast(Token, binding["region"]), "position"] * np.array([1.0, 1.0, 0.0]) + foot(tool) * UP
+    return _hand_at(binding, state, place, yaw(state, tool), 0.0)
+
+
+def _policy(goal: Goal) -> Callable[[Binding, State, Hyperparameters], Policy]:
+    def make(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+        hand, tool = _roles(binding)
+        place, direction, angle = goal(binding, start)
+        duration = np.asarray(hyperparameters["duration"])
+        reach = demonstrated_reach().trajectory(start[hand, "position"], place, duration)
+        turn = straight_movement().trajectory(np.zeros(1), np.ones(1), _TURN[1] * duration)
+        from_yaw, from_angle = yaw(start, tool), swing_angle(start, tool)
+        yawing = (direction - from_yaw + np.pi) % (2 * np.pi) - np.pi
+        swinging = angle - from_angle
+
+        def policy(elapsed: FloatArray, state: State) -> Commands:
+            done, speed, _ = turn.at(elapsed - _TURN[0] * duration)
+            wanted = tool_orientation(from_yaw + done[..., 0] * yawing, from_angle + done[..., 0] * swinging)
+            spin = (speed * yawing[..., None]) * UP + (speed * swinging[..., None]) * side(state, tool)
+            return servo(state, hand, tool, reach.at(elapsed), (wanted, spin))
+
+        return policy
+
+    return make
+
+
+def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    return state.replace(moved(state, *_roles(binding), commands, dt))
+
+
+def _carrying(
+    mode: str,
+    goal: Goal,
+    tool_class: type[Graspable],
+    targets: tuple[Target, ...],
+    entry: tuple[Literal, ...],
+    arrived: tuple[Literal, ...],
+    description: str,
+) -> Block:
+    def duration_guess(binding: Binding, state: State) -> FloatArray:
+        place, _, _ = goal(binding, state)
+        distance = norm(place - state[cast(Token, binding["hand"]), "position"])
+        return np.asarray(1.2 + (distance + 2 * LIFT) / (2 * _MEAN_SPEED))
+
+    def expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+        return float(hyperparameters["duration"]) + _SETTLING
+
+    def outcome(binding: Binding, state: State) -> State:
+        hand, tool = _roles(binding)
+        place, direction, angle = goal(binding, state)
+        orientation = tool_orientation(direction, angle)
+        arm = rotate(orientation, hand_in_tool(state, hand, tool))
+        return state.replace(
+            {
+                (hand.name, "position"): place,
+                (tool.name, "position"): place - arm,
+                (tool.name, "orientation"): orientation,
+            }
+        )
+
+    return Block(
+        name=f"CARRYING:{mode}",
+        slots=(Slot("hand", DexterousHand), Slot("tool", tool_class)),
+        anchor="hand",
+        targets=targets,
+        entry=(HELD("tool", "hand"), *entry),
+        exit=(*arrived, HELD("tool", "hand"), AT_REST("hand"), AT_REST("tool")),
+        writes={"hand": _BODY, "tool": _BODY},
+        # These facts are about the tool as it stood at first.
+        keeps=(HANDLE_WITHIN_REACH, HOME),
+        hyperparameters=(Hyperparameter("duration", "s", 1.2, 8.0, duration_guess, "how long the reach takes"),),
+        duration=Duration(0.3, 12.0, expected),
+        hold=True,
+        policy=_policy(goal),
+        system=_system,
+        outcome=outcome,
+        description=description,
+    )
+
+
+CARRYING = (
+    _carrying(
+        "push",
+        _behind,
+        Pusher,
+        (_looked_at(Pushable), Target("region", Region)),
+        (
+            ABLE_TO_PUSH("hand", "tool", "object"),
+            SQUARE_TO("object", "region"),
+            PUSH_WITHIN_REACH("hand", "tool", "object", "region"),
+            AT_REST("object"),
+        ),
+        (IN_PUSH_STANCE("tool", "object", "region"), ~STANDS("tool")),
+        "the hand brings the tool upright behind what it is to push",
+    ),
+    _carrying(
+        "strike",
+        _above,
+        Striker,
+        (_looked_at(Strikable),),
+        (ABLE_TO_STRIKE("hand", "tool", "object"), AT_REST("object")),
+        (IN_STRIKE_STANCE("hand", "tool", "object"), ~STANDS("tool")),
+        "the hand raises the tool above what it is to strike",
+    ),
+    _carrying(
+        "down",
+        _standing,
+        Graspable,
+        (Target("region", Region),),
+        (HOME("tool", "region"),),
+        (STANDS("tool"),),
+        "the hand stands the tool where it stood at first",
+    ),
+)

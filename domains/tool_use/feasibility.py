@@ -1,0 +1,179 @@
+"""What is decided before any search: whether a hand and a tool are fit for what is to be done."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from hybrid_tamp.model.grasp import GRIP_FRICTION
+from hybrid_tamp.model.predicate import Parameter, Predicate
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
+
+from ..common.classes import Region
+from .classes import Pushable, Pusher, Strikable, Striker
+from .geometry import UP, foot, half_depth, handle_length, point, way
+from .holding import GRAVITY
+from .predicates import HAND, OPEN, TOOL
+from .swing import swing_of
+
+_RESERVE = 1.5
+"""How much more a grip must hold than a tool weighs."""
+_FLOOR_FRICTION = 1.0
+_SQUARE_TOLERANCE = np.radians(5.0)
+_GRASPS = 31
+
+
+def _everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
+    """Make a margin of fixed properties one of batches."""
+    return lambda state, *tokens: np.full(state.values.shape[:-1], margin(*tokens))
+
+
+def _lift(hand: Token, tool: Token) -> float:
+    weight = _RESERVE * GRAVITY * tool["mass"]
+    return float(min(GRIP_FRICTION * hand["maximal_grip"], hand["maximal_force"]) - weight)
+
+
+def _width(hand: Token, tool: Token) -> float:
+    return float(OPEN * hand["maximal_aperture"] - tool["handle_width"])
+
+
+def resistance(thing: Token) -> float:
+    """Return the force [N] with which the floor resists a thing that is pushed over it."""
+    return float(_FLOOR_FRICTION * thing["friction"] * GRAVITY * thing["mass"])
+
+
+def _push(hand: Token, tool: Token, thing: Token) -> float:
+    """By how much force, grip and torque of the nearest grasp exceed what the push takes [N]."""
+    force = resistance(thing)
+    lever = abs(tool["pushing_point"][0] - tool["handle_to"][0])
+    most = min(hand["maximal_force"], GRIP_FRICTION * hand["maximal_grip"] - GRAVITY * tool["mass"])
+    if lever > 0:
+        most = min(most, hand["maximal_torque"] / lever)
+    return float(most - force)
+
+
+def _strike(hand: Token, tool: Token, thing: Token) -> float:
+    """By how much the best blow of all grasps that the wrist can swing exceeds the one needed [N s]."""
+    places = np.linspace(0.0, handle_length(tool), _GRASPS)
+    swing = swing_of(hand, tool, tool["handle_to"][0] - places, 0.0)
+    bearable = hand["strike_torque"] + swing.weight_torque <= hand["maximal_torque"]
+    return float(np.max(np.where(bearable, swing.blow, 0.0)) - thing["impulse_needed"])
+
+
+def _depth(hand: Token, *places: FloatArray) -> FloatArray:
+    """Return the least distance ``(...)`` [m] of places ``(..., 3)`` inside the hand's workspace."""
+    lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
+    return np.asarray(np.min([np.minimum(place - lower, upper - place).min(axis=-1) for place in places], axis=0))
+
+
+def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
+    return _depth(hand, *(point(state, tool, np.asarray(tool[end])) for end in ("handle_from", "handle_to")))
+
+
+def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
+    """The hand's places as the thing comes to the region, wherever on its line it starts."""
+    ahead, _ = way(state, thing, region)
+    back = half_depth(state, thing, ahead) + tool["pushing_point"][2]
+    place = (state[region, "position"] - ahead * back[..., None]) * np.array([1.0, 1.0, 0.0])
+    return _depth(hand, *(place + UP * (foot(tool) - tool[end][0]) for end in ("handle_from", "handle_to")))
+
+
+def _squareness(state: State, thing: Token, region: Token) -> FloatArray:
+    """How much less than the tolerance the way to the region is turned from the nearest side of the box [rad]."""
+    ahead, _ = way(state, thing, region)
+    local = rotate(quaternion_conjugate(state[thing, "orientation"]), ahead)
+    return np.asarray(_SQUARE_TOLERANCE - np.arccos(np.clip(np.abs(local).max(axis=-1), 0.0, 1.0)))
+
+
+def _home(state: State, tool: Token, region: Token) -> FloatArray:
+    offset = (state[tool, "position"] - state[region, "position"])[..., :2]
+    return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
+
+
+LIFTABLE = Predicate(
+    "liftable",
+    (HAND, TOOL),
+    _everywhere(_lift),
+    unit="N",
+    scale=10.0,
+    static=True,
+    description="{hand} grips hard enough to lift {tool}",
+    denial="{tool} is too heavy for the grip of {hand}",
+)
+WIDE_ENOUGH = Predicate(
+    "wide_enough",
+    (HAND, TOOL),
+    _everywhere(_width),
+    unit="m",
+    scale=0.01,
+    static=True,
+    description="{hand} opens wide enough for the handle of {tool}",
+    denial="the handle of {tool} is too wide for {hand}",
+)
+HANDLE_WITHIN_REACH = Predicate(
+    "handle_within_reach",
+    (HAND, TOOL),
+    _reach_of_handle,
+    unit="m",
+    scale=0.01,
+    reads={"tool": ("position", "orientation")},
+    static=True,
+    description="{hand} reaches the handle of {tool} where it stands at first",
+    denial="the handle of {tool} is beyond the workspace of {hand}",
+)
+ABLE_TO_PUSH = Predicate(
+    "able_to_push",
+    (HAND, Parameter("tool", Pusher), Parameter("object", Pushable)),
+    _everywhere(_push),
+    unit="N",
+    scale=10.0,
+    static=True,
+    description="{hand} is strong enough to push {object} with {tool}",
+    denial="{object} resists more than {hand} can push with {tool}",
+)
+ABLE_TO_STRIKE = Predicate(
+    "able_to_strike",
+    (HAND, Parameter("tool", Striker), Parameter("object", Strikable)),
+    _everywhere(_strike),
+    unit="N s",
+    scale=0.1,
+    static=True,
+    description="{hand} can strike {object} hard enough with {tool}",
+    denial="no swing of {tool} by {hand} gives {object} the blow that it needs",
+)
+SQUARE_TO = Predicate(
+    "square_to",
+    (Parameter("object", Pushable), Parameter("region", Region)),
+    _squareness,
+    unit="rad",
+    scale=0.05,
+    reads={"object": ("position", "orientation"), "region": ("position",)},
+    static=True,
+    description="{object} has a side across the straight way to {region}",
+    denial="no side of {object} is across the straight way to {region}, so that a push would turn it",
+)
+PUSH_WITHIN_REACH = Predicate(
+    "push_within_reach",
+    (HAND, Parameter("tool", Pusher), Parameter("object", Pushable), Parameter("region", Region)),
+    _reach_of_push,
+    unit="m",
+    scale=0.01,
+    reads={"object": ("position", "orientation"), "region": ("position",)},
+    static=True,
+    description="{hand} can be behind {object} at {region} within its workspace",
+    denial="{region} is too far for {hand} to push {object} there with {tool}",
+)
+HOME = Predicate(
+    "home",
+    (TOOL, Parameter("region", Region)),
+    _home,
+    unit="m",
+    scale=0.01,
+    reads={"tool": ("position",), "region": ("position",)},
+    static=True,
+    description="{region} is where {tool} stands at first",
+    denial="{region} is not where {tool} stands at first",
+)
+GRASP_FACTS = (LIFTABLE, WIDE_ENOUGH, HANDLE_WITHIN_REACH)
+FEASIBLE = (*GRASP_FACTS, ABLE_TO_PUSH, ABLE_TO_STRIKE, SQUARE_TO, PUSH_WITHIN_REACH, HOME)

@@ -1,0 +1,190 @@
+"""Where a tool is held, stands, pushes and strikes; vectors in the world unless said otherwise, batch dimensions first.
+
+A tool swings in the vertical plane of its heading: its body's x axis, along the handle, and z axis lie in it. The angle
+of its swing is 0 where it stands on its head, x down and z ahead; -pi/2 where it lies in the air level, its head ahead
+and its striking face down; -pi where its head is up.
+"""
+
+from functools import cache
+
+import numpy as np
+
+from hybrid_tamp.model.shape import Box, Cylinder, Part, parts_of
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_from_rpy, rotate
+
+UP = np.array([0.0, 0.0, 1.0])
+LEVEL = -np.pi / 2
+"""Angle at which a tool strikes [rad]."""
+RAISED = -np.pi
+"""Angle at which a strike is wound up [rad]."""
+STANDOFF = 0.03
+"""Gap between a tool and what it is about to push [m]."""
+CLEARANCE = 0.012
+"""Gap that a tool keeps to the floor while it pushes [m]."""
+BESIDE = 0.09
+"""How far beside a handle a hand waits before and after it grasps [m]."""
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+
+
+def dot(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the inner product over the last axis, ``(...)``."""
+    return np.asarray(np.einsum("...i,...i->...", one, other))
+
+
+def cross(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the vector product over the last axis, ``(..., 3)``; `numpy.cross` takes several times as long."""
+    return np.asarray(one.take(_NEXT, -1) * other.take(_LAST, -1) - one.take(_LAST, -1) * other.take(_NEXT, -1))
+
+
+def norm(vector: FloatArray) -> FloatArray:
+    """Return the length over the last axis, ``(...)``."""
+    return np.sqrt(dot(vector, vector))
+
+
+def point(state: State, tool: Token, body: FloatArray) -> FloatArray:
+    """Return where a point of the tool is, given in its body frame ``(..., 3)`` [m]."""
+    return state[tool, "position"] + rotate(state[tool, "orientation"], body)
+
+
+def point_velocity(state: State, tool: Token, body: FloatArray) -> FloatArray:
+    """Return the velocity ``(..., 3)`` [m/s] of a point of the tool, given in its body frame."""
+    arm = rotate(state[tool, "orientation"], body)
+    return np.asarray(state[tool, "velocity"] + cross(state[tool, "angular_velocity"], arm))
+
+
+def hand_in_tool(state: State, hand: Token, tool: Token) -> FloatArray:
+    """Return where the hand's centre is in the tool's body frame, ``(..., 3)`` [m]."""
+    away = state[hand, "position"] - state[tool, "position"]
+    return rotate(quaternion_conjugate(state[tool, "orientation"]), away)
+
+
+def handle_length(tool: Token) -> float:
+    """Return the length of the graspable segment [m]."""
+    return float(tool["handle_to"][0] - tool["handle_from"][0])
+
+
+def on_handle(tool: Token, location: FloatArray | float) -> FloatArray:
+    """Return the point of the handle in the body frame ``(..., 3)`` [m], `location` away from its end near the head."""
+    return np.asarray(tool["handle_to"] - np.asarray(location)[..., None] * np.array([1.0, 0.0, 0.0]))
+
+
+def location(state: State, hand: Token, tool: Token) -> FloatArray:
+    """Return how far along the handle the hand is from its end near the head, ``(...)`` [m]."""
+    return np.asarray(tool["handle_to"][0] - hand_in_tool(state, hand, tool)[..., 0])
+
+
+def off_handle(state: State, hand: Token, tool: Token) -> FloatArray:
+    """Return the distance ``(...)`` [m] of the hand's centre from the graspable segment."""
+    place = hand_in_tool(state, hand, tool)
+    along = np.clip(place[..., 0], tool["handle_from"][0], tool["handle_to"][0])
+    return norm(
+        place - np.concatenate([along[..., None], np.broadcast_to(tool["handle_to"][1:], (*along.shape, 2))], -1)
+    )
+
+
+def beside(state: State, hand: Token, tool: Token) -> FloatArray:
+    """Return where a hand waits beside the middle of a handle, on the side where it is, ``(..., 3)`` [m]."""
+    aside = np.where(hand_in_tool(state, hand, tool)[..., 1] < 0, -BESIDE, BESIDE)
+    middle = on_handle(tool, handle_length(tool) / 2)
+    return point(state, tool, middle + aside[..., None] * np.array([0.0, 1.0, 0.0]))
+
+
+def side(state: State, tool: Token) -> FloatArray:
+    """Return the tool's y axis ``(..., 3)``, about which it swings."""
+    return rotate(state[tool, "orientation"], np.array([0.0, 1.0, 0.0]))
+
+
+def heading(state: State, tool: Token) -> FloatArray:
+    """Return the horizontal unit vector ``(..., 3)`` ahead of the tool."""
+    return _unit(cross(side(state, tool), UP))
+
+
+def yaw(state: State, tool: Token) -> FloatArray:
+    """Return the direction ``(...)`` [rad] of the heading about the vertical."""
+    ahead = heading(state, tool)
+    return np.arctan2(ahead[..., 1], ahead[..., 0])
+
+
+def swing_angle(state: State, tool: Token) -> FloatArray:
+    """Return the angle of the tool's swing ``(...)`` [rad], from -3/2 pi up to pi/2."""
+    along = rotate(state[tool, "orientation"], np.array([1.0, 0.0, 0.0]))
+    angle = np.arctan2(-dot(along, heading(state, tool)), -along[..., 2])
+    return np.asarray(np.where(angle > np.pi / 2, angle - 2 * np.pi, angle))
+
+
+def tool_orientation(direction: FloatArray, angle: FloatArray | float) -> FloatArray:
+    """Return the orientation ``(..., 4)`` of a tool by the yaw of its heading and the angle of its swing [rad]."""
+    turned, swung = np.broadcast_arrays(direction, np.asarray(angle) + np.pi / 2)
+    return quaternion_from_rpy(np.stack([np.zeros_like(turned), swung, turned], axis=-1))
+
+
+def foot(tool: Token) -> float:
+    """Return how far the head's end, on which it stands, lies from the centre of mass [m]."""
+    assert tool.shape is not None, "a tool has a shape"
+    return max(map(_ahead, parts_of(tool.shape)))
+
+
+def butt(tool: Token) -> FloatArray:
+    """Return the corner of the handle's end ``(3,)`` [m], in the body frame, that comes near what is struck."""
+    assert tool.shape is not None, "a tool has a shape"
+    back = max(_ahead(part, -1.0) for part in parts_of(tool.shape))
+    return np.array([-back, 0.0, tool["handle_to"][2] - tool["handle_width"] / 2])
+
+
+@cache
+def _ahead(part: Part, way: float = 1.0) -> float:
+    """Return how far a part of a shape reaches along the body's x axis, or against it if `way` is -1 [m]."""
+    along = rotate(quaternion_conjugate(quaternion_from_rpy(part.rpy)), np.array([way, 0.0, 0.0]))
+    if isinstance(part, Box):
+        reach = float(np.abs(along) @ np.asarray(part.half_extents))
+    elif isinstance(part, Cylinder):
+        reach = float(part.radius * np.hypot(along[0], along[1]) + part.length / 2 * abs(along[2]))
+    else:
+        reach = part.radius
+    return way * part.position[0] + reach
+
+
+def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:
+    """Return the horizontal direction ``(..., 3)`` from a thing to a region and the distance ``(...)`` [m]."""
+    offset = (state[region, "position"] - state[thing, "position"]) * np.array([1.0, 1.0, 0.0])
+    return _unit(offset), norm(offset)
+
+
+def in_box(state: State, thing: Token, place: FloatArray) -> FloatArray:
+    """Return a place ``(..., 3)`` [m] in the frame of a thing."""
+    return rotate(quaternion_conjugate(state[thing, "orientation"]), place - state[thing, "position"])
+
+
+def half_depth(state: State, thing: Token, direction: FloatArray) -> FloatArray:
+    """Return how far a box reaches from its centre along a direction ``(..., 3)``, ``(...)`` [m]."""
+    local = rotate(quaternion_conjugate(state[thing, "orientation"]), direction)
+    return np.asarray(np.abs(local) @ np.asarray(thing["half_extents"]))
+
+
+def push_pose(state: State, tool: Token, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:
+    """Return position ``(..., 3)`` [m] and yaw ``(...)`` [rad] of a tool that is about to push a thing to a region."""
+    ahead, _ = way(state, thing, region)
+    back = half_depth(state, thing, ahead) + STANDOFF + tool["pushing_point"][2]
+    place = state[thing, "position"] - ahead * back[..., None]
+    height = np.full((*back.shape, 1), foot(tool) + CLEARANCE)
+    return np.concatenate([place[..., :2], height], axis=-1), np.arctan2(ahead[..., 1], ahead[..., 0])
+
+
+def top(state: State, thing: Token) -> FloatArray:
+    """Return the middle of a box's top ``(..., 3)`` [m]."""
+    high = half_depth(state, thing, np.broadcast_to(UP, state[thing, "position"].shape))
+    return np.asarray(state[thing, "position"] + high[..., None] * UP)
+
+
+def strike_place(state: State, hand: Token, tool: Token, target: FloatArray) -> FloatArray:
+    """Return where the hand's centre is as the tool, level, meets a target ``(..., 3)``, ``(..., 3)`` [m]."""
+    arm = hand_in_tool(state, hand, tool) - np.asarray(tool["impact_point"])
+    return np.asarray(target + arm[..., :1] * heading(state, tool) + arm[..., 2:] * UP)
+
+
+def _unit(vector: FloatArray) -> FloatArray:
+    length = norm(vector)[..., None]
+    # A direction of no length only stays finite: where it matters a predicate says so.
+    return np.where(length > 1e-9, vector / np.maximum(length, 1e-9), np.array([1.0, 0.0, 0.0]))

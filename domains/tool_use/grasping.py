@@ -1,0 +1,137 @@
+"""GRASPING (paper, D7): a hand reaches from beside a handle to the grasp location and closes."""
+
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.block import (
+    Binding,
+    Block,
+    Commands,
+    Duration,
+    Hyperparameter,
+    Hyperparameters,
+    Measure,
+    Policy,
+    Slot,
+    Target,
+)
+from hybrid_tamp.model.grasp import FINGER_SPEED
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+
+from ..common.predicates import AT_REST
+from ..common.primitives import straight_movement
+from ..common.reaching import ReachGoal
+from ..common.servos import force_on, free_motion, hand_servo
+from .classes import DexterousHand, Graspable
+from .feasibility import GRASP_FACTS
+from .geometry import beside, handle_length, location, on_handle, point
+from .holding import fingers
+from .predicates import AT_HANDLE, EMPTY, HELD, STANDS
+
+_APPROACH = 0.8
+"""How long the hand takes from beside the handle to the grasp location [s]."""
+_CLOSES_AFTER = 0.95
+"""When it begins to close [s]: it is at rest by then."""
+
+
+def _roles(binding: Binding) -> tuple[Token, Token]:
+    return cast(Token, binding["hand"]), cast(Token, binding["tool"])
+
+
+def _beside(binding: Binding, state: State) -> FloatArray:
+    return beside(state, *_roles(binding))
+
+
+def _middle(binding: Binding, state: State) -> FloatArray:
+    return np.asarray(handle_length(cast(Token, binding["tool"])) / 2)
+
+
+def _bounds(binding: Binding) -> tuple[float, float]:
+    return 0.0, handle_length(cast(Token, binding["tool"]))
+
+
+def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+    hand, tool = _roles(binding)
+    return float(_CLOSES_AFTER + (hand["maximal_aperture"] - tool["handle_width"]) / FINGER_SPEED + 0.01)
+
+
+def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    hand, tool = _roles(binding)
+    origin = start[hand, "position"].copy()
+    whole = point(start, tool, on_handle(tool, hyperparameters["grasp_location"])) - origin
+    reference = straight_movement().trajectory(np.zeros(1), np.ones(1), _APPROACH)
+    servo = hand_servo(hand, start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        done, speed, _ = reference.at(elapsed)
+        closing = np.where(elapsed > _CLOSES_AFTER, hand["maximal_grip"], 0.0)
+        grip = np.broadcast_to(closing[..., None], state[hand, "aperture"].shape)
+        return servo(state, origin + done * whole, speed * whole) | {(hand.name, "grip"): grip}
+
+    return policy
+
+
+def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    hand, tool = _roles(binding)
+    moved = free_motion(state, hand, force_on(hand, state, commands), dt)
+    return moved.replace(fingers(state, hand, tool, commands, dt))
+
+
+def _contact(binding: Binding, before: State, after: State, hyperparameters: Hyperparameters) -> FloatArray:
+    """Return which share of the hand's width touches the handle ``(...)``, by where it is in the end."""
+    hand, tool = _roles(binding)
+    place, half = location(after, hand, tool), hand["contact_width"] / 2
+    touching = np.minimum(place + half, handle_length(tool)) - np.maximum(place - half, 0.0)
+    return np.asarray(np.clip(touching / hand["contact_width"], 0.0, 1.0))
+
+
+def _outcome(binding: Binding, state: State) -> State:
+    """The hand is at the middle of the handle, closed."""
+    hand, tool = _roles(binding)
+    place = point(state, tool, on_handle(tool, handle_length(tool) / 2))
+    return state.replace({(hand.name, "position"): place, (hand.name, "aperture"): tool["handle_width"]})
+
+
+REACH_HANDLE = ReachGoal(
+    targets=(Target("tool", Graspable),),
+    position=_beside,
+    entry=(*(fact("hand", "tool") for fact in GRASP_FACTS), EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
+    arrived=(AT_HANDLE("hand", "tool"),),
+)
+
+GRASPING = Block(
+    name="GRASPING",
+    slots=(Slot("hand", DexterousHand), Slot("tool", Graspable)),
+    anchor="hand",
+    entry=(
+        *(fact("hand", "tool") for fact in GRASP_FACTS),
+        AT_HANDLE("hand", "tool"),
+        EMPTY("hand"),
+        STANDS("tool"),
+        AT_REST("tool"),
+    ),
+    exit=(HELD("tool", "hand"), ~EMPTY("hand"), AT_REST("hand")),
+    writes={"hand": ("position", "velocity", "aperture")},
+    hyperparameters=(
+        Hyperparameter(
+            "grasp_location",
+            "m",
+            0.0,
+            100.0,
+            _middle,
+            "distance of the grasp from the end of the handle near the head",
+            _bounds,
+        ),
+    ),
+    duration=Duration(_APPROACH, 5.0, _expected),
+    hold=True,
+    policy=_policy,
+    system=_system,
+    performance=(
+        Measure("contact", "1", 1.0, end=_contact, description="share of the hand's width that touches the handle"),
+    ),
+    outcome=_outcome,
+    description="the hand reaches to the grasp location and closes on the handle",
+)

@@ -1,0 +1,158 @@
+"""What the conditions of tool use speak of; what is decided before any search is in `feasibility`."""
+
+import numpy as np
+
+from hybrid_tamp.model.grasp import CAPTURE
+from hybrid_tamp.model.predicate import Parameter, Predicate
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import rotate
+
+from ..common.classes import Region
+from ..common.predicates import inside
+from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
+from .geometry import (
+    RAISED,
+    beside,
+    foot,
+    norm,
+    off_handle,
+    push_pose,
+    strike_place,
+    swing_angle,
+    top,
+    yaw,
+)
+
+HAND = Parameter("hand", DexterousHand)
+TOOL = Parameter("tool", Graspable)
+_PUSHED = Parameter("object", Pushable)
+_STRUCK = Parameter("object", Strikable)
+_REGION = Parameter("region", Region)
+OPEN = 0.7
+"""A hand is empty when its fingers are open by this share of their largest gap."""
+_FINGER_TOLERANCE = 1e-4
+_BESIDE_TOLERANCE = 0.02
+_FOOT_TOLERANCE = 0.005
+_TILT_TOLERANCE = np.radians(5.0)
+_STANCE_TOLERANCE = 0.02
+_ANGLE_TOLERANCE = np.radians(6.0)
+_POSE = ("position", "orientation")
+_HAND_POSE = ("position", "aperture")
+
+
+def _closeness_to_handle(state: State, hand: Token, tool: Token) -> FloatArray:
+    return np.asarray(_BESIDE_TOLERANCE - norm(state[hand, "position"] - beside(state, hand, tool)))
+
+
+def _openness(state: State, hand: Token) -> FloatArray:
+    return np.asarray(state[hand, "aperture"][..., 0] - OPEN * hand["maximal_aperture"])
+
+
+def _grip(state: State, tool: Token, hand: Token) -> FloatArray:
+    """The fingers are as far apart as the handle is wide, and the handle is between them."""
+    closed = _FINGER_TOLERANCE - np.abs(state[hand, "aperture"][..., 0] - tool["handle_width"])
+    return np.asarray(np.minimum(closed, CAPTURE - off_handle(state, hand, tool)))
+
+
+def _standing(state: State, tool: Token) -> FloatArray:
+    """The tool's head is on the floor, and its handle upright."""
+    upright = _TILT_TOLERANCE - np.abs(swing_angle(state, tool))
+    level = _TILT_TOLERANCE - np.abs(rotate(state[tool, "orientation"], np.array([0.0, 1.0, 0.0]))[..., 2])
+    height = _FOOT_TOLERANCE - np.abs(state[tool, "position"][..., 2] - foot(tool))
+    return np.asarray(np.minimum(np.minimum(upright, level) * _FOOT_TOLERANCE / _TILT_TOLERANCE, height))
+
+
+def _stance(distance: FloatArray, *angles: FloatArray) -> FloatArray:
+    """Return the least margin [m] of a place and of angles, which count as lengths in proportion to tolerances."""
+    margin = np.asarray(_STANCE_TOLERANCE - distance)
+    for angle in angles:
+        turned = np.abs((angle + np.pi) % (2 * np.pi) - np.pi)
+        margin = np.minimum(margin, _STANCE_TOLERANCE * (1.0 - turned / _ANGLE_TOLERANCE))
+    return margin
+
+
+def _push_stance(state: State, tool: Token, thing: Token, region: Token) -> FloatArray:
+    place, direction = push_pose(state, tool, thing, region)
+    off = norm(state[tool, "position"] - place)
+    return _stance(off, swing_angle(state, tool), yaw(state, tool) - direction)
+
+
+def _strike_stance(state: State, hand: Token, tool: Token, thing: Token) -> FloatArray:
+    off = norm(state[hand, "position"] - strike_place(state, hand, tool, top(state, thing)))
+    return _stance(off, swing_angle(state, tool) - RAISED)
+
+
+def _blow(state: State, thing: Token) -> FloatArray:
+    return np.asarray(state[thing, "impulse"][..., 0] - thing["impulse_needed"])
+
+
+INSIDE = inside(Pushable)
+AT_HANDLE = Predicate(
+    "at_handle",
+    (HAND, TOOL),
+    _closeness_to_handle,
+    unit="m",
+    scale=0.01,
+    reads={"hand": ("position",), "tool": _POSE},
+    maintained=True,
+    description="{hand} is beside the handle of {tool}",
+)
+EMPTY = Predicate(
+    "empty",
+    (HAND,),
+    _openness,
+    unit="m",
+    scale=0.01,
+    reads={"hand": ("aperture",)},
+    description="{hand} is open and empty",
+)
+HELD = Predicate(
+    "held",
+    (TOOL, HAND),
+    _grip,
+    unit="m",
+    scale=0.01,
+    reads={"tool": _POSE, "hand": _HAND_POSE},
+    functional="hand",
+    description="{tool} is held by {hand}",
+)
+STANDS = Predicate(
+    "stands",
+    (TOOL,),
+    _standing,
+    unit="m",
+    scale=0.01,
+    reads={"tool": _POSE},
+    description="{tool} stands on its head",
+)
+IN_PUSH_STANCE = Predicate(
+    "in_push_stance",
+    (Parameter("tool", Pusher), _PUSHED, _REGION),
+    _push_stance,
+    unit="m",
+    scale=0.01,
+    reads={"tool": _POSE, "object": _POSE, "region": ("position",)},
+    maintained=True,
+    description="{tool} is upright behind {object} as seen from {region}",
+)
+IN_STRIKE_STANCE = Predicate(
+    "in_strike_stance",
+    (HAND, Parameter("tool", Striker), _STRUCK),
+    _strike_stance,
+    unit="m",
+    scale=0.01,
+    reads={"hand": ("position",), "tool": _POSE, "object": _POSE},
+    maintained=True,
+    description="{hand} has raised {tool} to strike {object}",
+)
+STRUCK = Predicate(
+    "struck",
+    (_STRUCK,),
+    _blow,
+    unit="N s",
+    scale=0.1,
+    reads={"object": ("impulse",)},
+    description="{object} has been struck hard enough",
+)
+CHANGING = (INSIDE, AT_HANDLE, EMPTY, HELD, STANDS, IN_PUSH_STANCE, IN_STRIKE_STANCE, STRUCK)

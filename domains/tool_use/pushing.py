@@ -1,0 +1,224 @@
+"""PUSHING (paper, D9): the head of an upright tool pushes a thing in a straight line to a region.
+
+The tool first comes to touch the thing, then goes on by the distance, both as people's straight movements do. The wrist
+bears the torque of the push: its resistance times the height of the hand above the pushing point.
+"""
+
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.block import (
+    Binding,
+    Block,
+    Commands,
+    Duration,
+    Hyperparameter,
+    Hyperparameters,
+    Measure,
+    Policy,
+    Slot,
+    Target,
+)
+from hybrid_tamp.model.predicate import ANY
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
+
+from ..common.classes import Region
+from ..common.predicates import AT_REST
+from ..common.primitives import straight_movement
+from .classes import DexterousHand, Pushable, Pusher
+from .feasibility import (
+    ABLE_TO_PUSH,
+    HANDLE_WITHIN_REACH,
+    HOME,
+    PUSH_WITHIN_REACH,
+    SQUARE_TO,
+    resistance,
+)
+from .geometry import UP, cross, dot, half_depth, heading, norm, point, side, tool_orientation, way
+from .holding import Load, accelerated, effective_mass, knocked, placed, servo
+from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
+
+_APPROACH = 0.8
+"""How long the tool takes to touch the thing [s]."""
+_SHORTEST = 1.0
+"""How long a push takes at least [s]."""
+_STEERING = 0.03
+"""How far beside the middle of the thing the tool pushes, per angle that the thing has turned [m/rad]."""
+_RETURNING = 8.0
+"""How far the thing is turned towards its line, per distance from it [rad/m]."""
+_LARGEST_TURN = 0.15
+"""How far at most [rad]."""
+_MARGIN = 0.6
+"""Which part of its half width the tool pushes within."""
+_CREEP = 0.01
+"""Speed from which on the full resistance is expected [m/s]."""
+_TOUCH = 1e-6
+_BODY = ("position", "orientation", "velocity", "angular_velocity")
+
+
+def _roles(binding: Binding) -> tuple[Token, Token, Token, Token]:
+    hand, tool, thing, region = (cast(Token, binding[role]) for role in ("hand", "tool", "object", "region"))
+    return hand, tool, thing, region
+
+
+def _distance_guess(binding: Binding, state: State) -> FloatArray:
+    _, _, thing, region = _roles(binding)
+    return way(state, thing, region)[1]
+
+
+def _time(hyperparameters: Hyperparameters) -> FloatArray:
+    return np.maximum(np.asarray(hyperparameters["distance"]) / hyperparameters["speed"], _SHORTEST)
+
+
+def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+    return float(_APPROACH + _time(hyperparameters))
+
+
+def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArray:
+    """Return the distance ``(...)`` [m] between the pushing point and the side of the thing."""
+    face = point(state, tool, np.asarray(tool["pushing_point"]))
+    return dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
+
+
+def _steering(state: State, thing: Token, line: FloatArray, ahead: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return where across its line the tool pushes ``(...)`` [m], and how fast that changes [m/s].
+
+    A thing that one point pushes from behind turns away from it, more and more. So the tool pushes to the side to which
+    the thing has turned, and turns it a little towards its line where it has left it.
+
+    Args:
+        state: current state.
+        thing: what is pushed.
+        line: a point of the line ``(..., 3)`` [m].
+        ahead: its direction ``(..., 3)``.
+    """
+    across = cross(np.broadcast_to(UP, ahead.shape), ahead)
+    off, drift = dot(state[thing, "position"] - line, across), dot(state[thing, "velocity"], across)
+    local = rotate(quaternion_conjugate(state[thing, "orientation"]), ahead)
+    turned = (np.pi / 4 - np.arctan2(local[..., 1], local[..., 0])) % (np.pi / 2) - np.pi / 4
+    spin = state[thing, "angular_velocity"][..., 2]
+    depth, width = half_depth(state, thing, ahead), _MARGIN * half_depth(state, thing, across)
+    wanted = np.clip(-_RETURNING * off, -_LARGEST_TURN, _LARGEST_TURN)
+    beside = np.clip(_STEERING * (turned - wanted), -width, width)
+    return off - depth * turned + beside, drift + (_STEERING - depth) * spin
+
+
+def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    hand, tool, thing, region = _roles(binding)
+    ahead, _ = way(start, thing, region)
+    across = cross(np.broadcast_to(UP, ahead.shape), ahead)
+    upright = tool_orientation(np.arctan2(ahead[..., 1], ahead[..., 0]), 0.0)
+    face = point(start, tool, np.asarray(tool["pushing_point"]))
+    origin, line, gap = start[hand, "position"].copy(), start[thing, "position"].copy(), _gap(start, tool, thing, ahead)
+    beside = dot(face - line, across)[..., None]
+    distance, still = np.asarray(hyperparameters["distance"])[..., None], np.zeros(3)
+    # The primitive goes from 0 to 1; its forcing term does not shrink with the way.
+    touch = straight_movement().trajectory(np.zeros(1), np.ones(1), _APPROACH)
+    push = straight_movement().trajectory(np.zeros(1), np.ones(1), _time(hyperparameters))
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        near, go = touch.at(elapsed), push.at(elapsed - _APPROACH)
+        position, velocity, acceleration = (
+            (gap[..., None] * one + distance * other) * ahead for one, other in zip(near, go, strict=True)
+        )
+        place, drift = _steering(state, thing, line, ahead)
+        position = origin + position + near[0] * (place[..., None] - beside) * across
+        velocity = velocity + near[0] * drift[..., None] * across
+        resisting = resistance(thing) * np.clip(distance * go[1] / _CREEP, 0.0, 1.0) + thing["mass"] * distance * go[2]
+        load = Load(-resisting * ahead, point(state, tool, np.asarray(tool["pushing_point"])))
+        return servo(state, hand, tool, (position, velocity, acceleration), (upright, still), load)
+
+    return policy
+
+
+def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    """Hand and tool as one body; the thing slides with Coulomb friction and is pushed, never pulled; no bounce."""
+    hand, tool, thing, _ = _roles(binding)
+    ahead, face = heading(state, tool), point(state, tool, np.asarray(tool["pushing_point"]))
+    velocity, spin = accelerated(state, hand, tool, commands, dt)
+    closing = dot(velocity + cross(spin, face - state[hand, "position"]), ahead)
+    braked = resistance(thing) * dt
+    sliding = dot(state[thing, "velocity"], ahead)
+    alone = np.maximum(sliding - braked / thing["mass"], 0.0)
+    gap = dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
+    touches = (closing > alone) & (gap <= (closing - alone) * dt + _TOUCH)
+    mass = effective_mass(state, hand, tool, face, ahead)
+    common = np.maximum((mass * closing + thing["mass"] * sliding - braked) / (mass + thing["mass"]), 0.0)
+    blow = np.where(touches, mass * (closing - common), 0.0)[..., None] * ahead
+    velocity, spin = knocked(state, hand, tool, velocity, spin, face, -blow)
+    slides = np.where(touches, common, alone)[..., None] * ahead
+    changes = placed(state, hand, tool, velocity, spin, dt)
+    changes[thing.name, "velocity"] = slides
+    changes[thing.name, "position"] = state[thing, "position"] + slides * dt
+    return state.replace(changes)
+
+
+def _torque_work(binding: Binding, state: State, commands: Commands) -> FloatArray:
+    """Return the square of the wrist's torque times the speed of the push, ``(...)`` [N^2 m^3 / s]."""
+    hand, tool, thing, _ = _roles(binding)
+    torque = dot(commands[hand.name, "torque"], side(state, tool))
+    return np.asarray(torque**2 * norm(state[thing, "velocity"]))
+
+
+def _outcome(binding: Binding, state: State) -> State:
+    """The thing lies in the middle of the region, hand and tool behind it, touching it."""
+    hand, tool, thing, region = _roles(binding)
+    ahead, _ = way(state, thing, region)
+    pushed = (state[region, "position"] - state[thing, "position"]) * np.array([1.0, 1.0, 0.0])
+    came = pushed + _gap(state, tool, thing, ahead)[..., None] * ahead
+    return state.replace(
+        {
+            (thing.name, "position"): state[thing, "position"] + pushed,
+            (hand.name, "position"): state[hand, "position"] + came,
+            (tool.name, "position"): state[tool, "position"] + came,
+        }
+    )
+
+
+PUSHING = Block(
+    name="PUSHING",
+    slots=(Slot("hand", DexterousHand), Slot("object", Pushable), Slot("tool", Pusher)),
+    anchor="hand",
+    targets=(Target("region", Region),),
+    entry=(
+        ABLE_TO_PUSH("hand", "tool", "object"),
+        SQUARE_TO("object", "region"),
+        PUSH_WITHIN_REACH("hand", "tool", "object", "region"),
+        HELD("tool", "hand"),
+        IN_PUSH_STANCE("tool", "object", "region"),
+        AT_REST("object"),
+    ),
+    exit=(
+        ~INSIDE("object", ANY),
+        INSIDE("object", "region"),
+        HELD("tool", "hand"),
+        ~STANDS("tool"),
+        AT_REST("object"),
+        AT_REST("hand"),
+        AT_REST("tool"),
+    ),
+    writes={"hand": _BODY, "tool": _BODY, "object": _BODY},
+    # A push is straight, and the thing keeps its heading; the other facts are about the tool as it stood at first.
+    keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),
+    hyperparameters=(
+        Hyperparameter("distance", "m", 0.0, 10.0, _distance_guess, "how far to push"),
+        Hyperparameter("speed", "m/s", 0.05, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
+    ),
+    duration=Duration(_APPROACH, 40.0, _expected),
+    policy=_policy,
+    system=_system,
+    performance=(
+        Measure(
+            "torque_work",
+            "N^2 m^3",
+            -4.0,
+            rate=_torque_work,
+            description="square of the wrist's torque, over the distance pushed",
+        ),
+    ),
+    outcome=_outcome,
+    description="the tool pushes the object in a straight line until it rests within the region",
+)

@@ -1,0 +1,68 @@
+"""RELEASING (paper, D11): a hand opens and leaves the tool sideways."""
+
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameters, Policy, Slot
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+
+from ..common.predicates import AT_REST
+from ..common.primitives import straight_movement
+from ..common.servos import force_on, free_motion, hand_servo
+from .classes import DexterousHand, Graspable
+from .geometry import beside
+from .holding import fingers
+from .predicates import EMPTY, HELD, STANDS
+
+_OPENING = 0.3
+"""How long the fingers have to open before the hand moves [s]."""
+_LEAVING = 0.8
+"""How long the hand takes to leave [s]."""
+
+
+def _roles(binding: Binding) -> tuple[Token, Token]:
+    return cast(Token, binding["hand"]), cast(Token, binding["tool"])
+
+
+def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    hand, tool = _roles(binding)
+    origin = start[hand, "position"].copy()
+    whole = beside(start, hand, tool) - origin
+    reference = straight_movement().trajectory(np.zeros(1), np.ones(1), _LEAVING)
+    servo = hand_servo(hand, start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        done, speed, _ = reference.at(elapsed - _OPENING)
+        return servo(state, origin + done * whole, speed * whole)
+
+    return policy
+
+
+def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    hand, tool = _roles(binding)
+    moved = free_motion(state, hand, force_on(hand, state, commands), dt)
+    return moved.replace(fingers(state, hand, tool, commands, dt))
+
+
+def _outcome(binding: Binding, state: State) -> State:
+    hand, tool = _roles(binding)
+    place = beside(state, hand, tool)
+    return state.replace({(hand.name, "position"): place, (hand.name, "aperture"): hand["maximal_aperture"]})
+
+
+RELEASING = Block(
+    name="RELEASING",
+    slots=(Slot("hand", DexterousHand), Slot("tool", Graspable)),
+    anchor="hand",
+    entry=(HELD("tool", "hand"), STANDS("tool")),
+    # What is let go must go on standing: the condition is measured.
+    exit=(~HELD("tool", "hand"), EMPTY("hand"), STANDS("tool"), AT_REST("hand"), AT_REST("tool")),
+    writes={"hand": ("position", "velocity", "aperture")},
+    duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05),
+    policy=_policy,
+    system=_system,
+    outcome=_outcome,
+    description="the hand opens and leaves the tool where it stands",
+)

@@ -1,0 +1,270 @@
+"""STRIKING (paper, D8): a hammering movement; the tool's impact point meets the top of a thing.
+
+The hand winds up, then a constant torque swings hand and tool about an elbow until the speed that its work gives, and
+the tool coasts at that speed until it meets its target. After the blow the hand holds the tool just above the thing.
+"""
+
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.block import (
+    CONTROL_PERIOD,
+    Binding,
+    Block,
+    Commands,
+    Duration,
+    Hyperparameter,
+    Hyperparameters,
+    Measure,
+    Policy,
+    Slot,
+)
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import rotate
+
+from ..common.predicates import AT_REST
+from ..common.primitives import straight_movement
+from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE, turn_between, turning_rate
+from .classes import DexterousHand, Strikable, Striker
+from .feasibility import ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME
+from .geometry import (
+    LEVEL,
+    UP,
+    butt,
+    cross,
+    dot,
+    hand_in_tool,
+    heading,
+    in_box,
+    norm,
+    point,
+    point_velocity,
+    side,
+    strike_place,
+    swing_angle,
+    tool_orientation,
+    top,
+    yaw,
+)
+from .holding import accelerated, effective_mass, keeping, placed, wrench
+from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
+from .swing import Swing, swing_of
+
+_WINDING_UP = 0.4
+"""How long it takes to wind up where the hand is [s]."""
+_WINDING_SPEED = 0.4
+"""Mean speed of the hand to where the swing begins [m/s]."""
+_FOLLOWING_THROUGH = 1.5
+"""For how many times as long as it should take the tool is swung, if it meets nothing."""
+_ABOVE = 0.15
+"""How much the tool is raised after the blow [rad]."""
+_RAISING_RATE = 20.0
+"""Natural frequency of the servo that raises it [rad/s]."""
+_SETTLING = 0.5
+_TOUCH = 1e-6
+_BODY = ("position", "orientation", "velocity", "angular_velocity")
+
+
+def _roles(binding: Binding) -> tuple[Token, Token, Token]:
+    hand, tool, thing = (cast(Token, binding[role]) for role in ("hand", "tool", "object"))
+    return hand, tool, thing
+
+
+def along(ahead: FloatArray, angle: FloatArray) -> FloatArray:
+    """Return the direction ``(..., 3)`` from handle to head at an angle of the swing ``(...)`` [rad]."""
+    return np.asarray(-np.sin(angle)[..., None] * ahead - np.cos(angle)[..., None] * UP)
+
+
+class _Arc:
+    """Where hand and tool are during one strike: about which elbow, and between which angles."""
+
+    def __init__(self, binding: Binding, start: State, hyperparameters: Hyperparameters) -> None:
+        hand, tool, thing = _roles(binding)
+        self.radius = np.asarray(hyperparameters["swing_radius"])
+        self.ahead = heading(start, tool)
+        across = cross(UP, self.ahead)
+        x, y = (np.asarray(hyperparameters[name])[..., None] for name in ("target_x", "target_y"))
+        target = top(start, thing) + x * self.ahead + y * across
+        self.axis = across
+        self.elbow = strike_place(start, hand, tool, target) - self.radius[..., None] * self.ahead
+        self.swing: Swing = swing_of(hand, tool, hand_in_tool(start, hand, tool)[..., 0], self.radius)
+        self.beginning = self.swing.wound_up(hand)
+        self.way = self.hand_at(self.beginning) - start[hand, "position"]
+        self.winding = _WINDING_UP + norm(self.way) / _WINDING_SPEED
+        self.latest = self.winding + _FOLLOWING_THROUGH * self.swing.duration(hand)
+
+    def hand_at(self, angle: FloatArray) -> FloatArray:
+        """Return the place of the hand ``(..., 3)`` [m] at an angle ``(...)`` [rad]."""
+        return np.asarray(self.elbow + self.radius[..., None] * along(self.ahead, angle))
+
+
+def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+    arc = _Arc(binding, state, hyperparameters)
+    return float(arc.winding + arc.swing.duration(_roles(binding)[0]) + _SETTLING)
+
+
+def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    hand, tool, thing = _roles(binding)
+    arc = _Arc(binding, start, hyperparameters)
+    origin, from_angle, direction = start[hand, "position"].copy(), swing_angle(start, tool), yaw(start, tool)
+    winding = straight_movement().trajectory(np.zeros(1), np.ones(1), arc.winding)
+    turn = arc.beginning - from_angle
+    taken = start[thing, "impulse"][..., 0].copy()
+    over = tool_orientation(direction, LEVEL - _ABOVE)
+    above = arc.hand_at(np.full_like(turn, LEVEL - _ABOVE))
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        done, speed, change = winding.at(elapsed)
+        wound = tool_orientation(direction, from_angle + done[..., 0] * turn)
+        rate = (speed[..., 0] * turn)[..., None] * arc.axis
+        before = keeping(state, hand, origin + done * arc.way, speed * arc.way, change * arc.way)
+        hit = ((state[thing, "impulse"][..., 0] > taken) | (elapsed > arc.latest))[..., None]
+        swinging = (elapsed > arc.winding)[..., None]
+        spin = dot(state[tool, "angular_velocity"], arc.axis)
+        driven = np.minimum(arc.swing.drive(hand), (arc.swing.rate - spin) / CONTROL_PERIOD)
+        moving = np.where(swinging, _on_arc(state, hand, tool, arc, spin, driven), before)
+        moving = np.where(hit, keeping(state, hand, above, 0.0), moving)
+        turning = np.where(swinging, _in_plane(state, tool, arc.axis, driven), turning_rate(state, tool, wound, rate))
+        turning = np.where(hit, _raising(state, tool, over), turning)
+        return wrench(state, hand, tool, moving, turning)
+
+    return policy
+
+
+def _on_arc(state: State, hand: Token, tool: Token, arc: _Arc, spin: FloatArray, driven: FloatArray) -> FloatArray:
+    """Return the acceleration ``(..., 3)`` [m/s^2] of a hand that goes on its arc about the elbow with the tool."""
+    arm = arc.radius[..., None] * along(arc.ahead, swing_angle(state, tool))
+    velocity = spin[..., None] * cross(arc.axis, arm)
+    acceleration = driven[..., None] * cross(arc.axis, arm) - (spin**2)[..., None] * arm
+    return keeping(state, hand, arc.elbow + arm, velocity, acceleration)
+
+
+def _in_plane(state: State, tool: Token, axis: FloatArray, driven: FloatArray) -> FloatArray:
+    """Return the angular acceleration ``(..., 3)`` [rad/s^2] of a swing that keeps to its plane."""
+    spin = state[tool, "angular_velocity"]
+    out_of_plane = spin - dot(spin, axis)[..., None] * axis
+    back = ORIENTATION_RATE**2 * cross(side(state, tool), axis)
+    return np.asarray(driven[..., None] * axis + back - 2.0 * DAMPING_RATIO * ORIENTATION_RATE * out_of_plane)
+
+
+def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
+    """Return the angular acceleration ``(..., 3)`` [rad/s^2] of a gentle turn to an orientation."""
+    error = turn_between(state[tool, "orientation"], wanted)
+    brake = 2.0 * DAMPING_RATIO * _RAISING_RATE * state[tool, "angular_velocity"]
+    return np.asarray(_RAISING_RATE**2 * error - brake)
+
+
+def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    """Hand and tool as one body, which the top of the thing stops: an inelastic blow that the thing withstands.
+
+    A tool that is held near its head has its butt in the way: where it meets the thing or the floor, the swing is over.
+    """
+    hand, tool, thing = _roles(binding)
+    impact = point(state, tool, np.asarray(tool["impact_point"]))
+    velocity, spin = accelerated(state, hand, tool, commands, dt)
+    sinking = -(velocity + cross(spin, impact - state[hand, "position"]))[..., 2]
+    above = impact - top(state, thing)
+    over = (np.abs(in_box(state, thing, impact))[..., :2] <= np.asarray(thing["half_extents"])[:2]).all(axis=-1)
+    hit = over & (above[..., 2] >= -_TOUCH) & (above[..., 2] <= sinking * dt) & (sinking > _TOUCH)
+    share = np.where(hit, np.maximum(above[..., 2], 0.0) / np.where(hit, sinking * dt, 1.0), 1.0)
+    end = point(state, tool, butt(tool))
+    barred = (np.abs(in_box(state, thing, end)) < np.asarray(thing["half_extents"])).all(axis=-1) | (end[..., 2] < 0)
+    share = np.where(barred, 0.0, share)[..., None]
+    changes = placed(state, hand, tool, velocity * share, spin * share, dt)
+    stopped = hit | barred
+    if stopped.any():
+        for token in (hand, tool):
+            for name in ("velocity", "angular_velocity"):
+                changes[token.name, name] = np.where(stopped[..., None], 0.0, changes[token.name, name])
+    blow = effective_mass(state, hand, tool, impact, UP) * np.where(hit, sinking, 0.0)
+    changes[thing.name, "impulse"] = np.maximum(state[thing, "impulse"], blow[..., None])
+    return state.replace(changes)
+
+
+def _tip_speed_squared(binding: Binding, state: State) -> FloatArray:
+    """Return the square of the impact point's speed along its normal, ``(...)`` [m^2/s^2]."""
+    _, tool, _ = _roles(binding)
+    return np.asarray(tip_speed(state, tool) ** 2)
+
+
+def tip_speed(state: State, tool: Token) -> FloatArray:
+    """Return the speed of the impact point along its normal, the body's -z axis, ``(...)`` [m/s]."""
+    normal = rotate(state[tool, "orientation"], -UP)
+    return dot(point_velocity(state, tool, np.asarray(tool["impact_point"])), normal)
+
+
+def _hand_speed(binding: Binding, state: State) -> FloatArray:
+    return norm(state[_roles(binding)[0], "velocity"])
+
+
+def _outcome(binding: Binding, state: State) -> State:
+    """The tool lies level above the thing, which has been struck."""
+    hand, tool, thing = _roles(binding)
+    orientation = tool_orientation(yaw(state, tool), LEVEL - _ABOVE)
+    arm = rotate(orientation, hand_in_tool(state, hand, tool))
+    place = strike_place(state, hand, tool, top(state, thing))
+    return state.replace(
+        {
+            (hand.name, "position"): place,
+            (tool.name, "position"): place - arm,
+            (tool.name, "orientation"): orientation,
+            (thing.name, "impulse"): thing["impulse_needed"],
+        }
+    )
+
+
+def _offset(name: str, description: str) -> Hyperparameter:
+    return Hyperparameter(name, "m", -0.03, 0.03, lambda binding, state: np.asarray(0.0), description)
+
+
+STRIKING = Block(
+    name="STRIKING",
+    slots=(Slot("hand", DexterousHand), Slot("object", Strikable), Slot("tool", Striker)),
+    anchor="hand",
+    entry=(
+        ABLE_TO_STRIKE("hand", "tool", "object"),
+        HELD("tool", "hand"),
+        IN_STRIKE_STANCE("hand", "tool", "object"),
+        AT_REST("object"),
+    ),
+    exit=(
+        STRUCK("object"),
+        HELD("tool", "hand"),
+        ~STANDS("tool"),
+        AT_REST("object"),
+        AT_REST("hand"),
+        AT_REST("tool"),
+    ),
+    writes={"hand": _BODY, "tool": _BODY, "object": ("velocity", "impulse")},
+    # These facts are about the tool as it stood at first.
+    keeps=(HANDLE_WITHIN_REACH, HOME),
+    hyperparameters=(
+        Hyperparameter(
+            "swing_radius",
+            "m",
+            0.0,
+            0.3,
+            lambda binding, state: np.asarray(0.0),
+            "distance of the hand from the elbow about which it swings; 0: the hand stays in its place",
+        ),
+        _offset("target_x", "how far ahead of the middle of the top the tool strikes"),
+        _offset("target_y", "how far to the left of the middle of the top the tool strikes"),
+    ),
+    duration=Duration(_WINDING_UP, 10.0, _expected),
+    policy=_policy,
+    system=_system,
+    performance=(
+        Measure(
+            "tip_speed_squared",
+            "m^2/s^2",
+            0.2,
+            peak=_tip_speed_squared,
+            description="square of the largest speed of the impact point along its normal",
+        ),
+        Measure("hand_speed", "m/s", -0.1, peak=_hand_speed, description="largest speed of the hand"),
+    ),
+    outcome=_outcome,
+    description="the hand swings the tool so that its impact point hits the object's top",
+)

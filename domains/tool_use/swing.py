@@ -1,0 +1,80 @@
+"""The closed form of a strike: what a constant torque over an angle makes of a tool, by where it is held."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid_tamp.model.block import CONTROL_PERIOD
+from hybrid_tamp.model.state import FloatArray
+from hybrid_tamp.model.token import Token
+
+from .geometry import LEVEL
+from .holding import GRAVITY
+
+_COASTING = 0.2
+"""For how many control periods the tool goes on at its final speed until it should meet its target."""
+
+
+@dataclass(frozen=True, eq=False)
+class Swing:
+    """A swing of hand and tool about an elbow; all of shape ``(...)``.
+
+    Attributes:
+        inertia: moment of inertia about the elbow [kg m^2].
+        rate: angular speed omega at the end: the work of the torque, tau phi = I omega^2 / 2 [rad/s].
+        lever: distance of the impact point from the elbow along the handle [m].
+        blow: impulse of an inelastic blow [N s].
+        weight_torque: largest torque with which the wrist bears the tool's weight [N m].
+    """
+
+    inertia: FloatArray
+    rate: FloatArray
+    lever: FloatArray
+    blow: FloatArray
+    weight_torque: FloatArray
+
+    @property
+    def tip_speed(self) -> FloatArray:
+        """Speed of the impact point along its normal [m/s]."""
+        return np.asarray(self.rate * self.lever)
+
+    def periods(self, hand: Token) -> FloatArray:
+        """Return for how many control periods the torque drives the swing: the angle at its torque, rounded up."""
+        return np.asarray(np.ceil(self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD) - 1e-9))
+
+    def drive(self, hand: Token) -> FloatArray:
+        """Return the constant angular acceleration [rad/s^2] that comes to the final speed in whole control periods."""
+        return np.asarray(self.rate / (self.periods(hand) * CONTROL_PERIOD))
+
+    def wound_up(self, hand: Token) -> FloatArray:
+        """Return the angle of the tool from which the swing begins [rad].
+
+        Speeds change period by period, so that n of them turn it by (n + 1)/2 times what the final speed does in one.
+        """
+        return np.asarray(LEVEL - self.rate * CONTROL_PERIOD * ((self.periods(hand) + 1.0) / 2.0 + _COASTING))
+
+    def duration(self, hand: Token) -> FloatArray:
+        """Return how long it takes until the blow [s]."""
+        return np.asarray((self.periods(hand) + _COASTING) * CONTROL_PERIOD)
+
+
+def swing_of(hand: Token, tool: Token, held_at: FloatArray, radius: FloatArray | float) -> Swing:
+    """Return the swing of a tool.
+
+    Args:
+        hand: the hand.
+        tool: the tool.
+        held_at: where along the body's x axis the hand is, ``(...)`` [m].
+        radius: distance of the hand from the elbow, ``(...)`` [m]; 0 where the hand stays in its place.
+    """
+    aside = tool["handle_to"][2]
+    own = tool["inertia"][1] + hand["wrist_inertia"]
+    inertia = own + tool["mass"] * ((held_at - radius) ** 2 + aside**2) + hand["mass"] * np.asarray(radius) ** 2
+    rate = np.sqrt(2.0 * hand["strike_torque"] * hand["strike_angle"] / inertia)
+    lever = tool["impact_point"][0] - held_at + radius
+    mass = tool["mass"] + hand["mass"]
+    away = np.sqrt(held_at**2 + aside**2)
+    free = own + tool["mass"] * hand["mass"] / mass * away**2
+    off_centre = tool["impact_point"][0] - held_at * (hand["mass"] / mass)
+    met = 1.0 / (1.0 / mass + off_centre**2 / free)
+    return Swing(inertia, rate, np.asarray(lever), met * rate * lever, tool["mass"] * GRAVITY * away)
