@@ -28,6 +28,7 @@ from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
 from ..common.classes import Region
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_movement
+from ..common.timetable import Timetable
 from .classes import DexterousHand, Pushable, Pusher
 from .feasibility import (
     ABLE_TO_PUSH,
@@ -38,7 +39,7 @@ from .feasibility import (
     resistance,
 )
 from .geometry import UP, cross, dot, half_depth, heading, norm, point, side, tool_orientation, way
-from .holding import Load, accelerated, effective_mass, knocked, placed, servo
+from .holding import Load, accelerated, effective_mass, knocked, placed, servo, whole
 from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
 
 _APPROACH = 0.8
@@ -83,7 +84,7 @@ def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArr
     return dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
 
 
-def _steering(state: State, thing: Token, line: FloatArray, ahead: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _steering(state: State, thing: Token, line: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return where across its line the tool pushes ``(...)`` [m], and how fast that changes [m/s].
 
     A thing that one point pushes from behind turns away from it, more and more. So the tool pushes to the side to which
@@ -93,23 +94,25 @@ def _steering(state: State, thing: Token, line: FloatArray, ahead: FloatArray) -
         state: current state.
         thing: what is pushed.
         line: a point of the line ``(..., 3)`` [m].
-        ahead: its direction ``(..., 3)``.
+        axes: the directions along it and across ``(..., 2, 3)``.
     """
-    across = cross(np.broadcast_to(UP, ahead.shape), ahead)
+    across = axes[..., 1, :]
     off, drift = dot(state[thing, "position"] - line, across), dot(state[thing, "velocity"], across)
-    local = rotate(quaternion_conjugate(state[thing, "orientation"]), ahead)
-    turned = (np.pi / 4 - np.arctan2(local[..., 1], local[..., 0])) % (np.pi / 2) - np.pi / 4
+    local = rotate(quaternion_conjugate(state[thing, "orientation"])[..., None, :], axes)
+    turned = (np.pi / 4 - np.arctan2(local[..., 0, 1], local[..., 0, 0])) % (np.pi / 2) - np.pi / 4
     spin = state[thing, "angular_velocity"][..., 2]
-    depth, width = half_depth(state, thing, ahead), _MARGIN * half_depth(state, thing, across)
-    wanted = np.clip(-_RETURNING * off, -_LARGEST_TURN, _LARGEST_TURN)
-    beside = np.clip(_STEERING * (turned - wanted), -width, width)
+    reach = np.abs(local) @ np.asarray(thing["half_extents"])
+    depth, width = reach[..., 0], _MARGIN * reach[..., 1]
+    wanted = np.minimum(np.maximum(-_RETURNING * off, -_LARGEST_TURN), _LARGEST_TURN)
+    beside = np.minimum(np.maximum(_STEERING * (turned - wanted), -width), width)
     return off - depth * turned + beside, drift + (_STEERING - depth) * spin
 
 
 def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
     hand, tool, thing, region = _roles(binding)
     ahead, _ = way(start, thing, region)
-    across = cross(np.broadcast_to(UP, ahead.shape), ahead)
+    across = cross(UP, ahead)
+    axes = np.stack([ahead, across], axis=-2)
     upright = tool_orientation(np.arctan2(ahead[..., 1], ahead[..., 0]), 0.0)
     face = point(start, tool, np.asarray(tool["pushing_point"]))
     origin, line, gap = start[hand, "position"].copy(), start[thing, "position"].copy(), _gap(start, tool, thing, ahead)
@@ -119,16 +122,21 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     touch = straight_movement().trajectory(np.zeros(1), np.ones(1), _APPROACH)
     push = straight_movement().trajectory(np.zeros(1), np.ones(1), _time(hyperparameters))
 
-    def policy(elapsed: FloatArray, state: State) -> Commands:
+    def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         near, go = touch.at(elapsed), push.at(elapsed - _APPROACH)
-        position, velocity, acceleration = (
-            (gap[..., None] * one + distance * other) * ahead for one, other in zip(near, go, strict=True)
-        )
-        place, drift = _steering(state, thing, line, ahead)
-        position = origin + position + near[0] * (place[..., None] - beside) * across
-        velocity = velocity + near[0] * drift[..., None] * across
+        moved = ((gap[..., None] * one + distance * other) * ahead for one, other in zip(near, go, strict=True))
         resisting = resistance(thing) * np.clip(distance * go[1] / _CREEP, 0.0, 1.0) + thing["mass"] * distance * go[2]
-        load = Load(-resisting * ahead, point(state, tool, np.asarray(tool["pushing_point"])))
+        position, velocity, acceleration = moved
+        return near[0], origin + position, velocity, acceleration, -resisting * ahead
+
+    timetable = Timetable(reference, start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        near, position, velocity, acceleration, resisting = timetable(elapsed)
+        place, drift = _steering(state, thing, line, axes)
+        position = position + near * (place[..., None] - beside) * across
+        velocity = velocity + near * drift[..., None] * across
+        load = Load(resisting, point(state, tool, np.asarray(tool["pushing_point"])))
         return servo(state, hand, tool, (position, velocity, acceleration), (upright, still), load)
 
     return policy
@@ -145,10 +153,11 @@ def _system(binding: Binding, state: State, commands: Commands, dt: float) -> St
     alone = np.maximum(sliding - braked / thing["mass"], 0.0)
     gap = dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
     touches = (closing > alone) & (gap <= (closing - alone) * dt + _TOUCH)
-    mass = effective_mass(state, hand, tool, face, ahead)
+    body = whole(state, hand, tool)
+    mass = effective_mass(body, face, ahead)
     common = np.maximum((mass * closing + thing["mass"] * sliding - braked) / (mass + thing["mass"]), 0.0)
     blow = np.where(touches, mass * (closing - common), 0.0)[..., None] * ahead
-    velocity, spin = knocked(state, hand, tool, velocity, spin, face, -blow)
+    velocity, spin = knocked(body, velocity, spin, state[hand, "position"], face, -blow)
     slides = np.where(touches, common, alone)[..., None] * ahead
     changes = placed(state, hand, tool, velocity, spin, dt)
     changes[thing.name, "velocity"] = slides

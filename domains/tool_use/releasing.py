@@ -11,6 +11,7 @@ from hybrid_tamp.model.token import Token
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_movement
 from ..common.servos import force_on, free_motion, hand_servo
+from ..common.timetable import Timetable
 from .classes import DexterousHand, Graspable
 from .geometry import beside
 from .holding import fingers
@@ -33,9 +34,14 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     reference = straight_movement().trajectory(np.zeros(1), np.ones(1), _LEAVING)
     servo = hand_servo(hand, start)
 
-    def policy(elapsed: FloatArray, state: State) -> Commands:
+    def leaving(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         done, speed, _ = reference.at(elapsed - _OPENING)
-        return servo(state, origin + done * whole, speed * whole)
+        return origin + done * whole, speed * whole
+
+    timetable = Timetable(leaving, start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        return servo(state, *timetable(elapsed))
 
     return policy
 

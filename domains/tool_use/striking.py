@@ -27,6 +27,7 @@ from hybrid_tamp.motion.poses import rotate
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_movement
 from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE, turn_between, turning_rate
+from ..common.timetable import Timetable
 from .classes import DexterousHand, Strikable, Striker
 from .feasibility import ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME
 from .geometry import (
@@ -48,7 +49,7 @@ from .geometry import (
     top,
     yaw,
 )
-from .holding import accelerated, effective_mass, keeping, placed, wrench
+from .holding import accelerated, effective_mass, keeping, placed, whole, wrench
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
 from .swing import Swing, swing_of
 
@@ -115,11 +116,17 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     over = tool_orientation(direction, LEVEL - _ABOVE)
     above = arc.hand_at(np.full_like(turn, LEVEL - _ABOVE))
 
-    def policy(elapsed: FloatArray, state: State) -> Commands:
+    def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         done, speed, change = winding.at(elapsed)
         wound = tool_orientation(direction, from_angle + done[..., 0] * turn)
         rate = (speed[..., 0] * turn)[..., None] * arc.axis
-        before = keeping(state, hand, origin + done * arc.way, speed * arc.way, change * arc.way)
+        return origin + done * arc.way, speed * arc.way, change * arc.way, wound, rate
+
+    timetable = Timetable(reference, start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        position, velocity, acceleration, wound, rate = timetable(elapsed)
+        before = keeping(state, hand, position, velocity, acceleration)
         hit = ((state[thing, "impulse"][..., 0] > taken) | (elapsed > arc.latest))[..., None]
         swinging = (elapsed > arc.winding)[..., None]
         spin = dot(state[tool, "angular_velocity"], arc.axis)
@@ -178,7 +185,7 @@ def _system(binding: Binding, state: State, commands: Commands, dt: float) -> St
         for token in (hand, tool):
             for name in ("velocity", "angular_velocity"):
                 changes[token.name, name] = np.where(stopped[..., None], 0.0, changes[token.name, name])
-    blow = effective_mass(state, hand, tool, impact, UP) * np.where(hit, sinking, 0.0)
+    blow = effective_mass(whole(state, hand, tool), impact, UP) * np.where(hit, sinking, 0.0)
     changes[thing.name, "impulse"] = np.maximum(state[thing, "impulse"], blow[..., None])
     return state.replace(changes)
 

@@ -8,9 +8,43 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
 
 _CONJUGATION = np.array([-1.0, -1.0, -1.0, 1.0])
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+
+
+def _sums(*rows: dict[tuple[int, int], float]) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return what makes sums of products of components: which of either factor, and with which weights, a column a sum.
+
+    Args:
+        rows: of each sum, (component of one factor, component of the other) to its weight.
+    """
+    pairs = sorted({pair for row in rows for pair in row})
+    weights = np.array([[row.get(pair, 0.0) for row in rows] for pair in pairs])
+    return np.array([one for one, _ in pairs]), np.array([other for _, other in pairs]), weights
+
+
+_HAMILTON = _sums(
+    {(3, 0): 1.0, (0, 3): 1.0, (1, 2): 1.0, (2, 1): -1.0},
+    {(3, 1): 1.0, (1, 3): 1.0, (2, 0): 1.0, (0, 2): -1.0},
+    {(3, 2): 1.0, (2, 3): 1.0, (0, 1): 1.0, (1, 0): -1.0},
+    {(3, 3): 1.0, (0, 0): -1.0, (1, 1): -1.0, (2, 2): -1.0},
+)
+_TURN = _sums(
+    {(1, 1): -2.0, (2, 2): -2.0},
+    {(0, 1): 2.0, (2, 3): -2.0},
+    {(0, 2): 2.0, (1, 3): 2.0},
+    {(0, 1): 2.0, (2, 3): 2.0},
+    {(0, 0): -2.0, (2, 2): -2.0},
+    {(1, 2): 2.0, (0, 3): -2.0},
+    {(0, 2): 2.0, (1, 3): -2.0},
+    {(1, 2): 2.0, (0, 3): 2.0},
+    {(0, 0): -2.0, (1, 1): -2.0},
+)
+"""The matrix of a rotation, row by row, less the identity, from the quaternion twice."""
+_EACH_ROW, _ROW_SUMS = np.tile(np.arange(3), 3), np.kron(np.eye(3), np.ones((3, 1)))
+"""What multiplies it by a vector: the components of the vector at each element, and the sum of each row."""
 
 
 def _array(values: ArrayLike, size: int, name: str) -> FloatArray:
@@ -20,8 +54,17 @@ def _array(values: ArrayLike, size: int, name: str) -> FloatArray:
     return array
 
 
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    # numpy.cross checks so much that a small batch takes several times as long with it.
+def _products(a: FloatArray, b: FloatArray, sums: tuple[IntArray, IntArray, FloatArray]) -> FloatArray:
+    """Return sums of products of components: one multiplication and one matrix product for a whole batch."""
+    one, other, weights = sums
+    return np.asarray((a.take(one, -1) * b.take(other, -1)) @ weights)
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return vector products, of broadcast shape ``(..., 3)``.
+
+    `numpy.cross` checks so much that a small batch takes several times as long with it.
+    """
     return np.asarray(a.take(_NEXT, -1) * b.take(_LAST, -1) - a.take(_LAST, -1) * b.take(_NEXT, -1))
 
 
@@ -60,11 +103,7 @@ def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
         ValueError: a last dimension is not 4.
     """
     left, right = _array(a, 4, "a"), _array(b, 4, "b")
-    left_vector, left_scalar = left[..., :3], left[..., 3:]
-    right_vector, right_scalar = right[..., :3], right[..., 3:]
-    vector = left_scalar * right_vector + right_scalar * left_vector + _cross(left_vector, right_vector)
-    scalar = left_scalar * right_scalar - np.sum(left_vector * right_vector, axis=-1, keepdims=True)
-    return np.concatenate([vector, scalar], axis=-1)
+    return _products(left, right, _HAMILTON)
 
 
 def quaternion_conjugate(quaternion: ArrayLike) -> FloatArray:
@@ -96,8 +135,8 @@ def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
         ValueError: a last dimension is not 4 or not 3.
     """
     unit, source = _array(quaternion, 4, "quaternion"), _array(vectors, 3, "vectors")
-    twice_cross = 2.0 * _cross(unit[..., :3], source)
-    return np.asarray(source + unit[..., 3:] * twice_cross + _cross(unit[..., :3], twice_cross))
+    terms = _products(unit, unit, _TURN) * source.take(_EACH_ROW, -1)
+    return np.asarray(source + terms @ _ROW_SUMS)
 
 
 def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
@@ -112,10 +151,10 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
     Raises:
         ValueError: the last dimension is not 3.
     """
-    array = _array(vector, 3, "vector")
-    half_angle = 0.5 * np.sqrt(np.sum(array * array, axis=-1, keepdims=True))
-    # numpy.sinc(x) is sin(pi x) / (pi x), with its limit at 0.
-    return np.concatenate([0.5 * np.sinc(half_angle / np.pi) * array, np.cos(half_angle)], axis=-1)
+    half = 0.5 * _array(vector, 3, "vector")
+    # What is added is lost in rounding everywhere but at 0, where it gives sin(x) / x its limit.
+    half_angle = np.sqrt(np.einsum("...i,...i->...", half, half) + 1e-60)[..., None]
+    return np.concatenate([np.sin(half_angle) / half_angle * half, np.cos(half_angle)], axis=-1)
 
 
 def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
