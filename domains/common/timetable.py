@@ -37,7 +37,7 @@ class Timetable:
             return self._read(np.asarray(elapsed))
         page, row = divmod(step, _ROWS)
         if page != self._page:
-            times = (page * _ROWS + np.arange(_ROWS)) * CONTROL_PERIOD
+            times = np.asarray((page * _ROWS + np.arange(_ROWS)) * CONTROL_PERIOD, dtype=np.float64)
             self._table = self._read(times.reshape(-1, *(1,) * self._batch))
             self._page = page
         return tuple(quantity[row] for quantity in self._table)

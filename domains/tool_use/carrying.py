@@ -167,7 +167,7 @@ def _carrying(
         writes={"hand": _BODY, "tool": _BODY},
         # These facts are about the tool as it stood at first.
         keeps=(HANDLE_WITHIN_REACH, HOME),
-        hyperparameters=(Hyperparameter("duration", "s", 1.2, 8.0, duration_guess, "how long the reach takes"),),
+        hyperparameters=(Hyperparameter("duration", "s", 1.2, 5.0, duration_guess, "how long the reach takes"),),
         duration=Duration(0.3, 12.0, expected),
         hold=True,
         policy=_policy(goal),

@@ -18,10 +18,10 @@ from hybrid_tamp.model.block import Commands
 from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import quaternion_from_rotation_vector, quaternion_multiply, rotate
+from hybrid_tamp.motion.poses import cross, quaternion_from_rotation_vector, quaternion_multiply, rotate
 
 from ..common.servos import DAMPING_RATIO, turning_rate
-from .geometry import UP, cross, dot, off_handle
+from .geometry import UP, dot, off_handle
 
 GRAVITY = 9.81
 """[m/s^2]."""

@@ -23,7 +23,7 @@ from hybrid_tamp.model.block import (
 from hybrid_tamp.model.predicate import ANY
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
+from hybrid_tamp.motion.poses import cross, quaternion_conjugate, rotate
 
 from ..common.classes import Region
 from ..common.predicates import AT_REST
@@ -38,7 +38,7 @@ from .feasibility import (
     SQUARE_TO,
     resistance,
 )
-from .geometry import UP, cross, dot, half_depth, heading, norm, point, side, tool_orientation, way
+from .geometry import UP, dot, half_depth, heading, norm, point, side, tool_orientation, way
 from .holding import Load, accelerated, effective_mass, knocked, placed, servo, whole
 from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
 
@@ -65,17 +65,18 @@ def _roles(binding: Binding) -> tuple[Token, Token, Token, Token]:
     return hand, tool, thing, region
 
 
-def _distance_guess(binding: Binding, state: State) -> FloatArray:
+def _distance(binding: Binding, state: State, hyperparameters: Hyperparameters) -> FloatArray:
+    """Return how far to push ``(...)`` [m]."""
     _, _, thing, region = _roles(binding)
-    return way(state, thing, region)[1]
+    return np.maximum(way(state, thing, region)[1] + hyperparameters["beyond"], 0.0)
 
 
-def _time(hyperparameters: Hyperparameters) -> FloatArray:
-    return np.maximum(np.asarray(hyperparameters["distance"]) / hyperparameters["speed"], _SHORTEST)
+def _time(distance: FloatArray, hyperparameters: Hyperparameters) -> FloatArray:
+    return np.maximum(distance / np.asarray(hyperparameters["speed"]), _SHORTEST)
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    return float(_APPROACH + _time(hyperparameters))
+    return float(_APPROACH + _time(_distance(binding, state, hyperparameters), hyperparameters))
 
 
 def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArray:
@@ -117,10 +118,11 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     face = point(start, tool, np.asarray(tool["pushing_point"]))
     origin, line, gap = start[hand, "position"].copy(), start[thing, "position"].copy(), _gap(start, tool, thing, ahead)
     beside = dot(face - line, across)[..., None]
-    distance, still = np.asarray(hyperparameters["distance"])[..., None], np.zeros(3)
+    pushed, still = _distance(binding, start, hyperparameters), np.zeros(3)
+    distance = pushed[..., None]
     # The primitive goes from 0 to 1; its forcing term does not shrink with the way.
     touch = straight_movement().trajectory(np.zeros(1), np.ones(1), _APPROACH)
-    push = straight_movement().trajectory(np.zeros(1), np.ones(1), _time(hyperparameters))
+    push = straight_movement().trajectory(np.zeros(1), np.ones(1), _time(pushed, hyperparameters))
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         near, go = touch.at(elapsed), push.at(elapsed - _APPROACH)
@@ -213,8 +215,9 @@ PUSHING = Block(
     # A push is straight, and the thing keeps its heading; the other facts are about the tool as it stood at first.
     keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),
     hyperparameters=(
-        Hyperparameter("distance", "m", 0.0, 10.0, _distance_guess, "how far to push"),
-        Hyperparameter("speed", "m/s", 0.05, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
+        # About the region: what is pushed far past it would take most of the time of a search.
+        Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "how far past the region's middle"),
+        Hyperparameter("speed", "m/s", 0.1, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
     ),
     duration=Duration(_APPROACH, 40.0, _expected),
     policy=_policy,

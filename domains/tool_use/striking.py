@@ -22,7 +22,7 @@ from hybrid_tamp.model.block import (
 )
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.motion.poses import cross, rotate
 
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_movement
@@ -34,7 +34,6 @@ from .geometry import (
     LEVEL,
     UP,
     butt,
-    cross,
     dot,
     hand_in_tool,
     heading,

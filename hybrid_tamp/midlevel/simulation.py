@@ -167,7 +167,7 @@ class Simulation:
             square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
             # What is not finite is not within any limit either: one look for both.
             if not np.maximum.reduce(square, axis=None) <= min(limit**2, _HUGE):
-                sound = np.isfinite(command).all(axis=-1)
+                sound = np.asarray(np.isfinite(command).all(axis=-1))
                 finite &= sound
                 commands[key] = _limited(np.where(sound[..., None], command, 0.0), limit)
         after = self.block.system(self.binding, state, commands, CONTROL_PERIOD)

@@ -116,9 +116,7 @@ class Vocabulary:
 
     def token_type(self, token: Token) -> str:
         """Return the PDDL type of a token: the deepest class that it is a member of and that is a type."""
-        deepest = max(
-            filter(token.is_member, self.typed), key=lambda c: (len(c.__mro__), c is not TOKEN), default=None
-        )
+        deepest = max(filter(token.is_member, self.typed), key=lambda c: (len(c.__mro__), c is not TOKEN), default=None)
         return self.word(deepest.name) if deepest else ROOT
 
     @property
