@@ -7,44 +7,12 @@ The equations are those of Sola 2017, "Quaternion kinematics for the error-state
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hybrid_tamp.motion.products import EACH_ROW, HAMILTON, ROW_SUMS, TURN, products
+
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 _CONJUGATION = np.array([-1.0, -1.0, -1.0, 1.0])
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
-
-
-def _sums(*rows: dict[tuple[int, int], float]) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return what makes sums of products of components: which of either factor, and with which weights, a column a sum.
-
-    Args:
-        rows: of each sum, (component of one factor, component of the other) to its weight.
-    """
-    pairs = sorted({pair for row in rows for pair in row})
-    weights = np.array([[row.get(pair, 0.0) for row in rows] for pair in pairs])
-    return np.array([one for one, _ in pairs]), np.array([other for _, other in pairs]), weights
-
-
-_HAMILTON = _sums(
-    {(3, 0): 1.0, (0, 3): 1.0, (1, 2): 1.0, (2, 1): -1.0},
-    {(3, 1): 1.0, (1, 3): 1.0, (2, 0): 1.0, (0, 2): -1.0},
-    {(3, 2): 1.0, (2, 3): 1.0, (0, 1): 1.0, (1, 0): -1.0},
-    {(3, 3): 1.0, (0, 0): -1.0, (1, 1): -1.0, (2, 2): -1.0},
-)
-_TURN = _sums(
-    {(1, 1): -2.0, (2, 2): -2.0},
-    {(0, 1): 2.0, (2, 3): -2.0},
-    {(0, 2): 2.0, (1, 3): 2.0},
-    {(0, 1): 2.0, (2, 3): 2.0},
-    {(0, 0): -2.0, (2, 2): -2.0},
-    {(1, 2): 2.0, (0, 3): -2.0},
-    {(0, 2): 2.0, (1, 3): -2.0},
-    {(1, 2): 2.0, (0, 3): 2.0},
-    {(0, 0): -2.0, (1, 1): -2.0},
-)
-"""The matrix of a rotation, row by row, less the identity, from the quaternion twice."""
-_EACH_ROW, _ROW_SUMS = np.tile(np.arange(3), 3), np.kron(np.eye(3), np.ones((3, 1)))
-"""What multiplies it by a vector: the components of the vector at each element, and the sum of each row."""
 
 
 def _array(values: ArrayLike, size: int, name: str) -> FloatArray:
@@ -52,12 +20,6 @@ def _array(values: ArrayLike, size: int, name: str) -> FloatArray:
     if array.ndim == 0 or array.shape[-1] != size:
         raise ValueError(f"{name} must have shape (..., {size}), got {array.shape}")
     return array
-
-
-def _products(a: FloatArray, b: FloatArray, sums: tuple[IntArray, IntArray, FloatArray]) -> FloatArray:
-    """Return sums of products of components: one multiplication and one matrix product for a whole batch."""
-    one, other, weights = sums
-    return np.asarray((a.take(one, -1) * b.take(other, -1)) @ weights)
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -103,7 +65,7 @@ def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
         ValueError: a last dimension is not 4.
     """
     left, right = _array(a, 4, "a"), _array(b, 4, "b")
-    return _products(left, right, _HAMILTON)
+    return products(left, right, HAMILTON)
 
 
 def quaternion_conjugate(quaternion: ArrayLike) -> FloatArray:
@@ -135,8 +97,8 @@ def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
         ValueError: a last dimension is not 4 or not 3.
     """
     unit, source = _array(quaternion, 4, "quaternion"), _array(vectors, 3, "vectors")
-    terms = _products(unit, unit, _TURN) * source.take(_EACH_ROW, -1)
-    return np.asarray(source + terms @ _ROW_SUMS)
+    terms = products(unit, unit, TURN) * source.take(EACH_ROW, -1)
+    return np.asarray(source + terms @ ROW_SUMS)
 
 
 def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
