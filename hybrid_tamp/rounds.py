@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from hybrid_tamp.errors import InputError, NoPlan
+from hybrid_tamp.midlevel.objective import RollOut
 from hybrid_tamp.midlevel.refinement import Progress, refine
 from hybrid_tamp.midlevel.rollout import GOAL
 from hybrid_tamp.model.forbidding import forbid
@@ -55,13 +56,19 @@ class Rounds:
     given_up: tuple[Round, ...]
 
 
-def plan_in_rounds(task: Task, plan: Callable[[Task], PlanOutcome], progress: Progress | None = None) -> Rounds:
+def plan_in_rounds(
+    task: Task,
+    plan: Callable[[Task], PlanOutcome],
+    progress: Progress | None = None,
+    measure: Callable[[Task, TaskPlan], RollOut] | None = None,
+) -> Rounds:
     """Plan a task and optimise its hyperparameters; where no hyperparameters do, plan anew.
 
     Args:
         task: the task.
         plan: the task planner.
         progress: told how far each optimisation is.
+        measure: makes what runs candidates of a plan in physics, for tasks that ask for it.
 
     Raises:
         NotFinite: every rollout of a plan failed.
@@ -72,7 +79,8 @@ def plan_in_rounds(task: Task, plan: Callable[[Task], PlanOutcome], progress: Pr
         outcome = plan(current)
         if outcome.plan is None:
             return Rounds(_ended(outcome, given_up), None, tuple(given_up))
-        refined = refine(outcome.chosen or current, outcome.plan, progress)
+        chosen = outcome.chosen or current
+        refined = refine(chosen, outcome.plan, progress, measured=measure and measure(chosen, outcome.plan))
         if refined.shortfall is None:
             return Rounds(outcome, refined, tuple(given_up))
         failing = Round(_failing(current, outcome.plan, refined.shortfall), refined.shortfall)

@@ -6,8 +6,6 @@ one module a block: `grasping` (D7), `carrying` (D10), `pushing` (D9), `striking
 `network` (Fig. 4). REACHING (D5) and RESTING (D6) come from `..common`.
 """
 
-from dataclasses import replace
-
 from hybrid_tamp.model.domain import Domain
 
 from ..common.classes import Region, StaticEndEffector
@@ -20,14 +18,12 @@ from .feasibility import FEASIBLE
 from .grasping import GRASPING, REACH_HANDLE
 from .metrics import metrics
 from .network import network
-from .predicates import CHANGING, HELD
+from .predicates import CHANGING
 from .pushing import PUSHING
 from .releasing import RELEASING
 from .striking import STRIKING
 
-# Only an empty hand reaches, so that it leaves nothing behind.
-_REACHING = replace(reaching(REACH_HANDLE, "handle", DexterousHand), keeps=(HELD,))
-_BLOCKS = (_REACHING, GRASPING, *CARRYING, PUSHING, STRIKING, RELEASING, RESTING)
+_BLOCKS = (reaching(REACH_HANDLE, "handle"), GRASPING, *CARRYING, PUSHING, STRIKING, RELEASING, RESTING)
 
 DOMAIN = Domain(
     name="tool_use",

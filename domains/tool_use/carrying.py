@@ -28,7 +28,7 @@ from hybrid_tamp.motion.poses import rotate
 
 from ..common.classes import Region
 from ..common.predicates import AT_REST
-from ..common.primitives import demonstrated_reach, straight_movement
+from ..common.primitives import reach_over, straight_profile
 from ..common.reaching import LIFT
 from ..common.timetable import Timetable
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
@@ -100,23 +100,24 @@ def _policy(goal: Goal) -> Callable[[Binding, State, Hyperparameters], Policy]:
         hand, tool = _roles(binding)
         place, direction, angle = goal(binding, start)
         duration = np.asarray(hyperparameters["duration"])
-        reach = demonstrated_reach().trajectory(start[hand, "position"], place, duration)
-        turn = straight_movement().trajectory(np.zeros(1), np.ones(1), _TURN[1] * duration)
+        reach = reach_over(start[hand, "position"].copy(), place, duration)
+        profile, turning = straight_profile(), _TURN[1] * duration
         from_yaw, from_angle = yaw(start, tool), swing_angle(start, tool)
         yawing = (direction - from_yaw + np.pi) % (2 * np.pi) - np.pi
         swinging = angle - from_angle
 
         def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
-            done, speed, _ = turn.at(elapsed - _TURN[0] * duration)
-            wanted = tool_orientation(from_yaw + done[..., 0] * yawing, from_angle + done[..., 0] * swinging)
-            return (*reach.at(elapsed), wanted, speed * yawing[..., None] * UP, speed * swinging[..., None])
+            phase = (elapsed - _TURN[0] * duration) / turning
+            done, speed = profile.share(phase), profile.rate(phase) / turning
+            wanted = tool_orientation(from_yaw + done * yawing, from_angle + done * swinging)
+            return (*reach(elapsed), wanted, (speed * yawing)[..., None] * UP, (speed * swinging)[..., None])
 
         timetable = Timetable(reference, start)
 
         def policy(elapsed: FloatArray, state: State) -> Commands:
-            position, velocity, acceleration, wanted, yaw_rate, swing_rate = timetable(elapsed)
+            position, velocity, wanted, yaw_rate, swing_rate = timetable(elapsed)
             spin = yaw_rate + swing_rate * side(state, tool)
-            return servo(state, hand, tool, (position, velocity, acceleration), (wanted, spin))
+            return servo(state, hand, tool, (position, velocity), (wanted, spin))
 
         return policy
 
@@ -167,7 +168,7 @@ def _carrying(
         writes={"hand": _BODY, "tool": _BODY},
         # These facts are about the tool as it stood at first.
         keeps=(HANDLE_WITHIN_REACH, HOME),
-        hyperparameters=(Hyperparameter("duration", "s", 1.2, 5.0, duration_guess, "how long the reach takes"),),
+        hyperparameters=(Hyperparameter("duration", "s", 1.2, 8.0, duration_guess, "how long the reach takes"),),
         duration=Duration(0.3, 12.0, expected),
         hold=True,
         policy=_policy(goal),

@@ -27,7 +27,7 @@ from hybrid_tamp.motion.poses import cross, quaternion_conjugate, rotate
 
 from ..common.classes import Region
 from ..common.predicates import AT_REST
-from ..common.primitives import straight_movement
+from ..common.primitives import straight_profile
 from ..common.timetable import Timetable
 from .classes import DexterousHand, Pushable, Pusher
 from .feasibility import (
@@ -46,11 +46,11 @@ _APPROACH = 0.8
 """How long the tool takes to touch the thing [s]."""
 _SHORTEST = 1.0
 """How long a push takes at least [s]."""
-_STEERING = 0.03
+_STEERING = 0.08
 """How far beside the middle of the thing the tool pushes, per angle that the thing has turned [m/rad]."""
-_RETURNING = 8.0
+_RETURNING = 15.0
 """How far the thing is turned towards its line, per distance from it [rad/m]."""
-_LARGEST_TURN = 0.15
+_LARGEST_TURN = 0.3
 """How far at most [rad]."""
 _MARGIN = 0.6
 """Which part of its half width the tool pushes within."""
@@ -65,18 +65,17 @@ def _roles(binding: Binding) -> tuple[Token, Token, Token, Token]:
     return hand, tool, thing, region
 
 
-def _distance(binding: Binding, state: State, hyperparameters: Hyperparameters) -> FloatArray:
-    """Return how far to push ``(...)`` [m]."""
+def _distance_guess(binding: Binding, state: State) -> FloatArray:
     _, _, thing, region = _roles(binding)
-    return np.maximum(way(state, thing, region)[1] + hyperparameters["beyond"], 0.0)
+    return way(state, thing, region)[1]
 
 
-def _time(distance: FloatArray, hyperparameters: Hyperparameters) -> FloatArray:
-    return np.maximum(distance / np.asarray(hyperparameters["speed"]), _SHORTEST)
+def _time(hyperparameters: Hyperparameters) -> FloatArray:
+    return np.maximum(np.asarray(hyperparameters["distance"]) / hyperparameters["speed"], _SHORTEST)
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    return float(_APPROACH + _time(_distance(binding, state, hyperparameters), hyperparameters))
+    return float(_APPROACH + _time(hyperparameters))
 
 
 def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArray:
@@ -118,28 +117,26 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     face = point(start, tool, np.asarray(tool["pushing_point"]))
     origin, line, gap = start[hand, "position"].copy(), start[thing, "position"].copy(), _gap(start, tool, thing, ahead)
     beside = dot(face - line, across)[..., None]
-    pushed, still = _distance(binding, start, hyperparameters), np.zeros(3)
-    distance = pushed[..., None]
-    # The primitive goes from 0 to 1; its forcing term does not shrink with the way.
-    touch = straight_movement().trajectory(np.zeros(1), np.ones(1), _APPROACH)
-    push = straight_movement().trajectory(np.zeros(1), np.ones(1), _time(pushed, hyperparameters))
+    distance, duration = np.asarray(hyperparameters["distance"]), _time(hyperparameters)
+    profile, still = straight_profile(), np.zeros(3)
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
-        near, go = touch.at(elapsed), push.at(elapsed - _APPROACH)
-        moved = ((gap[..., None] * one + distance * other) * ahead for one, other in zip(near, go, strict=True))
-        resisting = resistance(thing) * np.clip(distance * go[1] / _CREEP, 0.0, 1.0) + thing["mass"] * distance * go[2]
-        position, velocity, acceleration = moved
-        return near[0], origin + position, velocity, acceleration, -resisting * ahead
+        near, far = elapsed / _APPROACH, (elapsed - _APPROACH) / duration
+        come, speed = profile.share(near)[..., None], distance * profile.rate(far) / duration
+        going = gap * profile.rate(near) / _APPROACH + speed
+        position = origin + (gap * profile.share(near) + distance * profile.share(far))[..., None] * ahead
+        resisting = resistance(thing) * np.clip(speed / _CREEP, 0.0, 1.0)
+        return come, position, going[..., None] * ahead, -resisting[..., None] * ahead
 
     timetable = Timetable(reference, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        near, position, velocity, acceleration, resisting = timetable(elapsed)
-        place, drift = _steering(state, thing, line, axes)
-        position = position + near * (place[..., None] - beside) * across
-        velocity = velocity + near * drift[..., None] * across
+        come, position, velocity, resisting = timetable(elapsed)
+        way_off, drift = _steering(state, thing, line, axes)
+        position = position + come * (way_off[..., None] - beside) * across
+        velocity = velocity + come * drift[..., None] * across
         load = Load(resisting, point(state, tool, np.asarray(tool["pushing_point"])))
-        return servo(state, hand, tool, (position, velocity, acceleration), (upright, still), load)
+        return servo(state, hand, tool, (position, velocity), (upright, still), load)
 
     return policy
 
@@ -215,9 +212,8 @@ PUSHING = Block(
     # A push is straight, and the thing keeps its heading; the other facts are about the tool as it stood at first.
     keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),
     hyperparameters=(
-        # About the region: what is pushed far past it would take most of the time of a search.
-        Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "how far past the region's middle"),
-        Hyperparameter("speed", "m/s", 0.1, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
+        Hyperparameter("distance", "m", 0.0, 10.0, _distance_guess, "how far to push"),
+        Hyperparameter("speed", "m/s", 0.05, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
     ),
     duration=Duration(_APPROACH, 40.0, _expected),
     policy=_policy,

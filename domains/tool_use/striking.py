@@ -25,7 +25,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import cross, rotate
 
 from ..common.predicates import AT_REST
-from ..common.primitives import straight_movement
+from ..common.primitives import straight_profile
 from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE, turn_between, turning_rate
 from ..common.timetable import Timetable
 from .classes import DexterousHand, Strikable, Striker
@@ -109,23 +109,24 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     hand, tool, thing = _roles(binding)
     arc = _Arc(binding, start, hyperparameters)
     origin, from_angle, direction = start[hand, "position"].copy(), swing_angle(start, tool), yaw(start, tool)
-    winding = straight_movement().trajectory(np.zeros(1), np.ones(1), arc.winding)
+    profile = straight_profile()
     turn = arc.beginning - from_angle
     taken = start[thing, "impulse"][..., 0].copy()
     over = tool_orientation(direction, LEVEL - _ABOVE)
     above = arc.hand_at(np.full_like(turn, LEVEL - _ABOVE))
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
-        done, speed, change = winding.at(elapsed)
-        wound = tool_orientation(direction, from_angle + done[..., 0] * turn)
-        rate = (speed[..., 0] * turn)[..., None] * arc.axis
-        return origin + done * arc.way, speed * arc.way, change * arc.way, wound, rate
+        phase = elapsed / arc.winding
+        done, speed = profile.share(phase), profile.rate(phase) / arc.winding
+        wound = tool_orientation(direction, from_angle + done * turn)
+        rate = (speed * turn)[..., None] * arc.axis
+        return origin + done[..., None] * arc.way, speed[..., None] * arc.way, wound, rate
 
     timetable = Timetable(reference, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        position, velocity, acceleration, wound, rate = timetable(elapsed)
-        before = keeping(state, hand, position, velocity, acceleration)
+        position, velocity, wound, rate = timetable(elapsed)
+        before = keeping(state, hand, position, velocity)
         hit = ((state[thing, "impulse"][..., 0] > taken) | (elapsed > arc.latest))[..., None]
         swinging = (elapsed > arc.winding)[..., None]
         spin = dot(state[tool, "angular_velocity"], arc.axis)

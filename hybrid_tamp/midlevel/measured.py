@@ -1,6 +1,8 @@
-"""A run, judged as a rollout is: the same conditions and the same performance measures, from measured states."""
+"""Runs, judged as rollouts are: the same conditions and the same performance measures, from measured states."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,18 +13,25 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
 
+_Name = TypeVar("_Name")
 
-def measured_rollout(task: Task, recording: Recording) -> Rollout:
+
+def measured_rollout(task: Task, recording: Recording, whole: bool = True) -> Rollout:
     """Return a recording as the rollout of a population of one.
 
     What a run that failed never came to counts as not finite.
+
+    Args:
+        task: the task.
+        recording: what was measured.
+        whole: whether it was to come to the plan's end; else nothing is said of the goal.
     """
     conditions: list[Condition] = []
     figures: dict[Key, FloatArray] = {}
     for instance in recording.instances:
         conditions += _conditions(task, recording, instance)
         figures |= {(instance.name, name): figure for name, figure in _figures(task, recording, instance)}
-    for atom in task.goal:
+    for atom in task.goal if whole else ():
         predicate = task.domain.predicate_by_name[atom.predicate]
         margin = np.array([task.margin(atom, recording.state(-1))])
         conditions.append(Condition(GOAL, str(atom), predicate.unit, predicate.scale, margin))
@@ -36,6 +45,34 @@ def measured_rollout(task: Task, recording: Recording) -> Rollout:
     intervals = {i.name: (np.array([i.start]), np.array([i.end])) for i in recording.instances}
     final = State(recording.layout, recording.states[-1:])
     return Rollout(tuple(conditions), figures, value, final, intervals, failed)
+
+
+def merged(runs: Sequence[Rollout]) -> Rollout:
+    """Return rollouts of one candidate each as that of a population; what a run never came to is not a number."""
+    margins = [{(c.where, c.atom): c.margin for c in run.conditions} for run in runs]
+    longest = max(runs, key=lambda run: len(run.conditions))
+    conditions = [replace(c, margin=_joined(margins, (c.where, c.atom))) for c in longest.conditions]
+    figures = {key: _joined([run.figures for run in runs], key) for key in _keys(run.figures for run in runs)}
+    begun, ended = ([{n: at[side] for n, at in run.intervals.items()} for run in runs] for side in (0, 1))
+    failed = [{name: where.astype(float) for name, where in run.failed.items()} for run in runs]
+    return Rollout(
+        conditions=tuple(conditions),
+        figures=figures,
+        value=np.concatenate([run.value for run in runs]),
+        final=State(runs[0].final.layout, np.concatenate([run.final.values for run in runs])),
+        intervals={name: (_joined(begun, name), _joined(ended, name)) for name in _keys(begun)},
+        failed={name: _joined(failed, name) == 1.0 for name in _keys(failed)},
+    )
+
+
+def _keys(tables: Iterable[Mapping[_Name, object]]) -> list[_Name]:
+    """Return the keys of all tables, each once, in order."""
+    return list(dict.fromkeys(key for table in tables for key in table))
+
+
+def _joined(tables: Sequence[Mapping[_Name, FloatArray]], key: _Name) -> FloatArray:
+    """Return an entry of all tables ``(1,)`` as one array; not a number where a table has none."""
+    return np.concatenate([table.get(key, np.array([np.nan])) for table in tables])
 
 
 def _conditions(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[Condition]:

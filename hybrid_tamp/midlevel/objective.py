@@ -34,7 +34,7 @@ class Objective:
         space: the hyperparameters of all instances, in the order of the plan.
         keys: (instance, hyperparameter) of each variable.
         last: the last population that was rolled out.
-        until: the instance after whose exit no measure counts any more, where what follows is left out; or None.
+        until: the instance after whose exit points are not rolled out any further, or None.
     """
 
     def __init__(self, task: Task, plan: TaskPlan, roll_out: RollOut) -> None:
@@ -45,7 +45,7 @@ class Objective:
         self.keys = tuple(found)
         self.space = SearchSpace(tuple(found.values()))
         self.last: Rollout | None = None
-        self.until = _last_measured(task, plan)
+        self.until: str | None = None
 
     def __call__(self, points: FloatArray) -> Scores:
         """Return the scores of points ``(n, d)`` of the space."""
@@ -70,7 +70,7 @@ class Objective:
         return evaluate
 
 
-def _last_measured(task: Task, plan: TaskPlan) -> str | None:
+def last_measured(task: Task, plan: TaskPlan) -> str | None:
     """Return the last instance with a performance measure, by name."""
     measured = [i for i in plan.instances if task.domain.block_by_name[i.block].performance]
     return max(measured, key=lambda i: (i.end, i.name)).name if measured else None

@@ -11,9 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid_tamp.midlevel.objective import Objective, RollOut
+from hybrid_tamp.errors import DomainError, Issue
+from hybrid_tamp.midlevel.objective import Objective, RollOut, last_measured
 from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum, find_optimiser
 from hybrid_tamp.midlevel.relevance import Relevance, find_relevant
+from hybrid_tamp.midlevel.retuning import Retuner
 from hybrid_tamp.midlevel.rollout import Rollout, Rollouts
 from hybrid_tamp.midlevel.search_space import FloatArray
 from hybrid_tamp.midlevel.separate import optimised_apart
@@ -34,8 +36,8 @@ _BASES = (4, 6)
 """How many base points, at least and at most, that takes."""
 
 
-class NotFinite(NothingFinite):
-    """Every rollout of a plan failed; the message names the block in which something was first not finite."""
+class NotFinite(DomainError):
+    """Every rollout of a plan failed: a block of the domain computes nothing finite; the message names the first."""
 
 
 def refine(
@@ -44,6 +46,7 @@ def refine(
     progress: Progress | None = None,
     roll_out: RollOut | None = None,
     compare: bool = True,
+    measured: RollOut | None = None,
 ) -> RefinedPlan:
     """Optimise the hyperparameters of a plan, by the settings of its task.
 
@@ -53,11 +56,12 @@ def refine(
         progress: told how far the work is.
         roll_out: what rolls candidates out; by default the blocks' forward models.
         compare: whether to tell as well what comes of it when each action is optimised on its own.
+        measured: what runs candidates in physics, for the last refinement where the task asks for one.
 
     Raises:
         NotFinite: every rollout failed.
     """
-    return _Refinement(task, plan, progress, roll_out or Rollouts(task, plan)).refined(compare)
+    return _Refinement(task, plan, progress, roll_out or Rollouts(task, plan), measured).refined(compare)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,18 +91,23 @@ class _Compared:
 class _Refinement:
     """The work on one plan."""
 
-    def __init__(self, task: Task, plan: TaskPlan, progress: Progress | None, roll_out: RollOut) -> None:
+    def __init__(
+        self, task: Task, plan: TaskPlan, progress: Progress | None, roll_out: RollOut, measured: RollOut | None
+    ) -> None:
         self.task, self.plan = task, plan
         self.began = time.monotonic()
         self.tell = progress or (lambda share, best: None)
         self.objective = Objective(task, plan, roll_out)
+        self.last_measured = self.objective.until = last_measured(task, plan)
+        asked = measured if task.midlevel.refine == "physics" else None
+        self.measured = None if asked is None else Objective(task, plan, asked)
         self.rng = np.random.default_rng(task.seed)
         self.evaluations = 0
         self.moves: dict[str, list[str]] = {}
         self.own: set[str] = set()
 
     def refined(self, compare: bool) -> RefinedPlan:
-        space, measures = self.objective.space, self.objective.until is not None
+        space, measures = self.objective.space, self.last_measured is not None
         if not measures or not space.varying:
             defaults = self.objective.rollout(space.default[None])
             if not space.varying or defaults.violation[0] == 0:
@@ -109,12 +118,21 @@ class _Refinement:
         best = self._optimum(relevance, self._start(apart))
         self.evaluations += best.evaluations
         compared = self._compared(space.default, best.point, *([] if apart is None else [apart]))
-        if measures and best.violation == 0 and compared.violation > 0:
+        if self.objective.until is not None and best.violation == 0 and compared.violation > 0:
             # What comes after the last measure was left out, and does not come right by itself.
             self.objective.until = None
             return self.refined(compare)
+        self.objective.until = None
+        retuned = None
+        if self.measured is not None and relevance.relevant:
+            retuner = Retuner(self.objective, self.measured, self.task.midlevel, self.rng, self.tell)
+            point, shortfall, retuned = retuner.retune(compared.points[compared.chosen], relevance.relevant)
+            points = np.vstack([compared.points[:1], point, compared.points[2:]])
+            compared = _Compared(self.objective.rollout(points), points, 1)
         history = tuple(Milestone(*each) for each in best.history)
         outcome = self._outcome(compared, relevance, apart)
+        if retuned is not None:
+            outcome = replace(outcome, physics=retuned, shortfall=shortfall)
         return replace(outcome, optimiser=self.task.midlevel.optimiser, stopped=best.stopped, history=history)
 
     def _compared(self, *points: FloatArray) -> "_Compared":
@@ -180,10 +198,9 @@ class _Refinement:
         assert self.objective.last is not None, "it has been rolled out"
         failed = self.objective.last.failed
         where = next((i for i in self.plan.instances if i.name in failed), None)
-        said = NotFinite(error.evaluations)
-        if where is not None:
-            said.args = (f"{where.name}: {said}; there the block {where.block} first computed it",)
-        return said
+        if where is None:
+            return NotFinite([Issue("", str(error))])
+        return NotFinite([Issue(where.name, str(error), remedy=f"there the block {where.block} first computed it")])
 
     def _outcome(
         self, compared: "_Compared", relevance: Relevance | None = None, apart: FloatArray | None = None

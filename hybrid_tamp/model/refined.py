@@ -92,6 +92,27 @@ class Milestone:
 
 
 @dataclass(frozen=True)
+class Retuning:
+    """What came of going on in physics from the optimum that the forward models expect.
+
+    Attributes:
+        before: V and J of that optimum in physics.
+        best: V and J in physics of the values that were kept, never worse.
+        evaluations: runs that were made.
+        seconds: how long it took [s].
+        stopped: why it ended.
+        history: the convergence curve.
+    """
+
+    before: Value
+    best: Value
+    evaluations: int
+    seconds: float
+    stopped: str
+    history: tuple[Milestone, ...]
+
+
+@dataclass(frozen=True)
 class RefinedPlan:
     """A task plan with optimised hyperparameters.
 
@@ -99,16 +120,17 @@ class RefinedPlan:
         plan: the plan, its instances with all their hyperparameters.
         hyperparameters: each of them, in the order of the plan.
         performance: the measures that are expected.
-        best: V and J of the plan as it is now.
+        best: V and J of the plan as it is now, by the forward models as all else that is expected.
         defaults: V and J with the defaults.
         apart: V and J with each action optimised on its own, in the plan's order; None if that was not asked.
-        shortfall: the first condition that is not met, or None.
+        shortfall: the first condition that is not met, in physics where it was tried there, or None.
         expected: (instance or ``goal``, atom) to the margin expected.
         optimiser: by which optimiser, or empty if there was nothing to optimise.
         evaluations: rollouts that were made.
         seconds: how long it took [s].
         stopped: why the optimiser ended.
         history: the convergence curve.
+        physics: what came of going on in physics, or None if that was not asked.
     """
 
     plan: TaskPlan
@@ -124,3 +146,4 @@ class RefinedPlan:
     seconds: float
     stopped: str
     history: tuple[Milestone, ...]
+    physics: Retuning | None = None

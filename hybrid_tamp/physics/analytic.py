@@ -1,6 +1,7 @@
 """The analytic backend: the blocks' own continuous systems. It needs no simulator and knows no contacts."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from types import TracebackType
 
 import numpy as np
@@ -56,6 +57,16 @@ class AnalyticBackend:
     def contact_forces(self) -> list[ContactForce]:
         """Return nothing: continuous systems have contacts inside them and do not tell."""
         return []
+
+    @contextmanager
+    def snapshot(self) -> Iterator[Callable[[], None]]:
+        """Remember state and systems; states are never changed."""
+        state, parts = self._state, self._parts
+
+        def go_back() -> None:
+            self._state, self._parts = state, parts
+
+        yield go_back
 
     def close(self) -> None:
         """Do nothing: there is nothing to free."""

@@ -1,6 +1,7 @@
 """The backend protocol: who moves the tokens, one control period at a time; and how a backend is found by name."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from types import TracebackType
@@ -67,6 +68,10 @@ class Backend(Protocol):
 
     def contact_forces(self) -> list[ContactForce]:
         """Return who pressed on whom within the last period, and how hard at most."""
+        ...
+
+    def snapshot(self) -> AbstractContextManager[Callable[[], None]]:
+        """Remember the present for a while: what is entered is a function that goes back to it, bit for bit."""
         ...
 
     def close(self) -> None:

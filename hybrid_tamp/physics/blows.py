@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Mapping
+from copy import deepcopy
 
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -27,6 +28,10 @@ class Blows:
         )
         self._windows: dict[_Pair, deque[float]] = {}
         self._hardest: dict[str, float] = {}
+
+    def copy(self) -> "Blows":
+        """Return another one that has felt the same."""
+        return deepcopy(self)
 
     def feel(self, forces: Mapping[_Pair, float]) -> None:
         """Take note of the normal forces [N] of one substep, of all pairs in contact."""

@@ -3,7 +3,8 @@
 The substeps are taken one by one: Bullet tells the contact forces of the last one only, and a blow is over in one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from types import TracebackType
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.block import CONTROL_PERIOD, Commands
 from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.shape import Compound
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.backend import FLOOR, ContactForce
@@ -72,6 +74,8 @@ class BulletBackend:
         self._fingers = Fingers.all_of(task, self._client, self._handles, self._commands)
         self._blows = Blows(task)
         self._state = State(state.layout, np.array(state.values, dtype=float))
+        self._task, self._start = task, self._state
+        self._rows: list[FloatArray] = []
         return self._state
 
     def assign(self, running: Sequence[BlockInstance]) -> None:
@@ -83,7 +87,10 @@ class BulletBackend:
         Raises:
             CommandError: a command is unknown, of a wrong size, not finite or above its limit.
         """
-        row = self._commands.checked(commands)
+        return self._advance(self._commands.checked(commands))
+
+    def _advance(self, row: FloatArray) -> State:
+        self._rows.append(row)
         after = self._state.values.copy()
         state = State(self._state.layout, after)
         for fingers in self._fingers:
@@ -97,6 +104,37 @@ class BulletBackend:
     def contact_forces(self) -> list[ContactForce]:
         """Return the largest normal force of each pair within the last period, summed over its contact points."""
         return [(one, other, force) for (one, other), force in sorted(self._forces.items())]
+
+    @contextmanager
+    def snapshot(self) -> Iterator[Callable[[], None]]:
+        """Remember the present for a while; what is entered goes back to it.
+
+        Bullet restores its state to the bit, but for compounds: their parts' contacts come back mixed up. With one in
+        the scene the commands since the reset are repeated instead, which takes as long as the steps alone.
+        """
+        if any(isinstance(token.shape, Compound) for token in self._task.assigned):
+            start, rows = self._start, tuple(self._rows)
+            yield lambda: self._repeat(start, rows)
+            return
+        saved = pybullet.saveState(physicsClientId=self._client)
+        now, rows, blows = (self._state, self._forces), tuple(self._rows), self._blows.copy()
+        held = [fingers.held for fingers in self._fingers]
+
+        def restore() -> None:
+            for fingers in self._fingers:
+                fingers.let_go()
+            pybullet.restoreState(saved, physicsClientId=self._client)
+            for fingers, grasp in zip(self._fingers, held, strict=True):
+                fingers.hold(grasp)
+            (self._state, self._forces), self._rows, self._blows = now, list(rows), blows.copy()
+
+        yield restore
+        pybullet.removeState(saved, physicsClientId=self._client)
+
+    def _repeat(self, start: State, rows: Sequence[FloatArray]) -> None:
+        self.reset(self._task, start)
+        for row in rows:
+            self._advance(row)
 
     def _simulate(self, row: FloatArray) -> None:
         for drive in self._drives:

@@ -1,41 +1,15 @@
-"""Closed-loop execution: a plan becomes a run.
+"""Closed-loop execution: a plan becomes a run, or several plans that begin alike become runs."""
 
-The plan gives an order of reassignments only. One happens at the first control step at which each of its ending
-instances has lasted its minimum and measures all its exit conditions as true, and each starting instance measures its
-entry conditions as true. Until then blocks go on.
+from collections.abc import Iterator, Sequence
 
-How long a run may wait follows from the blocks: a reassignment is due `PATIENCE` after the events before it and after
-the bounds of its ending blocks have passed. So every run ends, by its plan's end or by a failure.
-"""
-
-import logging
-from collections.abc import Callable
-
-import numpy as np
-
-from hybrid_tamp.errors import DomainError, Issue
-from hybrid_tamp.model.block import Commands
-from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
-from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
-from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.backend import Backend
-from hybrid_tamp.physics.commands import CommandError, CommandLayout
-from hybrid_tamp.physics.events import Event, Observer
-from hybrid_tamp.physics.logbook import Logbook
-from hybrid_tamp.physics.running import RunError, Running, measure, shortfall
+from hybrid_tamp.physics.events import Observer
+from hybrid_tamp.physics.run import PATIENCE, SETTLING, Progress, Run
 
-Progress = Callable[[float, float], None]
-"""Called ten times a simulated second with the simulated time and the plan's expected end [s]."""
-
-PATIENCE = 5.0
-"""How long a reassignment that is due may wait for things to settle [s]."""
-SETTLING = 0.5
-"""How long the last instances run at least, so that rest is measured and not assumed [s]."""
-_PROGRESS_STEPS = 24
-
-_logger = logging.getLogger(__name__)
+__all__ = ["PATIENCE", "SETTLING", "Progress", "execute", "execute_variants"]
 
 
 def execute(
@@ -61,208 +35,47 @@ def execute(
         InputError: the backend cannot simulate the task.
         DomainError: a policy commands something that its block does not hold.
     """
-    return _Run(task, plan, backend, observer or (lambda event: None)).recording(progress)
+    run = Run(task, plan, backend, observer)
+    run.advance(progress=progress)
+    return run.recording()
 
 
-class _Run:
-    """The state of one execution."""
+def execute_variants(
+    task: Task, plans: Sequence[TaskPlan], backend: Backend, until: str | None = None
+) -> Iterator[Recording]:
+    """Run plans that differ in hyperparameters only, each to the bit as `execute` does.
 
-    def __init__(self, task: Task, plan: TaskPlan, backend: Backend, observer: Observer) -> None:
-        self._task = task
-        self._plan = plan
-        self._backend = backend
-        self._observer = observer
-        self._layout = CommandLayout.of(task)
-        self._log = Logbook(task, self._layout, backend)
-        self._pending = dict(enumerate(reassignments(task, plan)))
-        self._enabled_at = {index: 0.0 for index, event in self._pending.items() if not event.after}
-        self._running: dict[str, Running] = {}
-        self._time = 0.0
-        self._state = task.state
+    What comes before the first instance in which they differ is run once, and each goes on from a snapshot.
 
-    def recording(self, progress: Progress | None) -> Recording:
-        """Run to the end and return the recording."""
-        self._state = self._backend.reset(self._task, self._task.state)
-        self._log.start(self._state)
-        try:
-            self._begin(initial(self._plan))
-            while not self._happens():
-                self._step()
-                if progress is not None and self._log.steps % _PROGRESS_STEPS == 0:
-                    progress(self._time, self._plan.makespan)
-        except RunError as error:
-            return self._failed(error)
-        return self._finished()
+    Args:
+        task: the task.
+        plans: one or more plans.
+        backend: who moves the tokens.
+        until: name of an instance with whose end the runs end; of what still runs then the recording tells nothing.
 
-    def _happens(self) -> bool:
-        """Carry out every event that can happen now; say whether the plan's end was one of them."""
-        ready = {name: running.ready(self._time, self._state) for name, running in self._running.items()}
-        ended = False
-        for index in sorted(self._enabled_at):
-            event = self._pending[index]
-            if self._can_happen(event, ready):
-                ended = ended or event.final
-                self._carry_out(index, event)
-            else:
-                self._check_wait(index, event)
-        if not ended:
-            for running in self._running.values():
-                running.check_overdue(self._time, self._state)
-        return ended
+    Yields:
+        A recording for each plan, in their order.
 
-    def _can_happen(self, event: Reassignment, ready: dict[str, bool]) -> bool:
-        if event.final and self._time - self._log.last_event < SETTLING - TIME_TOLERANCE:
-            return False
-        if not all(ready[name] for name in event.ending):
-            return False
-        if len(self._awaited(event)) > len(event.ending):
-            return False
-        return all(margin.holds for instance in event.starting for margin in self._entries(instance))
+    Raises:
+        InputError: the backend cannot simulate the task.
+        DomainError: a policy commands something that its block does not hold.
+    """
+    trunk = Run(task, plans[0], backend)
+    trunk.advance(before=_different(plans), until=until)
+    with backend.snapshot() as go_back:
+        for plan in plans:
+            go_back()
+            run = trunk.branch(plan)
+            run.advance(until=until)
+            yield run.recording()
 
-    def _carry_out(self, index: int, event: Reassignment) -> None:
-        names = tuple(instance.name for instance in event.starting)
-        if not event.final:
-            self._observer(Event(self._time, "reassignment", ending=event.ending, starting=names))
-        for name in event.ending:
-            self._end(self._running.pop(name))
-        self._begin(event.starting)
-        self._log.last_event = self._time
-        del self._pending[index], self._enabled_at[index]
-        # Only from the next step on: what the plan puts in order never happens at one instant.
-        for other, later in self._pending.items():
-            if other not in self._enabled_at and not later.after & self._pending.keys():
-                self._enabled_at[other] = self._time
 
-    def _check_wait(self, index: int, event: Reassignment) -> None:
-        """Refuse to wait for ever.
-
-        Raises:
-            RunError: the reassignment is overdue.
-        """
-        due = max(self._enabled_at[index], *(self._running[name].latest for name in self._awaited(event))) + PATIENCE
-        if self._time <= due:
-            return
-        missing = [(name, m) for name in event.ending for m in self._running[name].exits(self._state)]
-        missing += [(instance.name, m) for instance in event.starting for m in self._entries(instance)]
-        missing = [(name, margin) for name, margin in missing if not margin.holds]
-        said = "; ".join(f"{name}: {shortfall(margin)}" for name, margin in missing) or "nothing is missing"
-        first = missing[0][0] if missing else event.ending[0]
-        reason = f"a reassignment was due at {due - PATIENCE:.3f} s and cannot happen: {said}"
-        raise RunError(first, reason, (margin for _, margin in missing))
-
-    def _awaited(self, event: Reassignment) -> list[str]:
-        """Return the instances that it ends, and those that still change what its starting instances read (law 5)."""
-        changing = [
-            name
-            for name, running in self._running.items()
-            if name not in event.ending
-            and running.reached is None
-            and any(self._changes(running, instance) for instance in event.starting)
-        ]
-        return [*event.ending, *changing]
-
-    def _changes(self, running: Running, reader: BlockInstance) -> bool:
-        targets = self._task.domain.block_by_name[reader.block].targets
-        return any(
-            reader.targets[target.name] == token and set(target.reads) & set(running.block.writes.get(slot, ()))
-            for target in targets
-            for slot, token in running.instance.slots.items()
-        )
-
-    def _begin(self, instances: tuple[BlockInstance, ...]) -> None:
-        for instance in instances:
-            running = Running(self._task, instance, self._time, self._state)
-            self._running[instance.name] = running
-            margins = tuple(self._entries(instance))
-            self._observer(
-                Event(
-                    self._time,
-                    "begin",
-                    instance,
-                    hyperparameters=running.hyperparameters,
-                    margins=margins,
-                )
-            )
-        self._backend.assign([running.instance for running in self._running.values()])
-
-    def _end(self, running: Running) -> None:
-        margins = tuple(running.exits(self._state))
-        self._log.ended(running, self._time, margins)
-        self._observer(
-            Event(
-                self._time,
-                "end",
-                running.instance,
-                hyperparameters=running.hyperparameters,
-                margins=margins,
-            )
-        )
-
-    def _entries(self, instance: BlockInstance) -> list[AtomMargin]:
-        block = self._task.domain.block_by_name[instance.block]
-        return measure(self._task, block.measured_entries, instance, self._state)
-
-    def _step(self) -> None:
-        """Command, let one control period pass, measure.
-
-        Raises:
-            RunError: a command or the measured state is not finite.
-        """
-        row, cut = self._layout.limited(self._row())
-        after = self._backend.step(self._layout.commands(row))
-        if not np.isfinite(after.values).all():
-            self._refuse_state(after)
-        self._state = after
-        self._time = self._log.stepped(after, row, cut, self._running.values())
-
-    def _row(self) -> FloatArray:
-        commands: Commands = {}
-        for running in self._running.values():
-            mine = running.commands(self._time, self._state)
-            held = running.instance.slots.values()
-            strange = [f"{action} on {token}" for token, action in mine if token not in held]
-            if strange:
-                wanted = "a policy commands only tokens in its block's slots"
-                raise DomainError([Issue(f"{running.block.name}.policy", wanted, ", ".join(strange))])
-            commands.update(mine)
-        try:
-            return self._layout.row(commands)
-        except CommandError as error:
-            blocks = ", ".join(sorted({running.block.name for running in self._running.values()}))
-            raise DomainError([Issue(f"policy of {blocks}", str(error))]) from error
-
-    def _refuse_state(self, state: State) -> None:
-        """Say whose state is not finite.
-
-        Raises:
-            RunError: always.
-        """
-        for running in self._running.values():
-            for token in running.instance.slots.values():
-                for name, _ in ((n, s) for t, n, s in state.layout.entries if t == token):
-                    if not np.isfinite(state[token, name]).all():
-                        said = f"the {name} of {token} is no longer finite after {self._time:.3f} s"
-                        raise RunError(running.instance.name, said)
-        raise RunError("", f"the state is no longer finite after {self._time:.3f} s")
-
-    def _failed(self, error: RunError) -> Recording:
-        step = self._log.step_index
-        for running in list(self._running.values()):
-            self._end(running)
-        failure = Failure(step, error.instance, error.reason, error.margins)
-        instance = next((i for i in self._plan.instances if i.name == error.instance), None)
-        self._observer(Event(self._time, "failure", instance, margins=error.margins, reason=error.reason))
-        _logger.warning("step %d failed: %s", step, error.reason)
-        return self._log.recording(self._goal(), failure)
-
-    def _finished(self) -> Recording:
-        goal = self._goal()
-        self._observer(Event(self._time, "goal", margins=goal))
-        for margin in goal:
-            if not margin.holds:
-                _logger.warning("the goal is not reached: %s", shortfall(margin))
-        return self._log.recording(goal, None)
-
-    def _goal(self) -> tuple[AtomMargin, ...]:
-        margins = [(str(atom), self._task.margin(atom, self._state)) for atom in self._task.goal]
-        return tuple(AtomMargin(atom, None if np.isnan(margin) else margin) for atom, margin in margins)
+def _different(plans: Sequence[TaskPlan]) -> frozenset[str]:
+    """Return the names of the instances whose hyperparameters are not the same in all plans."""
+    first = plans[0]
+    return frozenset(
+        one.name
+        for plan in plans[1:]
+        for one, other in zip(first.instances, plan.instances, strict=True)
+        if one.hyperparameters != other.hyperparameters
+    )

@@ -6,7 +6,7 @@ would pull a thing that has slipped back to where it was held first.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -35,7 +35,7 @@ TWIST = 0.02
 
 
 @dataclass
-class _Grasp:
+class Grasp:
     """What is held: a thing, PyBullet's handle of the joint, and the hand's pose in the thing's frame."""
 
     thing: Token
@@ -54,6 +54,7 @@ class Fingers:
         client: PyBullet's client.
         handles: PyBullet's handle of every token.
         grip: where the grip force lies in a row of commands.
+        held: what they hold, or None.
     """
 
     hand: Token
@@ -61,7 +62,7 @@ class Fingers:
     client: int
     handles: Mapping[str, int]
     grip: int
-    _grasp: _Grasp | None = field(default=None, repr=False)
+    held: Grasp | None = field(default=None, repr=False)
 
     @classmethod
     def all_of(
@@ -87,20 +88,30 @@ class Fingers:
         """
         grip, aperture = float(row[self.grip]), state[self.hand, APERTURE]
         way = FINGER_SPEED * CONTROL_PERIOD
-        if self._grasp is not None and (grip <= 0 or self._has_slipped(self._grasp, state)):
+        if self.held is not None and (grip <= 0 or self._has_slipped(self.held, state)):
             # If the handle is still between the fingers, they meet it again at once.
-            self._let_go(self._grasp)
+            self.let_go()
         if grip <= 0:
             aperture[0] = min(aperture[0] + way, self.hand["maximal_aperture"])
             return
-        if self._grasp is None:
+        if self.held is None:
             narrower = max(aperture[0] - way, 0.0)
             thing = self._between(state, narrower, aperture[0])
             aperture[0] = narrower if thing is None else thing["handle_width"]
-            self._grasp = None if thing is None else self._grasp_of(thing, state)
-        if self._grasp is not None:
+            self.held = None if thing is None else self._grasp_of(thing, state)
+        if self.held is not None:
             limit = GRIP_FRICTION * grip
-            pybullet.changeConstraint(self._grasp.joint, maxForce=limit, physicsClientId=self.client)
+            pybullet.changeConstraint(self.held.joint, maxForce=limit, physicsClientId=self.client)
+
+    def let_go(self) -> None:
+        """Hold nothing any more."""
+        if self.held is not None:
+            pybullet.removeConstraint(self.held.joint, physicsClientId=self.client)
+            self.held = None
+
+    def hold(self, grasp: Grasp | None) -> None:
+        """Hold again what was held before, as it was held."""
+        self.held = grasp and replace(grasp, joint=self._joint(grasp.thing, grasp.position, grasp.orientation))
 
     def _between(self, state: State, narrower: float, wider: float) -> Token | None:
         """Return the nearest thing that the fingers meet while they close from `wider` to `narrower` [m]."""
@@ -124,9 +135,12 @@ class Fingers:
         orientation = quaternion_multiply(thing_from_world, state[self.hand, "orientation"])
         return rotate(thing_from_world, offset), orientation
 
-    def _grasp_of(self, thing: Token, state: State) -> _Grasp:
+    def _grasp_of(self, thing: Token, state: State) -> Grasp:
         position, orientation = self._pose_in(thing, state)
-        joint = pybullet.createConstraint(
+        return Grasp(thing, self._joint(thing, position, orientation), position, orientation)
+
+    def _joint(self, thing: Token, position: FloatArray, orientation: FloatArray) -> int:
+        joint: int = pybullet.createConstraint(
             self.handles[self.hand.name],
             -1,
             self.handles[thing.name],
@@ -139,14 +153,10 @@ class Fingers:
             orientation.tolist(),
             physicsClientId=self.client,
         )
-        return _Grasp(thing, joint, position, orientation)
+        return joint
 
-    def _has_slipped(self, grasp: _Grasp, state: State) -> bool:
+    def _has_slipped(self, grasp: Grasp, state: State) -> bool:
         position, orientation = self._pose_in(grasp.thing, state)
         # Of two unit quaternions the product is the cosine of half the angle between them.
         twisted = abs(orientation @ grasp.orientation) < np.cos(TWIST / 2)
         return bool(twisted or np.linalg.norm(position - grasp.position) > SLIP)
-
-    def _let_go(self, grasp: _Grasp) -> None:
-        pybullet.removeConstraint(grasp.joint, physicsClientId=self.client)
-        self._grasp = None

@@ -3,6 +3,7 @@
 import logging
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -40,6 +41,22 @@ class Logbook:
         self._cuts: Counter[tuple[str, Key]] = Counter()
         self._contacts: dict[tuple[tuple[str, str], tuple[str, str]], Contact] = {}
 
+    def copy(self) -> "Logbook":
+        """Return a logbook that goes on from here."""
+        other = copy(self)
+        for name in ("_states", "_commands", "_instances", "_exits", "_cuts", "_contacts"):
+            setattr(other, name, copy(getattr(self, name)))
+        return other
+
+    @property
+    def started(self) -> bool:
+        """Whether the start has been written down."""
+        return bool(self._states)
+
+    def has_ended(self, instance: str) -> bool:
+        """Say whether the end of an instance has been written down."""
+        return instance in self._exits
+
     @property
     def steps(self) -> int:
         """How many control periods have passed."""
@@ -73,10 +90,10 @@ class Logbook:
         for one, other, force in self._backend.contact_forces():
             if FLOOR in (one, other):
                 continue
-            contact = Contact((one, other), (within.get(one, ""), within.get(other, "")), force, self.time)
-            key = (contact.tokens, contact.instances)
-            if key not in self._contacts or force > self._contacts[key].force:
-                self._contacts[key] = contact
+            tokens, instances = (one, other), (within.get(one, ""), within.get(other, ""))
+            known = self._contacts.get((tokens, instances))
+            if known is None or force > known.force:
+                self._contacts[tokens, instances] = Contact(tokens, instances, force, self.time)
 
     def ended(self, running: Running, time: float, exits: tuple[AtomMargin, ...]) -> None:
         """Write down the end of an instance, with the times and hyperparameters that were real."""

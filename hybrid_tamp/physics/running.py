@@ -5,6 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.block import Block, Commands
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.predicate import Literal
@@ -51,7 +52,9 @@ class Running:
         self.block: Block = task.domain.block_by_name[instance.block]
         self.begin = time
         self.reached: float | None = None
+        self._asked, self._holds = -math.inf, False
         self._task = task
+        self._held = frozenset(instance.slots.values())
         self._binding = task.bind(instance.roles)
         self._exits = self.block.measured_exits
         self.hyperparameters = self._chosen(state)
@@ -73,13 +76,18 @@ class Running:
         return measure(self._task, self._exits, self.instance, state)
 
     def ready(self, time: float, state: State) -> bool:
-        """Say whether it may end now: it has lasted its minimum, and all its exit conditions hold."""
+        """Say whether it may end now: it has lasted its minimum, and all its exit conditions hold.
+
+        Asked twice at one instant, it measures once.
+        """
         if time - self.begin < self.block.duration.minimum - TIME_TOLERANCE:
             return False
-        if not all(float(literal.margin(state, self._binding)) >= 0 for literal in self._exits):
-            return False
-        self.reached = time if self.reached is None else self.reached
-        return True
+        if time != self._asked:
+            self._asked = time
+            self._holds = all(float(literal.margin(state, self._binding)) >= 0 for literal in self._exits)
+            if self._holds and self.reached is None:
+                self.reached = time
+        return self._holds
 
     def check_overdue(self, time: float, state: State) -> None:
         """Refuse to go on beyond its maximum.
@@ -103,16 +111,27 @@ class Running:
         """Ask its policy.
 
         Raises:
-            RunError: the policy commands something that is not finite.
+            DomainError: the policy commands something that the block does not hold.
         """
         if self._policy is None:
             return {}
         commands = self._policy(np.float64(time - self.begin), state)
+        if not self._held.issuperset(token for token, _ in commands):
+            strange = [f"{action} on {token}" for token, action in commands if token not in self._held]
+            wanted = "a policy commands only tokens in its block's slots"
+            raise DomainError([Issue(f"{self.block.name}.policy", wanted, ", ".join(strange))])
+        return commands
+
+    def check_finite(self, commands: Commands) -> None:
+        """Refuse commands on its tokens that are not finite.
+
+        Raises:
+            RunError: one is not.
+        """
         for (token, action), command in commands.items():
-            if not np.isfinite(command).all():
+            if token in self._held and not np.isfinite(command).all():
                 said = f"the policy of {self.block.name} commands {action} {np.asarray(command).tolist()} on {token}"
                 raise RunError(self.instance.name, f"{said}, which is not finite")
-        return commands
 
     def _chosen(self, state: State) -> dict[str, float]:
         """Return the plan's hyperparameters where it gives any, else the block's guesses."""

@@ -1,0 +1,185 @@
+"""Fig. 6: the best grasp of a hammer by where the block ends; for the script that draws it and for tests.
+
+The closed form of a grasp at distance g from the end of the handle near the head (physics of a rigid hammer, SI units),
+with a = g - x(handle_to), the distance of the hand from the centre of mass, and lambda = a + x(impact point):
+
+    contact  = overlap of [g - w/2, g + w/2] with the handle [0, L], over w
+    torque   = F (a + x(pushing point)), F = mu m_block 9.81, over the way d = x - .1
+    omega    = sqrt(2 tau phi / I), I = I_c + I_w + m (a + R)^2 + m_hand R^2
+    v_tip    = omega (lambda + R), v_hand = omega R
+    J        = contact - 4 torque^2 d [push] + .2 v_tip^2 + weight v_hand [strike]
+
+where R is the distance of the hand from the elbow. Equal values are decided for the grasp nearest to the default, the
+middle of the handle, as the optimisers do.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from ruamel.yaml import YAML
+
+from hybrid_tamp.midlevel.objective import Objective, RollOut
+from hybrid_tamp.midlevel.optimiser import Budget, Optimum, find_optimiser
+from hybrid_tamp.midlevel.rollout import Rollout, Rollouts
+from hybrid_tamp.midlevel.scores import Scores
+from hybrid_tamp.midlevel.separate import optimised_apart
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.state import FloatArray
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.planning import plan
+from hybrid_tamp.taskfile.loader import load_task_text
+
+PROBLEMS = Path(__file__).resolve().parent.parent / "problems"
+FILES = {"push": "hammer_push", "strike": "hammer_strike", "both": "hammer_push_then_strike"}
+LOCATIONS = tuple(round(0.1 * n, 1) for n in range(1, 11))
+"""Where the block ends [m]."""
+START = 0.1
+"""Where it is pushed from [m]."""
+TABLE = {
+    "push": (3.0, 3.0, 3.0, 3.0, 2.9, 1.8, 1.1, 0.6, 0.2, 0.0),
+    "strike": (12.0,) * 10,
+    "both": (12.0, 11.6, 9.3, 8.0, 7.0, 6.2, 5.6, 5.0, 4.5, 4.0),
+}
+"""The best grasps [cm] that are expected; the first of `push` is a tie of all grasps with full contact."""
+GRASP = ("GRASPING-1", "grasp_location")
+LONG: Mapping[str, Any] = {
+    "mass": 0.8,
+    "inertia": [0.0004, 0.0042, 0.0042],
+    "handle_from": [-0.22, 0, 0],
+    "handle_to": [-0.01, 0, 0],
+    "impact_point": [0.035, 0, -0.05],
+    "pushing_point": [0.035, 0, 0.05],
+}
+"""A longer and heavier hammer: what differs in the task file."""
+_LONG_PARTS: list[dict[str, Any]] = [
+    {"kind": "box", "half_extents": [0.13, 0.012, 0.012], "position": [-0.10, 0, 0]},
+    {"kind": "box", "half_extents": [0.02, 0.02, 0.035], "position": [0.035, 0, 0]},
+    {"kind": "sphere", "radius": 0.0145, "position": [0.035, 0, 0.0355]},
+    {"kind": "sphere", "radius": 0.0145, "position": [0.035, 0, -0.0355]},
+]
+_FIXED = {"STRIKING.target_x": 0.0, "STRIKING.target_y": 0.0, "PUSHING.speed": 0.15}
+
+
+def figure_task(kind: str, x: float, *, radius: float = 0.0, hand_weight: float = -0.1, long: bool = False) -> Task:
+    """Return the task of a bundled problem with another location, other hyperparameters fixed, maybe another hammer.
+
+    Args:
+        kind: ``push``, ``strike`` or ``both``.
+        x: where the block ends [m].
+        radius: distance of the hand from the elbow about which it swings [m].
+        hand_weight: weight of the hand's speed in a strike.
+        long: whether the hammer is the long one.
+    """
+    yaml = YAML()
+    file = yaml.load((PROBLEMS / f"{FILES[kind]}.yaml").read_text(encoding="utf-8"))
+    moved = file["tokens"]["goal" if "goal" in file["tokens"] else "block"]
+    moved["pose"]["position"][0] = x
+    fixed = {"STRIKING.swing_radius": radius, **_FIXED, "PUSHING.distance": round(x - START, 6)}
+    weights = {"STRIKING.hand_speed": hand_weight}
+    file["midlevel"] = {"hyperparameters": fixed, "weights": weights}
+    if long:
+        file["tokens"]["hammer"]["properties"].update(LONG)
+        file["tokens"]["hammer"]["shape"]["parts"] = _LONG_PARTS
+        file["tokens"]["hammer"]["pose"]["position"][2] = 0.055
+    text = StringIO()
+    yaml.dump(file, text)
+    return load_task_text(text.getvalue(), f"{FILES[kind]} at {x}")
+
+
+@cache
+def figure_plan(kind: str) -> TaskPlan:
+    """Return the plan of a kind. It is the same wherever the block ends, so that a push may be one of no distance."""
+    found = plan(figure_task(kind, 0.5)).required()
+    return replace(found, instances=tuple(replace(instance, hyperparameters={}) for instance in found.instances))
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Grasps ``(n,)`` [m] and what came of them."""
+
+    grasps: FloatArray
+    scores: Scores
+
+    @property
+    def best(self) -> float:
+        """The best grasp [m]; of equal ones the nearest to the middle of the handle."""
+        away = np.abs(self.grasps - (self.grasps[0] + self.grasps[-1]) / 2)
+        return float(self.grasps[np.argmin(np.where(self.scores.best(), away, np.inf))])
+
+    @property
+    def tie(self) -> tuple[float, float]:
+        """The smallest and the largest of the best grasps [m]."""
+        best = self.grasps[self.scores.best()]
+        return float(best.min()), float(best.max())
+
+
+class Figure:
+    """One task whose grasp is looked for."""
+
+    def __init__(self, task: Task, kind: str, roll_out: RollOut | None = None) -> None:
+        self.task, self.plan = task, figure_plan(kind)
+        self.objective = Objective(task, self.plan, roll_out or Rollouts(task, self.plan))
+        self.part = self.objective.space.only([".".join(GRASP)])
+
+    def evaluate(self, grasps: FloatArray) -> Scores:
+        """Return the scores of grasps ``(n, 1)`` [m]."""
+        return self.objective(self.part.embed(grasps))
+
+    def sampled(self, count: int) -> Scan:
+        """Look at grasps all along the handle."""
+        grasps = np.linspace(self.part.lower[0], self.part.upper[0], count)
+        return Scan(grasps, self.evaluate(grasps[:, None]))
+
+    def searched(self, evaluations: int = 289) -> Optimum:
+        """Find the best grasp with CMA-ES."""
+        optimise = find_optimiser("cma", batch=48)
+        return optimise(self.evaluate, self.part, Budget(evaluations), np.random.default_rng(self.task.seed))
+
+    def apart(self) -> tuple[float, float]:
+        """Return the grasp [m] that is the best for grasping alone, and the value of the whole plan with it."""
+        point = optimised_apart(self.objective, set(self.part.names))
+        grasp = point[self.objective.keys.index(GRASP)]
+        return float(grasp), float(self.evaluate(np.array([[grasp]])).value[0])
+
+
+def scores_of(task: Task, rollout: Rollout, blocks: Sequence[str], hand_weight: float | None = None) -> Scores:
+    """Return scores by the measures of some blocks only, with another weight of the hand's speed where it is given."""
+    value = np.zeros(len(rollout.value))
+    for (instance, name), figure in rollout.figures.items():
+        block = task.domain.block_by_name[instance.rpartition("-")[0]]
+        measure = next(m for m in block.performance if m.name == name)
+        weight = hand_weight if name == "hand_speed" and hand_weight is not None else measure.weight
+        value = value + (weight * figure / measure.scale if block.name in blocks else 0.0)
+    return Scores(rollout.violation, value)
+
+
+def closed_form(task: Task, kind: str, x: float, grasps: FloatArray, radius: float = 0.0) -> FloatArray:
+    """Return J of grasps ``(n,)`` [m] by the equations above."""
+    hand, hammer, block = (task.token_by_name[name] for name in ("hand", "hammer", "block"))
+    width, length = hand["contact_width"], hammer["handle_to"][0] - hammer["handle_from"][0]
+    overlap = np.minimum(grasps + width / 2, length) - np.maximum(grasps - width / 2, 0.0)
+    value = overlap / width
+    away = grasps - hammer["handle_to"][0]
+    measures = {m.name: m.weight for each in task.domain.blocks for m in each.performance}
+    if kind != "strike":
+        torque = block["friction"] * block["mass"] * 9.81 * (away + hammer["pushing_point"][0])
+        value = value + measures["torque_work"] * torque**2 * (x - START)
+    if kind != "push":
+        inertia = hammer["inertia"][1] + hand["wrist_inertia"] + hammer["mass"] * (away + radius) ** 2
+        omega = np.sqrt(2 * hand["strike_torque"] * hand["strike_angle"] / (inertia + hand["mass"] * radius**2))
+        tip = omega * (away + hammer["impact_point"][0] + radius)
+        value = value + measures["tip_speed_squared"] * tip**2 + measures["hand_speed"] * omega * radius
+    return np.asarray(value)
+
+
+def closed_form_best(task: Task, kind: str, x: float, radius: float = 0.0) -> float:
+    """Return the best grasp [m] by the closed form, to .01 mm."""
+    hammer = task.token_by_name["hammer"]
+    grasps = np.linspace(0.0, hammer["handle_to"][0] - hammer["handle_from"][0], 15001)
+    value = closed_form(task, kind, x, grasps, radius)
+    return Scan(grasps, Scores(np.zeros(len(grasps)), value)).best
