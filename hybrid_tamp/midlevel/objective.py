@@ -34,6 +34,7 @@ class Objective:
         space: the hyperparameters of all instances, in the order of the plan.
         keys: (instance, hyperparameter) of each variable.
         last: the last population that was rolled out.
+        until: the instance after whose exit points are not rolled out any further, or None.
     """
 
     def __init__(self, task: Task, plan: TaskPlan, roll_out: RollOut) -> None:
@@ -44,10 +45,11 @@ class Objective:
         self.keys = tuple(found)
         self.space = SearchSpace(tuple(found.values()))
         self.last: Rollout | None = None
+        self.until: str | None = None
 
     def __call__(self, points: FloatArray) -> Scores:
         """Return the scores of points ``(n, d)`` of the space."""
-        self.last = self.rollout(points)
+        self.last = self.rollout(points, self.until)
         return Scores(self.last.violation, self.last.value)
 
     def rollout(self, points: FloatArray, until: str | None = None) -> Rollout:
@@ -66,6 +68,12 @@ class Objective:
             return Scores(np.where(bad, np.inf, violation), rollout.value_of(self.task, instance))
 
         return evaluate
+
+
+def last_measured(task: Task, plan: TaskPlan) -> str | None:
+    """Return the last instance with a performance measure, by name."""
+    measured = [i for i in plan.instances if task.domain.block_by_name[i.block].performance]
+    return max(measured, key=lambda i: (i.end, i.name)).name if measured else None
 
 
 def _variables(task: Task, plan: TaskPlan) -> Iterable[tuple[Key, Variable]]:
