@@ -108,10 +108,11 @@ class _Refinement:
 
     def refined(self, compare: bool) -> RefinedPlan:
         space, measures = self.objective.space, self.last_measured is not None
-        if not measures or not space.varying:
-            defaults = self.objective.rollout(space.default[None])
-            if not space.varying or defaults.violation[0] == 0:
-                return self._outcome(_Compared(defaults, space.default[None], 0))
+        defaults = self.objective.rollout(space.default[None])
+        if not space.varying or (not measures and defaults.violation[0] == 0):
+            return self._outcome(_Compared(defaults, space.default[None], 0))
+        if measures:
+            self.objective.keep_reserves(defaults)
         relevance = self._relevance()
         own = {name for name in relevance.relevant if name in self.own}
         apart = optimised_apart(self.objective, own) if compare and measures else None
@@ -138,7 +139,7 @@ class _Refinement:
     def _compared(self, *points: FloatArray) -> "_Compared":
         """Roll the whole plan out for a few candidates."""
         rollout = self.objective.rollout(np.array(points))
-        chosen = np.lexsort((-rollout.value, rollout.violation))[0]
+        chosen = np.lexsort((-rollout.value, self.objective.missed(rollout)))[0]
         return _Compared(rollout, np.array(points), int(chosen))
 
     def _start(self, apart: FloatArray | None) -> FloatArray:
