@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from hybrid_tamp.model.task import Task
     from hybrid_tamp.model.token import Token
     from hybrid_tamp.pipeline import plan, replay, run
+    from hybrid_tamp.probing import probe
     from hybrid_tamp.taskfile.loader import load_task
     from hybrid_tamp.testing import check_domain
 
@@ -76,6 +77,7 @@ _HOMES = {
     "model.task": ("Task",),
     "model.token": ("Token",),
     "pipeline": ("plan", "replay", "run"),
+    "probing": ("probe",),
     "taskfile.loader": ("load_task",),
     "testing": ("check_domain",),
 }
@@ -126,6 +128,7 @@ __all__ = [
     "learn",
     "load_task",
     "plan",
+    "probe",
     "quantity",
     "replay",
     "run",

@@ -13,7 +13,7 @@ from hybrid_tamp.errors import HybridTampError, InputError, Issue
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from hybrid_tamp.report.documents import ExplanationEntry
+    from hybrid_tamp.report.documents import ExplanationEntry, PlanDocument
 
 
 def say(document: dict[str, Any], as_json: bool, sentence: Callable[[], str]) -> None:
@@ -68,6 +68,15 @@ def explain(explanation: "ExplanationEntry | None", as_json: bool) -> None:
     from hybrid_tamp.report.tables import explanation_text
 
     _console(stderr=True).print(explanation_text(explanation))
+
+
+def tell_network(document: "PlanDocument") -> None:
+    """Say what part of the network was planned on: on standard output with a plan, else on standard error."""
+    from hybrid_tamp.report.tables import network_text
+
+    said = network_text(document)
+    if said:
+        typer.echo(said, err=document.status != "solved")
 
 
 def report_error(error: HybridTampError, as_json: bool) -> None:

@@ -4,7 +4,7 @@
 
     HybridTampError                 exit status
     ├── InputError                  30   the input is wrong; carries every fault found
-    │   └── DomainError             30   a domain's own declarations contradict each other
+    │   └── DomainError             30   what a domain declares contradicts itself or computes nothing
     ├── NoPlan                      10   proven unsolvable, or 11, none found
     ├── LimitReached                20   a time or memory limit
     ├── ExecutionFailed             40   the plan was run and the goal was not reached
@@ -75,7 +75,7 @@ class InputError(HybridTampError):
 
 
 class DomainError(InputError):
-    """A domain's declarations contradict each other."""
+    """A domain's declarations contradict each other, or what they compute is not finite."""
 
 
 class NoPlan(HybridTampError):

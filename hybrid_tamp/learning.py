@@ -10,7 +10,7 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.block import Block, Movement
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
-from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.motion.demonstration import ShownMovement, learnt
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.taskfile.demonstrations import read_demonstration
@@ -50,6 +50,10 @@ def learn(
         raise InputError([Issue("learn", "at least one demonstration and one weight", f"{len(paths)} and {weights}")])
     blocks, movement = _taught(block, domain)
     shown = [one for path in paths for one in _shown(path, blocks, movement, token)]
+    return _fitted(block, shown, movement, weights)
+
+
+def _fitted(block: str, shown: Sequence[ShownMovement], movement: Movement, weights: int) -> PrimitiveFile:
     try:
         primitive, rms = learnt(shown, movement.moves, movement.dimensions, weights)
     except ValueError as error:
@@ -105,7 +109,7 @@ def _shown(path: Path, blocks: Sequence[Block], movement: Movement, token: str |
         if not chosen:
             wanted = f"a run with an instance of {' or '.join(names)}" + (f" with {token}" if token and there else "")
             raise InputError([Issue(str(path), wanted, available=tuple(there))])
-        shown = list(_measured(path, recording, chosen, movement))
+        shown = list(movements(path.name, recording.times, recording.trajectory, chosen, movement))
     for one in shown:
         try:
             one.way(movement.moves, movement.dimensions)
@@ -114,17 +118,52 @@ def _shown(path: Path, blocks: Sequence[Block], movement: Movement, token: str |
     return shown
 
 
-def _measured(
-    path: Path, recording: Recording, instances: Iterable[BlockInstance], movement: Movement
+def learn_from(
+    block: Block,
+    source: str,
+    times: FloatArray,
+    trajectory: State,
+    instances: Iterable[BlockInstance],
+    weights: int = WEIGHTS,
+) -> PrimitiveFile:
+    """Fit a block's motor primitive to instances of it that were seen.
+
+    Args:
+        block: the block, which has a motor primitive.
+        source: what the instances were seen in.
+        times: instants [s], shape ``(t,)``.
+        trajectory: states at the instants, batch shape ``(t,)``.
+        instances: the instances.
+        weights: number of basis functions.
+
+    Raises:
+        InputError: they show no movement that the block could be taught.
+    """
+    movement = block.movement
+    assert movement is not None, "a block that is taught says what its primitive moves"
+    return _fitted(block.name, list(movements(source, times, trajectory, instances, movement)), movement, weights)
+
+
+def movements(
+    source: str, times: FloatArray, trajectory: State, instances: Iterable[BlockInstance], movement: Movement
 ) -> Iterator[ShownMovement]:
+    """Yield what each instance shows: from its beginning until its exit conditions held.
+
+    Args:
+        source: what the instances were seen in.
+        times: instants [s], shape ``(t,)``.
+        trajectory: states at the instants, batch shape ``(t,)``.
+        instances: the instances.
+        movement: what of them is wanted.
+    """
     for instance in instances:
         end = instance.active.end + TIME_TOLERANCE
-        rows = np.flatnonzero((recording.times >= instance.start - TIME_TOLERANCE) & (recording.times <= end))
-        measured, token = recording.trajectory, instance.slots[movement.slot]
-        turns = (token, "orientation") in recording.layout.slices
+        rows = np.flatnonzero((times >= instance.start - TIME_TOLERANCE) & (times <= end))
+        token = instance.slots[movement.slot]
+        turns = (token, "orientation") in trajectory.layout.slices
         yield ShownMovement(
-            f"{path.name}/{instance.name}",
-            recording.times[rows],
-            measured[token, "position"][rows],
-            measured[token, "orientation"][rows] if turns else None,
+            f"{source}/{instance.name}",
+            times[rows],
+            trajectory[token, "position"][rows],
+            trajectory[token, "orientation"][rows] if turns else None,
         )

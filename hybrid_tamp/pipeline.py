@@ -18,14 +18,17 @@ from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning import PlanOutcome, plan
 from hybrid_tamp.rehearsal import Rehearsal, available_processors
+from hybrid_tamp.report.convergence import convergence_picture
 from hybrid_tamp.report.documents import ResultDocument, result_document, steps_of
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.report.measures import run_measures
+from hybrid_tamp.report.page import write_page
 from hybrid_tamp.report.refinement import performance_entries, refinement_entry
 from hybrid_tamp.report.versions import versions
 from hybrid_tamp.rounds import Rounds, plan_in_rounds
 from hybrid_tamp.symbolic.pddl import domain_text, problem_text
 from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.reencode import plan_lines
 from hybrid_tamp.symbolic.stage import Planner
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.domains import installed_domain
@@ -48,6 +51,8 @@ __all__ = [
 if TYPE_CHECKING:
     from hybrid_tamp.physics.replay import ReplayReport
 
+Planning = Callable[[Task], PlanOutcome]
+"""A way to a plan other than by a planner, e.g. by imitation."""
 Progress = Callable[[float, str], None]
 """Called with the share done, 0 to 1, and what is being done."""
 
@@ -82,13 +87,14 @@ def export(
         task = next(each for each in task.alternatives() if not check_law(each, plan))
     if encoding == "temporal":
         return _export_temporal(task, folder, plan)
-    problem = compile_task(task).problem
+    compilation = compile_task(task)
+    problem = compilation.problem
     files = [
         folder.write_text("domain.pddl", domain_text(problem.domain)),
         folder.write_text("problem.pddl", problem_text(problem)),
     ]
     if plan is not None:
-        files.append(folder.write_text("plan.pddl", "".join(f"{line}\n" for line in plan.actions)))
+        files.append(folder.write_text("plan.pddl", "".join(f"{line}\n" for line in plan_lines(compilation, plan))))
     return files
 
 
@@ -109,7 +115,7 @@ def _export_temporal(task: Task, folder: RunFolder, plan: TaskPlan | None) -> li
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Write a plan's document and PDDL files, the task file and what it names, in place of another run's.
+    """Write a plan's document, convergence curve and PDDL, the task file and what it names, in place of another run's.
 
     A goal with a choice of which none was made has no PDDL.
     """
@@ -119,6 +125,10 @@ def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
     for name, content in {**({} if text is None else {"task.yaml": text}), **named}.items():
         folder.write_text(name, content)
     folder.write_json("plan.json", outcome.document.dump())
+    refinement = outcome.document.refinement
+    curve = None if refinement is None else convergence_picture(refinement)
+    if curve is not None:
+        folder.write_bytes("convergence.png", curve)
     if outcome.plan is not None or len(outcome.task.alternatives()) == 1:
         export(outcome.chosen or outcome.task, folder, outcome.plan)
 
@@ -127,6 +137,7 @@ def refine(
     task: Task,
     planner: Planner | None = None,
     progress: Progress | None = None,
+    planning: Planning | None = None,
     *,
     backend: str = "pybullet",
     processes: int | None = None,
@@ -139,6 +150,7 @@ def refine(
         task: the task.
         planner: a running planner process; without one, one is started for each round.
         progress: told how far the work is, and the best value so far.
+        planning: how plans are found, if not by the planner.
         backend: name of the physics backend in which a task with ``refine: physics`` tries candidates.
         processes: how many it may use at once, by default one for each processor; the result does not depend on it.
 
@@ -154,7 +166,7 @@ def refine(
 
     rounds = plan_in_rounds(
         task,
-        lambda each: plan(each, planner),
+        planning or (lambda each: plan(each, planner)),
         tell,
         lambda each, found: Rehearsal(each, found, backend, processes or available_processors()),
     )
@@ -175,6 +187,7 @@ def run(
     backend: str = "pybullet",
     video: Path | None = None,
     progress: Progress | None = None,
+    planning: Planning | None = None,
 ) -> RunOutcome:
     """Plan a task, optimise its hyperparameters, carry the plan out, record it and judge the recording.
 
@@ -185,6 +198,7 @@ def run(
         backend: name of the physics backend.
         video: where the video goes; without it only one picture a step is drawn.
         progress: told how far the work is.
+        planning: how plans are found, if not by the planner.
 
     Raises:
         NoPlan: there is no plan, or none was found that the forward models can carry out.
@@ -201,8 +215,9 @@ def run(
     tell = progress or (lambda share, what: None)
     check_video(video)
     with open_backend(backend) as physics:
-        rounds = refine(task, planner, progress, backend=backend)
+        rounds = refine(task, planner, progress, planning, backend=backend)
         save_plan(rounds.outcome, folder)
+        write_page(folder)  # of the plan, or of why there is none
         chosen = rounds.outcome.required()
         with EventLog(folder.path / "events.jsonl") as events:
             recording = execute(task, chosen, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
@@ -210,6 +225,7 @@ def run(
     save(outcome.recording, folder.path / "recording.npz")
     folder.write_json("result.json", outcome.document.dump())
     draw(task, outcome.recording, folder, video, tell)
+    write_page(folder)
     return outcome
 
 

@@ -4,13 +4,22 @@ import time
 from dataclasses import dataclass
 from typing import Literal
 
-from hybrid_tamp.affordances.explanation import Reason, explain
+from hybrid_tamp.affordances.tailoring import Tailoring
 from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
+from hybrid_tamp.explaining import SUGGESTING, explained
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.report.documents import ExplanationEntry, PlanDocument, PlannerEntry, ReasonEntry, plan_document
+from hybrid_tamp.report.documents import (
+    BroughtEntry,
+    ExplanationEntry,
+    NetworkEntry,
+    PlanDocument,
+    PlannerEntry,
+    network_entry,
+    plan_document,
+)
 from hybrid_tamp.symbolic.planner import PlannerProcess
-from hybrid_tamp.symbolic.stage import Planned, Planner, plan_task
+from hybrid_tamp.symbolic.stage import Planned, Planner
 
 _SAID = {
     "unsolvable": "No plan exists; the planner has proven it.",
@@ -18,9 +27,6 @@ _SAID = {
     "planner_crashed": "The planner crashed.",
     "plan_refused": "The planner returned a plan that is wrong; it was refused.",
 }
-
-MOST_EXPLAINED = 5
-"""Of a goal with a choice, why so many alternatives cannot be reached is told."""
 
 
 @dataclass(frozen=True)
@@ -53,31 +59,42 @@ class PlanOutcome:
         return self.plan
 
 
-def plan(task: Task, planner: Planner | None = None) -> PlanOutcome:
+def plan(task: Task, planner: Planner | None = None, suggesting: float = SUGGESTING) -> PlanOutcome:
     """Plan a task and judge the plan.
 
     Args:
         task: the task.
         planner: a running planner process; without one, one is started for this call.
+        suggesting: how long to look for a single change that gives a plan, where there is none [s].
 
     Raises:
         InputError: the engine is unknown or not installed.
     """
     if planner is None:
         with PlannerProcess() as process:
-            return plan(task, process)
+            return plan(task, process, suggesting)
     began = time.monotonic()
+    tailoring = Tailoring(task)
     try:
-        planned = plan_task(task, planner)
+        planned = tailoring.planned(planner)
     except LimitReached as limit:
         entry = PlannerEntry(name=task.planner, seconds=time.monotonic() - began)
         said = ExplanationEntry(kind=limit.limit, message=str(limit), reasons=[])
-        document = plan_document(task, status="limit", planner=entry, plan=None, explanation=said)
+        network = _network(tailoring)
+        document = plan_document(task, status="limit", planner=entry, plan=None, network=network, explanation=said)
         return PlanOutcome(task, document, None, limit)
-    return _outcome(task, planned)
+    return _outcome(task, planned, _network(tailoring), suggesting)
 
 
-def _outcome(task: Task, planned: Planned) -> PlanOutcome:
+def _network(tailoring: Tailoring) -> NetworkEntry:
+    brought = [
+        BroughtEntry(token=each.token, classes=list(each.classes), blocks=list(each.blocks), why=each.why)
+        for each in tailoring.brought
+    ]
+    return network_entry(tailoring.task, tailoring.reduction.task, brought)
+
+
+def _outcome(task: Task, planned: Planned, network: NetworkEntry, suggesting: float) -> PlanOutcome:
     answer = planned.answer
     entry = PlannerEntry(
         name=answer.engine,
@@ -87,20 +104,18 @@ def _outcome(task: Task, planned: Planned) -> PlanOutcome:
         stages=dict(planned.stages),
     )
     if planned.plan is not None:
-        document = plan_document(task, status="solved", planner=entry, plan=planned.plan, explanation=None)
+        document = plan_document(
+            task, status="solved", planner=entry, plan=planned.plan, network=network, explanation=None
+        )
         return PlanOutcome(task, document, planned.plan, None, planned.task)
     proven = planned.status == "unsolvable"
     detail = planned.refusal or ("" if proven else answer.message)
     said = " ".join(filter(None, [_SAID[planned.status], detail]))
-    reasons = [ReasonEntry(**reason.__dict__) for reason in _reasons(task, proven)] if not detail else []
-    explanation = ExplanationEntry(kind=planned.status, message=said, reasons=reasons)
+    if detail:
+        explanation = ExplanationEntry(kind=planned.status, message=said, reasons=[])
+    else:
+        explanation = explained(task, planned.status, said, proven, suggesting)
     status: Literal["unsolvable", "unknown"] = "unsolvable" if proven else "unknown"
-    document = plan_document(task, status=status, planner=entry, plan=None, explanation=explanation)
-    message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in reasons)])
+    document = plan_document(task, status=status, planner=entry, plan=None, network=network, explanation=explanation)
+    message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in explanation.reasons)])
     return PlanOutcome(task, document, None, NoPlan(message, proven=proven, kind=planned.status))
-
-
-def _reasons(task: Task, proven: bool) -> list[Reason]:
-    """Return why the goal cannot be reached; of a goal with a choice, why none of the nearest alternatives can."""
-    nearest = task.alternatives()[:MOST_EXPLAINED]
-    return list(dict.fromkeys(reason for each in nearest for reason in explain(each, proven)))

@@ -1,15 +1,22 @@
 """Motor primitives that blocks' reference trajectories are made of, learnt from demonstrations."""
 
+from collections.abc import Callable
 from functools import cache
 from importlib.resources import files
 
 import numpy as np
 
+from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 from hybrid_tamp.motion.profile import Profile
 
 _SAMPLES = 201
+_AHEAD = 0.5
+"""How far ahead the demonstrated reach goes, along its x axis [m]."""
+
+Reference = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""Elapsed time ``(...)`` [s] to position [m] and velocity [m/s], each ``(..., 3)``."""
 
 
 @cache
@@ -34,3 +41,22 @@ def straight_movement() -> DMP:
 def straight_profile() -> Profile:
     """Return how `straight_movement` goes from its beginning to its end."""
     return Profile(straight_movement())
+
+
+def reach_over(start: FloatArray, goal: FloatArray, duration: FloatArray) -> Reference:
+    """Return the demonstrated reach, turned and stretched to lead from one place to another; its lift stays as it is.
+
+    Args:
+        start: where it begins, ``(..., 3)`` [m].
+        goal: where it ends, ``(..., 3)`` [m].
+        duration: how long it takes, ``(...)`` [s].
+    """
+    level, up = np.array([1.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    begin, way = start * level, (goal - start) * level
+    movement = demonstrated_reach().trajectory(start * up, goal * up + _AHEAD * np.array([1.0, 0.0, 0.0]), duration)
+
+    def at(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        position, velocity = (each[..., :1] / _AHEAD * way + each * up for each in movement.at(elapsed)[:2])
+        return begin + position, velocity
+
+    return at

@@ -23,7 +23,7 @@ from hybrid_tamp.model.block import (
     Slot,
     Target,
 )
-from hybrid_tamp.model.predicate import Literal
+from hybrid_tamp.model.predicate import Literal, Predicate
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.dmp import DMP
@@ -48,26 +48,24 @@ class ReachGoal:
         position: ``position(binding, state)`` of the hand's centre when it has arrived, ``(..., 3)`` [m].
         entry: conditions under which the reach makes sense.
         arrived: the conditions that say the hand is there.
+        hand_class: the hands that reach there.
+        keeps: predicates that stay as they are although they read where the hand is.
     """
 
     targets: tuple[Target, ...]
     position: Callable[[Binding, State], FloatArray]
     entry: tuple[Literal, ...]
     arrived: tuple[Literal, ...]
+    hand_class: type[StaticEndEffector] = StaticEndEffector
+    keeps: tuple[Predicate, ...] = ()
 
 
-def reaching(
-    goal: ReachGoal,
-    mode: str | None = None,
-    hand_class: type[StaticEndEffector] = StaticEndEffector,
-    primitive: DMP | None = None,
-) -> Block:
+def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
     """Return REACHING for one kind of goal.
 
     Args:
         goal: where the hands reach to.
         mode: its name as one mode of several, or None.
-        hand_class: the hands that reach there.
         primitive: the movement, in three dimensions; the demonstrated reach by default.
     """
 
@@ -99,18 +97,19 @@ def reaching(
 
     return Block(
         name="REACHING" if mode is None else f"REACHING:{mode}",
-        slots=(Slot("hand", hand_class),),
+        slots=(Slot("hand", goal.hand_class),),
         anchor="hand",
         targets=goal.targets,
         entry=goal.entry,
         exit=(*goal.arrived, AT_REST("hand")),
         writes={"hand": ("position", "velocity")},
+        keeps=goal.keeps,
         hyperparameters=(Hyperparameter("duration", "s", 0.8, 8.0, duration_guess, "how long the reach takes"),),
         duration=Duration(0.3, 12.0, expected),
         hold=True,
         policy=make_policy,
         system=_system,
-        taught=lambda other: reaching(goal, mode, hand_class, other),
+        taught=lambda other: reaching(goal, mode, other),
         movement=Movement("hand", "position", 3),
         outcome=outcome,
         description="the hand moves on a curve to its place beside the object and holds there",

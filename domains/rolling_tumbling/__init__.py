@@ -4,7 +4,7 @@ The story of rolling, in order: `classes` (what rolls, what tumbles), `geometry`
 `rolling` (D1). The story of tumbling: `faces` (faces and postures of a box), `tumbling_geometry`,
 `tumbling_predicates`, `tipping` (D2 and D4, with `turning`, how two hands turn a box), `tilting` (D3), `standing_by`
 (D5, with `detours`, curves round a box). Both share `network` (Fig. 2). REACHING to roll (D5) and RESTING (D6) come
-from `..common`.
+from `..common`. How membership is tried is in `probing_rolling` and `probing_tumbling`.
 """
 
 from hybrid_tamp.model.domain import Domain
@@ -17,6 +17,8 @@ from .classes import Rollable, Tumblable
 from .metrics import metrics
 from .network import network
 from .predicates import BEHIND, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .probing_rolling import TRY_ROLLING
+from .probing_tumbling import TRY_TUMBLING
 from .rolling import REACH_BEHIND, ROLLING
 from .standing_by import REACH_AWAY, REACH_BESIDE
 from .tilting import TILTING
@@ -42,5 +44,6 @@ DOMAIN = Domain(
     blocks=_BLOCKS,
     network=network(_BLOCKS),
     metrics=metrics,
+    trials=(TRY_ROLLING, TRY_TUMBLING),
     description="hands roll and tumble heavy objects in a controlled manner",
 )

@@ -5,7 +5,9 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator
 
+from hybrid_tamp.affordances.features import rolling_likelihood, tumbling_likelihood
 from hybrid_tamp.model.affordance import AffordanceClass, Direction, Vector3, quantity
+from hybrid_tamp.model.mesh import MeshShape
 from hybrid_tamp.model.shape import Box, Cylinder, Shape
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
@@ -32,6 +34,11 @@ class Rollable(AffordanceClass):
         allow_inf_nan=False,
     )
 
+    @classmethod
+    def features(cls, shape: Shape) -> float:
+        """Return how round the shape is about its roundest axis."""
+        return rolling_likelihood(shape)
+
     @staticmethod
     def consistent(token: Token) -> str | None:
         """Complain about a shape that contradicts the radius of rotation."""
@@ -49,6 +56,12 @@ def _all_positive(vector: Vector3) -> Vector3:
     return vector
 
 
+def _none_negative(vector: Vector3) -> Vector3:
+    if min(vector) < 0:
+        raise ValueError("none of the three may be less than 0")
+    return vector
+
+
 class Tumblable(AffordanceClass):
     """Can be tumbled from face to face by several hands (paper, Sec. III-A)."""
 
@@ -57,9 +70,17 @@ class Tumblable(AffordanceClass):
     half_extents: Annotated[Vector3, AfterValidator(_all_positive)] = quantity(
         "m", "half of the edge lengths along x, y, z"
     )
+    hollow: Annotated[Vector3, AfterValidator(_none_negative)] = quantity(
+        "m", "how far behind the planes of the faces across x, y, z hands touch it", default=(0.0, 0.0, 0.0)
+    )
     # Declared exactly as in ROLLABLE, so that a token may be a member of both.
     mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
     friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
+
+    @classmethod
+    def features(cls, shape: Shape) -> float:
+        """Return how flat and wide the shape stands on four sides about some axis."""
+        return tumbling_likelihood(shape)
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
@@ -68,10 +89,18 @@ class Tumblable(AffordanceClass):
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Complain about a shape that is not the box of the half extents."""
+        """Complain about a shape that the box of the half extents is not, or of a mesh does not hold."""
         halves = token["half_extents"]
+        if any(depth >= half for depth, half in zip(token["hollow"], halves, strict=True)):
+            return f"hollow is {token['hollow']} m, which is not less than the half_extents {halves} m"
+        if isinstance(token.shape, MeshShape):
+            lower, upper = token.shape.corners.tolist()
+            ends = [(abs(end), half) for row in (lower, upper) for end, half in zip(row, halves, strict=True)]
+            if any(abs(end - half) > 0.03 * half for end, half in ends):
+                return f"half_extents are {halves} m, but its mesh reaches from {lower} to {upper} m"
+            return None
         if not isinstance(token.shape, Box):
-            return "what tumbles is a box so far: remove the shape, or do not make it a member of TUMBLABLE"
+            return "what tumbles is a box or a mesh so far: remove the shape, or do not make it a member of TUMBLABLE"
         if any(abs(one - other) > 0.01 * one for one, other in zip(halves, token.shape.half_extents, strict=True)):
             return f"half_extents are {halves} m, but those of its shape are {token.shape.half_extents} m"
         return None

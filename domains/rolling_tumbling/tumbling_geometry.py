@@ -29,6 +29,11 @@ def half_extent(thing: Token, face: str) -> float:
     return float(np.abs(NORMALS[face]) @ np.asarray(thing["half_extents"]))
 
 
+def contact_distance(thing: Token, face: str) -> float:
+    """Return the distance from the centre, along a face's normal, at which hands touch the face [m]."""
+    return float(np.abs(NORMALS[face]) @ (np.asarray(thing["half_extents"]) - np.asarray(thing["hollow"])))
+
+
 def normal(state: State, thing: Token, face: str) -> FloatArray:
     """Return a face's outward normal ``(..., 3)``."""
     return rotate(state[thing, "orientation"], NORMALS[face])
@@ -98,7 +103,7 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
     angle = np.arctan2(extent / 2.0, half_extent(thing, face)) - PAST_BALANCE
     clear = hand["radius"] * (1.0 + np.cos(angle)) / np.sin(angle) + FLOOR_CLEARANCE
     height = np.clip(clear, GRIP * extent, _HIGHEST * extent)
-    return np.asarray(NORMALS[face] * halves + below * (extent / 2.0 - height)[..., None])
+    return np.asarray(NORMALS[face] * contact_distance(thing, face) + below * (extent / 2.0 - height)[..., None])
 
 
 def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:

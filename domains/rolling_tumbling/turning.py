@@ -23,7 +23,16 @@ from ..common.primitives import straight_profile
 from ..common.servos import STIFFNESS, damping, force_on
 from .faces import NORMALS, edge_between, faces_of
 from .geometry import dot
-from .tumbling_geometry import edge_axis, edge_position, half_extent, in_body, nominal_tilt, normal, tilt
+from .tumbling_geometry import (
+    contact_distance,
+    edge_axis,
+    edge_position,
+    half_extent,
+    in_body,
+    nominal_tilt,
+    normal,
+    tilt,
+)
 
 CLOSING = 0.35
 """How long the hands take to close on the box and to squeeze it [s]."""
@@ -134,9 +143,9 @@ def _loosened(push: FloatArray, outward: FloatArray, hand: Token, grip: FloatArr
 
 
 def _gap(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the distance ``(...)`` [m] between a hand's surface and the plane of a face."""
+    """Return the distance ``(...)`` [m] between a hand's surface and where it touches a face, along the normal."""
     offset = in_body(state, thing, state[hand, "position"] - state[thing, "position"])
-    return np.asarray(dot(offset, NORMALS[face]) - half_extent(thing, face) - hand["radius"])
+    return np.asarray(dot(offset, NORMALS[face]) - contact_distance(thing, face) - hand["radius"])
 
 
 def after_turning(binding: Binding, state: State) -> State:

@@ -2,11 +2,9 @@
 
 The story, in order: `classes` (what grasps, what is grasped, pushed and struck), `geometry` (where a tool is held and
 used), `holding` (hand and tool as one body), `swing` (the closed form of a strike), `predicates`, `feasibility`, then
-one module a block: `grasping` (D7), `carrying` (D10), `pushing` (D9), `striking` (D8) and `releasing` (D11), and
-`network` (Fig. 4). REACHING (D5) and RESTING (D6) come from `..common`.
+one module a block: `grasping` (D7), `carrying` (D10), `pushing` (D9), `striking` (D8, with `arc`, the way of its swing)
+and `releasing` (D11), and `network` (Fig. 4). REACHING (D5) and RESTING (D6) come from `..common`.
 """
-
-from dataclasses import replace
 
 from hybrid_tamp.model.domain import Domain
 
@@ -20,14 +18,12 @@ from .feasibility import FEASIBLE
 from .grasping import GRASPING, REACH_HANDLE
 from .metrics import metrics
 from .network import network
-from .predicates import CHANGING, HELD
+from .predicates import CHANGING
 from .pushing import PUSHING
 from .releasing import RELEASING
 from .striking import STRIKING
 
-# Only an empty hand reaches, so that it leaves nothing behind.
-_REACHING = replace(reaching(REACH_HANDLE, "handle", DexterousHand), keeps=(HELD,))
-_BLOCKS = (_REACHING, GRASPING, *CARRYING, PUSHING, STRIKING, RELEASING, RESTING)
+_BLOCKS = (reaching(REACH_HANDLE, "handle"), GRASPING, *CARRYING, PUSHING, STRIKING, RELEASING, RESTING)
 
 DOMAIN = Domain(
     name="tool_use",

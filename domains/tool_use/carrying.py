@@ -28,7 +28,7 @@ from hybrid_tamp.motion.poses import rotate
 
 from ..common.classes import Region
 from ..common.predicates import AT_REST
-from ..common.primitives import demonstrated_reach, straight_movement
+from ..common.primitives import reach_over, straight_profile
 from ..common.reaching import LIFT
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
 from .feasibility import ABLE_TO_PUSH, ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME, PUSH_WITHIN_REACH, SQUARE_TO
@@ -99,17 +99,18 @@ def _policy(goal: Goal) -> Callable[[Binding, State, Hyperparameters], Policy]:
         hand, tool = _roles(binding)
         place, direction, angle = goal(binding, start)
         duration = np.asarray(hyperparameters["duration"])
-        reach = demonstrated_reach().trajectory(start[hand, "position"], place, duration)
-        turn = straight_movement().trajectory(np.zeros(1), np.ones(1), _TURN[1] * duration)
+        reach = reach_over(start[hand, "position"].copy(), place, duration)
+        profile, turning = straight_profile(), _TURN[1] * duration
         from_yaw, from_angle = yaw(start, tool), swing_angle(start, tool)
         yawing = (direction - from_yaw + np.pi) % (2 * np.pi) - np.pi
         swinging = angle - from_angle
 
         def policy(elapsed: FloatArray, state: State) -> Commands:
-            done, speed, _ = turn.at(elapsed - _TURN[0] * duration)
-            wanted = tool_orientation(from_yaw + done[..., 0] * yawing, from_angle + done[..., 0] * swinging)
-            spin = (speed * yawing[..., None]) * UP + (speed * swinging[..., None]) * side(state, tool)
-            return servo(state, hand, tool, reach.at(elapsed), (wanted, spin))
+            phase = (elapsed - _TURN[0] * duration) / turning
+            done, speed = profile.share(phase), profile.rate(phase) / turning
+            wanted = tool_orientation(from_yaw + done * yawing, from_angle + done * swinging)
+            spin = (speed * yawing)[..., None] * UP + (speed * swinging)[..., None] * side(state, tool)
+            return servo(state, hand, tool, reach(elapsed), (wanted, spin))
 
         return policy
 

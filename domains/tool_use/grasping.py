@@ -21,7 +21,7 @@ from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 
 from ..common.predicates import AT_REST
-from ..common.primitives import straight_movement
+from ..common.primitives import straight_profile
 from ..common.reaching import ReachGoal
 from ..common.servos import force_on, free_motion, hand_servo
 from .classes import DexterousHand, Graspable
@@ -61,11 +61,12 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     hand, tool = _roles(binding)
     origin = start[hand, "position"].copy()
     whole = point(start, tool, on_handle(tool, hyperparameters["grasp_location"])) - origin
-    reference = straight_movement().trajectory(np.zeros(1), np.ones(1), _APPROACH)
+    profile = straight_profile()
     servo = hand_servo(hand, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        done, speed, _ = reference.at(elapsed)
+        done = profile.share(elapsed / _APPROACH)[..., None]
+        speed = profile.rate(elapsed / _APPROACH)[..., None] / _APPROACH
         closing = np.where(elapsed > _CLOSES_AFTER, hand["maximal_grip"], 0.0)
         grip = np.broadcast_to(closing[..., None], state[hand, "aperture"].shape)
         return servo(state, origin + done * whole, speed * whole) | {(hand.name, "grip"): grip}
@@ -99,6 +100,9 @@ REACH_HANDLE = ReachGoal(
     position=_beside,
     entry=(*(fact("hand", "tool") for fact in GRASP_FACTS), EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     arrived=(AT_HANDLE("hand", "tool"),),
+    hand_class=DexterousHand,
+    # Only an empty hand reaches, so that it leaves nothing behind.
+    keeps=(HELD,),
 )
 
 GRASPING = Block(

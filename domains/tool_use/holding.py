@@ -79,7 +79,7 @@ def servo(
     state: State,
     hand: Token,
     tool: Token,
-    position: tuple[FloatArray, FloatArray, FloatArray],
+    position: tuple[FloatArray, FloatArray],
     orientation: tuple[FloatArray, FloatArray],
     load: Load | None = None,
 ) -> Commands:
@@ -89,7 +89,7 @@ def servo(
         state: current state.
         hand: the hand.
         tool: the tool that it holds.
-        position: of the hand [m], its velocity [m/s] and its acceleration [m/s^2], each ``(..., 3)``.
+        position: of the hand [m] and its velocity [m/s], each ``(..., 3)``.
         orientation: of the tool ``(..., 4)`` and its angular velocity ``(..., 3)`` [rad/s].
         load: what acts on the tool beside, or None.
     """

@@ -27,7 +27,7 @@ from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
 
 from ..common.classes import Region
 from ..common.predicates import AT_REST
-from ..common.primitives import straight_movement
+from ..common.primitives import straight_profile
 from .classes import DexterousHand, Pushable, Pusher
 from .feasibility import (
     ABLE_TO_PUSH,
@@ -45,11 +45,11 @@ _APPROACH = 0.8
 """How long the tool takes to touch the thing [s]."""
 _SHORTEST = 1.0
 """How long a push takes at least [s]."""
-_STEERING = 0.03
+_STEERING = 0.08
 """How far beside the middle of the thing the tool pushes, per angle that the thing has turned [m/rad]."""
-_RETURNING = 8.0
+_RETURNING = 15.0
 """How far the thing is turned towards its line, per distance from it [rad/m]."""
-_LARGEST_TURN = 0.15
+_LARGEST_TURN = 0.3
 """How far at most [rad]."""
 _MARGIN = 0.6
 """Which part of its half width the tool pushes within."""
@@ -113,23 +113,22 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     upright = tool_orientation(np.arctan2(ahead[..., 1], ahead[..., 0]), 0.0)
     face = point(start, tool, np.asarray(tool["pushing_point"]))
     origin, line, gap = start[hand, "position"].copy(), start[thing, "position"].copy(), _gap(start, tool, thing, ahead)
-    beside = dot(face - line, across)[..., None]
-    distance, still = np.asarray(hyperparameters["distance"])[..., None], np.zeros(3)
-    # The primitive goes from 0 to 1; its forcing term does not shrink with the way.
-    touch = straight_movement().trajectory(np.zeros(1), np.ones(1), _APPROACH)
-    push = straight_movement().trajectory(np.zeros(1), np.ones(1), _time(hyperparameters))
+    beside = dot(face - line, across)
+    distance, duration = np.asarray(hyperparameters["distance"]), _time(hyperparameters)
+    profile, still = straight_profile(), np.zeros(3)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        near, go = touch.at(elapsed), push.at(elapsed - _APPROACH)
-        position, velocity, acceleration = (
-            (gap[..., None] * one + distance * other) * ahead for one, other in zip(near, go, strict=True)
-        )
-        place, drift = _steering(state, thing, line, ahead)
-        position = origin + position + near[0] * (place[..., None] - beside) * across
-        velocity = velocity + near[0] * drift[..., None] * across
-        resisting = resistance(thing) * np.clip(distance * go[1] / _CREEP, 0.0, 1.0) + thing["mass"] * distance * go[2]
-        load = Load(-resisting * ahead, point(state, tool, np.asarray(tool["pushing_point"])))
-        return servo(state, hand, tool, (position, velocity, acceleration), (upright, still), load)
+        near, far = elapsed / _APPROACH, (elapsed - _APPROACH) / duration
+        come, speed = profile.share(near), distance * profile.rate(far) / duration
+        way_off, drift = _steering(state, thing, line, ahead)
+        along = gap * come + distance * profile.share(far)
+        position = origin + along[..., None] * ahead + (come * (way_off - beside))[..., None] * across
+        velocity = (gap * profile.rate(near) / _APPROACH + speed)[..., None] * ahead + (come * drift)[
+            ..., None
+        ] * across
+        resisting = resistance(thing) * np.clip(speed / _CREEP, 0.0, 1.0)
+        load = Load(-resisting[..., None] * ahead, point(state, tool, np.asarray(tool["pushing_point"])))
+        return servo(state, hand, tool, (position, velocity), (upright, still), load)
 
     return policy
 

@@ -2,14 +2,12 @@
 
 from typing import cast
 
-import numpy as np
-
 from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameters, Policy, Slot
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 
 from ..common.predicates import AT_REST
-from ..common.primitives import straight_movement
+from ..common.primitives import straight_profile
 from ..common.servos import force_on, free_motion, hand_servo
 from .classes import DexterousHand, Graspable
 from .geometry import beside
@@ -30,11 +28,12 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     hand, tool = _roles(binding)
     origin = start[hand, "position"].copy()
     whole = beside(start, hand, tool) - origin
-    reference = straight_movement().trajectory(np.zeros(1), np.ones(1), _LEAVING)
+    profile = straight_profile()
     servo = hand_servo(hand, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        done, speed, _ = reference.at(elapsed - _OPENING)
+        phase = (elapsed - _OPENING) / _LEAVING
+        done, speed = profile.share(phase)[..., None], profile.rate(phase)[..., None] / _LEAVING
         return servo(state, origin + done * whole, speed * whole)
 
     return policy

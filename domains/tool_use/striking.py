@@ -25,8 +25,9 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import rotate
 
 from ..common.predicates import AT_REST
-from ..common.primitives import straight_movement
-from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE, turn_between, turning_rate
+from ..common.primitives import straight_profile
+from ..common.servos import DAMPING_RATIO, turn_between, turning_rate
+from .arc import WINDING_UP, Arc, in_plane, on_arc
 from .classes import DexterousHand, Strikable, Striker
 from .feasibility import ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME
 from .geometry import (
@@ -36,12 +37,10 @@ from .geometry import (
     cross,
     dot,
     hand_in_tool,
-    heading,
     in_box,
     norm,
     point,
     point_velocity,
-    side,
     strike_place,
     swing_angle,
     tool_orientation,
@@ -50,14 +49,7 @@ from .geometry import (
 )
 from .holding import accelerated, effective_mass, keeping, placed, wrench
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
-from .swing import Swing, swing_of
 
-_WINDING_UP = 0.4
-"""How long it takes to wind up where the hand is [s]."""
-_WINDING_SPEED = 0.4
-"""Mean speed of the hand to where the swing begins [m/s]."""
-_FOLLOWING_THROUGH = 1.5
-"""For how many times as long as it should take the tool is swung, if it meets nothing."""
 _ABOVE = 0.15
 """How much the tool is raised after the blow [rad]."""
 _RAISING_RATE = 20.0
@@ -72,81 +64,38 @@ def _roles(binding: Binding) -> tuple[Token, Token, Token]:
     return hand, tool, thing
 
 
-def along(ahead: FloatArray, angle: FloatArray) -> FloatArray:
-    """Return the direction ``(..., 3)`` from handle to head at an angle of the swing ``(...)`` [rad]."""
-    return np.asarray(-np.sin(angle)[..., None] * ahead - np.cos(angle)[..., None] * UP)
-
-
-class _Arc:
-    """Where hand and tool are during one strike: about which elbow, and between which angles."""
-
-    def __init__(self, binding: Binding, start: State, hyperparameters: Hyperparameters) -> None:
-        hand, tool, thing = _roles(binding)
-        self.radius = np.asarray(hyperparameters["swing_radius"])
-        self.ahead = heading(start, tool)
-        across = cross(UP, self.ahead)
-        x, y = (np.asarray(hyperparameters[name])[..., None] for name in ("target_x", "target_y"))
-        target = top(start, thing) + x * self.ahead + y * across
-        self.axis = across
-        self.elbow = strike_place(start, hand, tool, target) - self.radius[..., None] * self.ahead
-        self.swing: Swing = swing_of(hand, tool, hand_in_tool(start, hand, tool)[..., 0], self.radius)
-        self.beginning = self.swing.wound_up(hand)
-        self.way = self.hand_at(self.beginning) - start[hand, "position"]
-        self.winding = _WINDING_UP + norm(self.way) / _WINDING_SPEED
-        self.latest = self.winding + _FOLLOWING_THROUGH * self.swing.duration(hand)
-
-    def hand_at(self, angle: FloatArray) -> FloatArray:
-        """Return the place of the hand ``(..., 3)`` [m] at an angle ``(...)`` [rad]."""
-        return np.asarray(self.elbow + self.radius[..., None] * along(self.ahead, angle))
-
-
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    arc = _Arc(binding, state, hyperparameters)
+    arc = Arc(binding, state, hyperparameters)
     return float(arc.winding + arc.swing.duration(_roles(binding)[0]) + _SETTLING)
 
 
 def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
     hand, tool, thing = _roles(binding)
-    arc = _Arc(binding, start, hyperparameters)
+    arc = Arc(binding, start, hyperparameters)
     origin, from_angle, direction = start[hand, "position"].copy(), swing_angle(start, tool), yaw(start, tool)
-    winding = straight_movement().trajectory(np.zeros(1), np.ones(1), arc.winding)
+    profile = straight_profile()
     turn = arc.beginning - from_angle
     taken = start[thing, "impulse"][..., 0].copy()
     over = tool_orientation(direction, LEVEL - _ABOVE)
     above = arc.hand_at(np.full_like(turn, LEVEL - _ABOVE))
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        done, speed, change = winding.at(elapsed)
-        wound = tool_orientation(direction, from_angle + done[..., 0] * turn)
-        rate = (speed[..., 0] * turn)[..., None] * arc.axis
-        before = keeping(state, hand, origin + done * arc.way, speed * arc.way, change * arc.way)
+        phase = elapsed / arc.winding
+        done, speed = profile.share(phase), profile.rate(phase) / arc.winding
+        wound = tool_orientation(direction, from_angle + done * turn)
+        rate = (speed * turn)[..., None] * arc.axis
+        before = keeping(state, hand, origin + done[..., None] * arc.way, speed[..., None] * arc.way)
         hit = ((state[thing, "impulse"][..., 0] > taken) | (elapsed > arc.latest))[..., None]
         swinging = (elapsed > arc.winding)[..., None]
         spin = dot(state[tool, "angular_velocity"], arc.axis)
         driven = np.minimum(arc.swing.drive(hand), (arc.swing.rate - spin) / CONTROL_PERIOD)
-        moving = np.where(swinging, _on_arc(state, hand, tool, arc, spin, driven), before)
+        moving = np.where(swinging, on_arc(state, hand, tool, arc, spin, driven), before)
         moving = np.where(hit, keeping(state, hand, above, 0.0), moving)
-        turning = np.where(swinging, _in_plane(state, tool, arc.axis, driven), turning_rate(state, tool, wound, rate))
+        turning = np.where(swinging, in_plane(state, tool, arc.axis, driven), turning_rate(state, tool, wound, rate))
         turning = np.where(hit, _raising(state, tool, over), turning)
         return wrench(state, hand, tool, moving, turning)
 
     return policy
-
-
-def _on_arc(state: State, hand: Token, tool: Token, arc: _Arc, spin: FloatArray, driven: FloatArray) -> FloatArray:
-    """Return the acceleration ``(..., 3)`` [m/s^2] of a hand that goes on its arc about the elbow with the tool."""
-    arm = arc.radius[..., None] * along(arc.ahead, swing_angle(state, tool))
-    velocity = spin[..., None] * cross(arc.axis, arm)
-    acceleration = driven[..., None] * cross(arc.axis, arm) - (spin**2)[..., None] * arm
-    return keeping(state, hand, arc.elbow + arm, velocity, acceleration)
-
-
-def _in_plane(state: State, tool: Token, axis: FloatArray, driven: FloatArray) -> FloatArray:
-    """Return the angular acceleration ``(..., 3)`` [rad/s^2] of a swing that keeps to its plane."""
-    spin = state[tool, "angular_velocity"]
-    out_of_plane = spin - dot(spin, axis)[..., None] * axis
-    back = ORIENTATION_RATE**2 * cross(side(state, tool), axis)
-    return np.asarray(driven[..., None] * axis + back - 2.0 * DAMPING_RATIO * ORIENTATION_RATE * out_of_plane)
 
 
 def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
@@ -252,7 +201,7 @@ STRIKING = Block(
         _offset("target_x", "how far ahead of the middle of the top the tool strikes"),
         _offset("target_y", "how far to the left of the middle of the top the tool strikes"),
     ),
-    duration=Duration(_WINDING_UP, 10.0, _expected),
+    duration=Duration(WINDING_UP, 10.0, _expected),
     policy=_policy,
     system=_system,
     performance=(

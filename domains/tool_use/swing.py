@@ -39,12 +39,17 @@ class Swing:
         return np.asarray(self.rate * self.lever)
 
     def periods(self, hand: Token) -> FloatArray:
-        """Return for how many control periods the torque drives the swing: the angle at its torque, rounded up."""
-        return np.asarray(np.ceil(self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD) - 1e-9))
+        """Return for how many whole control periods, at least one, a torque near the hand's own drives the swing."""
+        exact = self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD)
+        return np.asarray(np.maximum(np.round(exact), 1.0))
 
     def drive(self, hand: Token) -> FloatArray:
         """Return the constant angular acceleration [rad/s^2] that comes to the final speed in whole control periods."""
         return np.asarray(self.rate / (self.periods(hand) * CONTROL_PERIOD))
+
+    def torque(self, hand: Token) -> FloatArray:
+        """Return the torque about the elbow that this takes, beyond what bears the tool [N m]."""
+        return np.asarray(self.inertia * self.drive(hand))
 
     def wound_up(self, hand: Token) -> FloatArray:
         """Return the angle of the tool from which the swing begins [rad].

@@ -33,7 +33,7 @@ _HAND = {
 }
 _HAMMER = {
     "mass": 0.6,
-    "friction": 0.5,
+    "friction": 0.2,
     "inertia": (0.0003, 0.00199, 0.00199),
     "handle_from": (-0.15, 0.0, 0.0),
     "handle_to": (0.0, 0.0, 0.0),

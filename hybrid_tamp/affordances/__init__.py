@@ -1,1 +1,1 @@
-"""QUESTIONS about a task, above the verbs: why is there no plan?"""
+"""QUESTIONS about a task, above the verbs: which part of the network does it take? why is there no plan?"""

@@ -1,7 +1,7 @@
 """From a goal atom backwards: which blocks could bring it about, what they wait for, and why others are of no use.
 
-What a block deletes is left out of account, and so is who is where in the network: an atom that cannot be reached so
-cannot be reached at all (the delete relaxation of planning).
+What a block deletes is left out of account (the delete relaxation of planning), and of the network it is only asked
+whether edges lead a token to a slot at all: an atom that cannot be reached so cannot be reached at all.
 """
 
 from collections.abc import Iterator
@@ -19,6 +19,7 @@ from hybrid_tamp.affordances.bindings import (
     static_entry,
     symbolic,
 )
+from hybrid_tamp.affordances.passages import Passages
 from hybrid_tamp.affordances.reasons import BLOCK, Reason, about
 from hybrid_tamp.affordances.shares import amount, best_choice, failing
 from hybrid_tamp.model.block import Block
@@ -54,6 +55,7 @@ class Backwards:
         self._margins = Margins(task)
         self._facts = facts(task)
         self._static = StaticFacts(task)
+        self._passages = Passages(task)
         self._count = 0
 
     def holds(self, atom: Atom) -> bool:
@@ -108,10 +110,11 @@ class Backwards:
                 ways.reasons.extend(missing)
             elif bounds := feasible(self._margins, literals, allowed):
                 ways.waits.update(self._waits(block, bounds, allowed))
+                ways.reasons.extend(self._passages.missing(block, allowed))
             else:
                 ways.reasons.extend(self._infeasible(block, literals, allowed))
         if not ways.waits and not ways.reasons:
-            message = f"no block of {self.task.domain.name} brings about {atom.predicate}"
+            message = f"no block of {self.task.domain.name} brings about {atom.predicate}, whatever its conditions are"
             ways.reasons = never or [Reason("", "", "no_block", message)]
         return ways
 
@@ -162,6 +165,8 @@ class Backwards:
             self._count += 1
             if self._count > MOST:
                 raise TooMany
+            if not self._passages.allow(block, bound):
+                continue
             atoms = (literal.ground(bound) for literal in literals)
             yield tuple(atom for atom in atoms if not self.holds(atom)), None
 
@@ -184,7 +189,7 @@ def _no_member(task: Task, block: Block, fixed: Bound) -> Reason | None:
         sort = block.roles.get(role)
         if isinstance(value, Token) and sort is not None and value not in task.values_of(sort):
             message = f"{value.name} is not a member of {sort.name}, which {role} of {BLOCK} needs"
-            return about(block, "no_token", message)
+            return about(block, "no_token", message, lacks=sort.name)
     return None
 
 
@@ -202,5 +207,6 @@ def _missing(task: Task, block: Block) -> list[Reason]:
                 f"slot {slot.name} of {BLOCK} can be filled by no token: {BLOCK} needs {len(wanted)} of "
                 f"class {slot.object_class.name}, the task has {have}; {len(wanted) - have} more would do"
             )
-            found.append(about(block, "too_few_tokens" if have else "no_token", message))
+            kind = "too_few_tokens" if have else "no_token"
+            found.append(about(block, kind, message, lacks=slot.object_class.name))
     return found

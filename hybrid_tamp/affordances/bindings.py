@@ -86,6 +86,11 @@ def completed(bounds: Iterable[Bound], allowed: Choices) -> Iterator[Bound]:
 
 
 def _extended(margins: Margins, literal: Literal, bound: Bound, allowed: Choices) -> Iterator[Bound]:
+    return (more for more in extensions(literal, bound, allowed) if margins.of(literal, more) >= 0)
+
+
+def extensions(literal: Literal, bound: Bound, allowed: Choices) -> Iterator[Bound]:
+    """Yield every way to bind a literal's roles, tokens different; of one over symbols alone, those that hold."""
     roles = [role for role in dict.fromkeys(literal.arguments) if role in allowed and role not in bound]
     rows: Iterable[tuple[Value, ...]]
     if literal.positive and symbolic(literal) and len(roles) == len(literal.arguments):
@@ -96,7 +101,7 @@ def _extended(margins: Margins, literal: Literal, bound: Bound, allowed: Choices
         rows = product(*(allowed[role] for role in roles))
     for values in rows:
         more = bound | dict(zip(roles, values, strict=True))
-        if different(more.values()) and margins.of(literal, more) >= 0:
+        if different(more.values()):
             yield more
 
 

@@ -6,14 +6,54 @@ are short, or where its feasibility facts hold for no choice of tokens; then the
 """
 
 import math
+import time
+from dataclasses import dataclass
 
 from hybrid_tamp.affordances.backwards import Backwards
 from hybrid_tamp.affordances.bindings import TooMany
-from hybrid_tamp.affordances.reasons import Reason, merged
+from hybrid_tamp.affordances.candidates import points_to
+from hybrid_tamp.affordances.reasons import TOGETHER, Reason, merged
+from hybrid_tamp.affordances.repairs import Repairs, Suggestion, but_for, repairs
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 
-__all__ = ["Reason", "explain"]
+__all__ = ["Explanation", "Reason", "explain", "explain_wholly"]
+
+MOST_EXPLAINED = 5
+"""Of a goal with a choice, why so many alternatives cannot be reached is told."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why a task has no plan, and what would give it one.
+
+    Attributes:
+        reasons: the reasons; those first that a suggestion takes away.
+        suggestions: single changes with which there is a plan; each was planned.
+        complete: whether every single change was looked at, or as many were found as were asked for.
+    """
+
+    reasons: tuple[Reason, ...]
+    suggestions: tuple[Suggestion, ...]
+    complete: bool
+
+
+def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
+    """Return why a task that is proven to have no plan has none, and single changes with which it has one.
+
+    What only a change shows is a reason, too: but for this, there would be a plan.
+
+    Args:
+        task: the task.
+        seconds: how long changes are looked for.
+        most: how many changes are enough.
+    """
+    reasons = explain_alternatives(task, proven=True)
+    found = _repairs(task, seconds, most)
+    told = [*reasons, *but_for(task, reasons, found.suggestions)]
+    pointed = [r for r in told if any(points_to(task, r, each.change) for each in found.suggestions)]
+    others = [r for r in told if r not in pointed and not (pointed and r.kind == TOGETHER)]
+    return Explanation((*pointed, *others), found.suggestions, found.complete)
 
 
 def explain(task: Task, proven: bool = False) -> list[Reason]:
@@ -32,13 +72,32 @@ def explain(task: Task, proven: bool = False) -> list[Reason]:
     return found if found or not proven else [_hidden(open_atoms)]
 
 
+def explain_alternatives(task: Task, proven: bool = False) -> list[Reason]:
+    """Return why the goal cannot be reached; of a goal with a choice, why none of the nearest alternatives can."""
+    return list(dict.fromkeys(r for each in task.alternatives()[:MOST_EXPLAINED] for r in explain(each, proven)))
+
+
+def _repairs(task: Task, seconds: float, most: int) -> Repairs:
+    """Look for changes with which one of the nearest alternatives can be reached."""
+    deadline = time.monotonic() + seconds
+    found, complete = list[Suggestion](), True
+    for each in task.alternatives()[:MOST_EXPLAINED]:
+        left = deadline - time.monotonic()
+        more = repairs(each, explain(each, proven=True), left, most - len(found))
+        found += more.suggestions
+        complete = complete and more.complete
+        if len(found) >= most:
+            break
+    return Repairs(tuple(found), complete)
+
+
 def _hidden(atoms: list[Atom]) -> Reason:
     goal = " and ".join(map(str, atoms))
     if len(atoms) > 1:
         message = "each goal alone is possible as far as the feasibility facts tell; together they are not"
     else:
         message = "no single feasibility fact excludes it; what its blocks need cannot be brought about together"
-    return Reason(goal, "", "together", message)
+    return Reason(goal, "", TOGETHER, message)
 
 
 def _reasons(search: Backwards, goal: Atom) -> list[Reason]:

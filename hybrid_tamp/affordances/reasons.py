@@ -14,11 +14,12 @@ class Reason:
     Attributes:
         goal: the goal atom, or several.
         block: the block that would bring it about, or empty; the action's name where it is about several modes.
-        kind: ``no_block``, ``no_token``, ``too_few_tokens``, ``not_feasible`` or ``together``.
+        kind: ``no_block``, ``no_token``, ``too_few_tokens``, ``no_edge``, ``not_feasible`` or ``together``.
         message: the reason in words.
         atom: the failing condition, or empty.
         margin: its margin, or None.
         unit: unit of the margin.
+        lacks: what there is too little of: the name of a class, or the slot ``"BLOCK.slot"`` to which no edge leads.
     """
 
     goal: str
@@ -28,15 +29,27 @@ class Reason:
     atom: str = ""
     margin: float | None = None
     unit: str = ""
+    lacks: str = ""
 
+
+TOGETHER = "together"
+"""The kind of reason that says only that there is none of another kind."""
 
 BLOCK = "\N{OBJECT REPLACEMENT CHARACTER}"
 """Stands in a message for the block's name until it is known for which modes the message holds."""
 
 
-def about(block: Block, kind: str, message: str, atom: str = "", margin: float | None = None, unit: str = "") -> Reason:
+def about(
+    block: Block,
+    kind: str,
+    message: str,
+    atom: str = "",
+    margin: float | None = None,
+    unit: str = "",
+    lacks: str = "",
+) -> Reason:
     """Return a reason of a block for a goal not named yet; in the message `BLOCK` stands for its name."""
-    return Reason("", block.name, kind, message, atom, margin, unit)
+    return Reason("", block.name, kind, message, atom, margin, unit, lacks)
 
 
 def merged(goal: str, reasons: Iterable[Reason]) -> list[Reason]:

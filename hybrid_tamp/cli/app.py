@@ -7,9 +7,12 @@ from typing import Annotated
 
 import typer
 
-from hybrid_tamp.cli.listing import domains, schema
+from hybrid_tamp.cli.imitating import imitate
+from hybrid_tamp.cli.listing import domains, network, schema
 from hybrid_tamp.cli.planning import check, pddl, plan, run
-from hybrid_tamp.cli.recordings import learn, replay
+from hybrid_tamp.cli.probing import probe
+from hybrid_tamp.cli.questions import affordances, explain
+from hybrid_tamp.cli.recordings import learn, replay, report
 
 app = typer.Typer(
     name="hybrid-tamp",
@@ -38,5 +41,20 @@ def _options(
 
 
 # In the order of the help.
-for verb in (check, plan, pddl, run, replay, learn, domains, schema):
+for verb in (
+    check,
+    plan,
+    pddl,
+    run,
+    replay,
+    report,
+    learn,
+    imitate,
+    explain,
+    affordances,
+    probe,
+    network,
+    domains,
+    schema,
+):
     app.command()(verb)

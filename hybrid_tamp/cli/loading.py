@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from hybrid_tamp.cli.options import Objective
+from hybrid_tamp.cli.options import Objective, Optimiser, Refine
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.domain import Domain
@@ -54,3 +54,17 @@ def adjusted(
         seed=task.seed if seed is None else seed,
         limits=limits,
     )
+
+
+def with_midlevel(task: "Task", optimiser: Optimiser | None, evaluations: int | None, refine: Refine | None) -> "Task":
+    """Return the task whose hyperparameters are optimised as the command line says, else as the file says."""
+    from dataclasses import replace
+
+    own = task.midlevel
+    midlevel = replace(
+        own,
+        optimiser=own.optimiser if optimiser is None else optimiser.value,
+        evaluations=own.evaluations if evaluations is None else evaluations,
+        refine=own.refine if refine is None else refine.value,
+    )
+    return task.replaced(midlevel=midlevel)

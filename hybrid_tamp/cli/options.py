@@ -13,6 +13,20 @@ class Objective(str, Enum):
     makespan = "makespan"
 
 
+class Optimiser(str, Enum):
+    """How hyperparameters are searched."""
+
+    cma = "cma"
+    grid = "grid"
+
+
+class Refine(str, Enum):
+    """Whether the search goes on in the physics backend."""
+
+    none = "none"
+    physics = "physics"
+
+
 class Encoding(str, Enum):
     """How blocks become planning actions."""
 
@@ -26,6 +40,8 @@ class Document(str, Enum):
     task = "task"
     plan = "plan"
     result = "result"
+    explain = "explain"
+    affordances = "affordances"
 
 
 TaskArgument = Annotated[str, typer.Argument(metavar="TASK", help="a YAML task file, or the name of a bundled one")]
@@ -39,4 +55,13 @@ DomainOption = Annotated[
     typer.Option("--domain", metavar="NAME", help="use this domain: a name, package.module:ATTRIBUTE, or a .py file"),
 ]
 ObjectiveOption = Annotated[Objective | None, typer.Option("--objective", help="what a plan should be short in")]
+OptimiserOption = Annotated[
+    Optimiser | None, typer.Option("--optimiser", help="of hyperparameters: CMA-ES, or direct sampling on a grid")
+]
+EvaluationsOption = Annotated[
+    int | None, typer.Option("--evaluations", min=1, max=10**9, metavar="N", help="most rollouts of the optimiser")
+]
+RefineOption = Annotated[
+    Refine | None, typer.Option("--refine", help="physics: go on from the analytic optimum in the physics backend")
+]
 ForceOption = Annotated[bool, typer.Option("--force", help="replace another run in the output folder")]

@@ -1,24 +1,31 @@
 """Verbs that take a task: check, plan, pddl, run."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hybrid_tamp.cli.loading import adjusted, load
+from hybrid_tamp.cli.loading import adjusted, load, with_midlevel
 from hybrid_tamp.cli.options import (
     DomainOption,
     Encoding,
+    EvaluationsOption,
     ForceOption,
     JsonOption,
     MemoryOption,
     ObjectiveOption,
+    OptimiserOption,
     PlannerOption,
+    RefineOption,
     SeedOption,
     TaskArgument,
     TimeOption,
 )
-from hybrid_tamp.console import explain, print_json, say, show
+from hybrid_tamp.console import explain, print_json, say, show, tell_network
+from hybrid_tamp.errors import InputError, Issue
+
+if TYPE_CHECKING:
+    from hybrid_tamp.planning import PlanOutcome
 
 
 def check(task: TaskArgument, as_json: JsonOption = False, domain: DomainOption = None) -> None:
@@ -46,31 +53,54 @@ def plan(
     seed: SeedOption = None,
     time_limit: TimeOption = None,
     memory_limit: MemoryOption = None,
+    optimise: Annotated[bool, typer.Option("--optimise", help="optimise the plan's hyperparameters, too")] = False,
+    optimiser: OptimiserOption = None,
+    evaluations: EvaluationsOption = None,
+    refine: RefineOption = None,
 ) -> None:
     """Plan a task; show the checked plan, or why there is none."""
+    if not optimise and (optimiser, evaluations, refine) != (None, None, None):
+        wanted = "--optimiser, --evaluations and --refine say how to optimise: they go with --optimise"
+        raise InputError([Issue("", wanted)])
     from hybrid_tamp.symbolic.planner import PlannerProcess
 
     # The planner's process warms up while the task file is read.
     with PlannerProcess() as process:
         loaded = adjusted(load(task, domain, plans=not planner), planner, objective, seed, time_limit, memory_limit)
+        loaded = with_midlevel(loaded, optimiser, evaluations, refine)
         from hybrid_tamp import pipeline
         from hybrid_tamp.report.folder import RunFolder
+        from hybrid_tamp.report.progress import progress_bar
 
         folder = RunFolder.create(output, force=force) if output else None
-        outcome = pipeline.plan(loaded, process)
+        if optimise:
+            with progress_bar() as progress:
+                outcome = pipeline.refine(loaded, process, progress).outcome
+        else:
+            outcome = pipeline.plan(loaded, process)
     if folder:
         pipeline.save_plan(outcome, folder)
     if as_json:
         print_json(outcome.document.dump())
     elif outcome.plan is not None:
-        from hybrid_tamp.report.tables import plan_footer, plan_table, timeline
-
-        show(plan_table(outcome.document))
-        show(timeline(outcome.plan, [token.name for token in loaded.assigned]))
-        typer.echo(plan_footer(outcome.document))
+        _show_plan(outcome)
     if outcome.error is not None:
         explain(outcome.document.explanation, as_json)
+    if not as_json:
+        tell_network(outcome.document)
+    if outcome.error is not None:
         raise typer.Exit(outcome.error.exit_status)
+
+
+def _show_plan(outcome: "PlanOutcome") -> None:
+    from hybrid_tamp.report.refinement_tables import refinement_tables
+    from hybrid_tamp.report.tables import plan_footer, plan_table, timeline
+
+    show(plan_table(outcome.document))
+    show(timeline(outcome.required(), [token.name for token in outcome.task.assigned]))
+    if outcome.document.refinement is not None:
+        show(refinement_tables(outcome.document.refinement))
+    typer.echo(plan_footer(outcome.document))
 
 
 def pddl(
@@ -109,12 +139,16 @@ def run(
     seed: SeedOption = None,
     time_limit: TimeOption = None,
     memory_limit: MemoryOption = None,
+    optimiser: OptimiserOption = None,
+    evaluations: EvaluationsOption = None,
+    refine: RefineOption = None,
 ) -> None:
-    """Plan a task and carry the plan out in physics; record it and judge it."""
+    """Plan a task, optimise its hyperparameters and carry the plan out in physics; record it and judge it."""
     from hybrid_tamp.symbolic.planner import PlannerProcess
 
     with PlannerProcess() as process:
         loaded = adjusted(load(task, domain, plans=not planner), planner, objective, seed, time_limit, memory_limit)
+        loaded = with_midlevel(loaded, optimiser, evaluations, refine)
         from hybrid_tamp import pipeline
         from hybrid_tamp.report.folder import RunFolder
         from hybrid_tamp.report.progress import progress_bar
@@ -126,9 +160,12 @@ def run(
     if as_json:
         print_json(document.dump())
     else:
+        from hybrid_tamp.report.refinement_tables import refinement_tables
         from hybrid_tamp.report.tables import plan_table, result_table
 
         show(plan_table(outcome.plan.document))
+        if outcome.plan.document.refinement is not None:
+            show(refinement_tables(outcome.plan.document.refinement, document.performance))
         show(result_table(document))
         if video:
             typer.echo(f"video: {video}")

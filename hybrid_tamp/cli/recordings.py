@@ -1,4 +1,4 @@
-"""Verbs that take what runs left behind or what was shown: replay, learn."""
+"""Verbs that take what runs left behind or what was shown: replay, report, learn."""
 
 from pathlib import Path
 from typing import Annotated
@@ -40,6 +40,18 @@ def replay(
     say(document, as_json, lambda: said)
     if not report.identical:
         raise typer.Exit(40)
+
+
+def report(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="the folder that plan or run left")],
+    as_json: JsonOption = False,
+) -> None:
+    """Write report.html again from the documents in the folder."""
+    from hybrid_tamp.report.folder import RunFolder
+    from hybrid_tamp.report.page import write_page
+
+    file = str(write_page(RunFolder(directory)))
+    say({"schema": "hybrid-tamp/report/1", "directory": str(directory), "file": file}, as_json, lambda: file)
 
 
 def learn(

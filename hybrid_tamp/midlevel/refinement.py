@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.midlevel.objective import Objective, RollOut
 from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum, find_optimiser
 from hybrid_tamp.midlevel.relevance import Relevance, find_relevant
@@ -33,8 +34,8 @@ _BASES = (4, 32)
 """How many base points, at least and at most, that takes."""
 
 
-class NotFinite(NothingFinite):
-    """Every rollout of a plan failed; the message names the block in which something was first not finite."""
+class NotFinite(DomainError):
+    """Every rollout of a plan failed: a block of the domain computes nothing finite; the message names the first."""
 
 
 def refine(
@@ -83,6 +84,7 @@ class _Refinement:
         measures = any(self.task.domain.block_by_name[i.block].performance for i in self.plan.instances)
         if not space.varying or (defaults.violation[0] == 0 and not measures):
             return self._outcome(defaults, space.default, defaults)
+        self.tell(0.0, Milestone(1, float(defaults.violation[0]), float(defaults.value[0])))
         relevance = self._relevance()
         best = self._optimum(relevance)
         self.evaluations += best.evaluations
@@ -144,10 +146,9 @@ class _Refinement:
         assert self.objective.last is not None, "it has been rolled out"
         failed = self.objective.last.failed
         where = next((i for i in self.plan.instances if i.name in failed), None)
-        said = NotFinite(error.evaluations)
-        if where is not None:
-            said.args = (f"{where.name}: {said}; there the block {where.block} first computed it",)
-        return said
+        if where is None:
+            return NotFinite([Issue("", str(error))])
+        return NotFinite([Issue(where.name, str(error), remedy=f"there the block {where.block} first computed it")])
 
     def _outcome(
         self,

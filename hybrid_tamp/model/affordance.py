@@ -108,6 +108,11 @@ class ObjectClass(BaseModel):
         """Return the shape that the properties imply for a token without one of its own, or None."""
         return None
 
+    @classmethod
+    def features(cls, shape: Shape) -> float:
+        """Return how characteristic of the class a shape is, 0 to 1: it ranks classes to try and proves nothing."""
+        return 0.5
+
     @staticmethod
     def consistent(token: Any) -> str | None:
         """Return a complaint about a token whose properties or shape contradict each other, or None."""

@@ -11,6 +11,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain_checks import faults_of
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import Predicate, SymbolSort
+from hybrid_tamp.model.trial import TrialRecipe
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.recording import Recording
@@ -32,9 +33,11 @@ class Domain:
         network: allowed reassignments between their slots.
         sorts: symbol sorts beyond those that predicates and targets mention.
         disjoint: groups of classes that never share a token, pairwise.
+        reduced: whether it is a part of a domain that was checked as a whole; slots of it may lack ways in or out.
         resting: name of the block that takes whatever nothing manipulates.
         metrics: measures of a finished run for ``result.json``, or None.
         description: one line.
+        trials: how membership of a class is tried, for those classes for which the domain knows.
 
     Raises:
         DomainError: the declarations contradict each other; every fault with its place and remedy.
@@ -50,9 +53,11 @@ class Domain:
     description: str = ""
     sorts: tuple[SymbolSort, ...] = field(default=())
     disjoint: tuple[tuple[type[ObjectClass], ...], ...] = ()
+    reduced: bool = False
+    trials: tuple[TrialRecipe, ...] = ()
 
     def __post_init__(self) -> None:
-        faults = faults_of(self)
+        faults = [] if self.reduced else faults_of(self)
         if faults:
             raise DomainError(faults)
 

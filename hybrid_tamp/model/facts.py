@@ -76,11 +76,17 @@ def relation(predicate: Predicate) -> frozenset[Atom]:
     )
 
 
-def facts(task: Task, state: State | None = None) -> frozenset[Atom]:
-    """Return the atoms of changing predicates that hold in the state (the initial one by default)."""
+def facts(task: Task, state: State | None = None, predicates: Iterable[Predicate] | None = None) -> frozenset[Atom]:
+    """Return the atoms of changing predicates that hold.
+
+    Args:
+        task: the task.
+        state: in which state; by default in the initial one.
+        predicates: of which predicates; by default of all that the domain has.
+    """
     state = task.state if state is None else state
     found: set[Atom] = set()
-    for predicate in task.domain.predicates:
+    for predicate in task.domain.predicates if predicates is None else predicates:
         if predicate.static or predicate.maintained:
             continue
         holding = [(atom, margin) for atom, margin in margins(task, state, predicate) if margin >= 0]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts, facts
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan, at
-from hybrid_tamp.model.predicate import Atom, Literal
+from hybrid_tamp.model.predicate import Atom, Literal, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 
@@ -111,11 +111,18 @@ class _Symbols(_Judge):
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         super().__init__(task, plan)
-        self.facts = set(facts(task))
+        self.facts = set(facts(task, predicates=self._spoken_of()))
         self.owned: dict[str, set[Atom]] = {}
         self.applied: set[str] = set()
         holding = [(i.reached, i.name, i) for i in plan.instances if i.reached is not None]
         self.to_come = deque(sorted(holding, key=lambda each: each[:2]))
+
+    def _spoken_of(self) -> list[Predicate]:
+        """Return the predicates that the plan's blocks or the goal ask for: of others no facts are needed."""
+        blocks = {instance.block for instance in self.plan.instances}
+        entries = (literal for block in blocks for literal in self.task.domain.block_by_name[block].entry)
+        names = {literal.predicate.name for literal in entries} | {atom.predicate for atom in self.task.goal}
+        return [predicate for predicate in self.task.domain.predicates if predicate.name in names]
 
     def reach(self, time: float) -> None:
         while self.to_come and self.to_come[0][0] <= time + TIME_TOLERANCE:

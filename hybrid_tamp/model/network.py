@@ -1,6 +1,6 @@
 """The reassignment network: which slot a token may go to next (paper, Sec. II-C)."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from itertools import product
 
 import networkx as nx
@@ -28,6 +28,13 @@ class ReassignmentNetwork:
         for source, target in (map(parse_slot, edge) for edge in edges):
             for old, new in product(modes.get(source[0], [source[0]]), modes.get(target[0], [target[0]])):
                 self.graph.add_edge((old, source[1]), (new, target[1]))
+
+    def part(self, blocks: Collection[str]) -> "ReassignmentNetwork":
+        """Return the network between slots of these blocks alone."""
+        part = ReassignmentNetwork(())
+        inside = ((one, other) for one in self.graph if one[0] in blocks for other in self.graph[one])
+        part.graph.add_edges_from((one, other) for one, other in inside if other[0] in blocks)
+        return part
 
     @property
     def edges(self) -> tuple[tuple[SlotName, SlotName], ...]:

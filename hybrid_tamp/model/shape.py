@@ -4,6 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
+from hybrid_tamp.model.mesh import Hull, MeshShape
+
 _Length = Annotated[float, Strict(), Field(gt=0, le=100, allow_inf_nan=False)]
 _Coordinate = Annotated[float, Strict(), Field(ge=-100, le=100, allow_inf_nan=False)]
 _Angle = Annotated[float, Strict(), Field(ge=-100, le=100, allow_inf_nan=False)]
@@ -81,16 +83,33 @@ class Compound(_Shape):
     )
 
 
+class MeshFile(_Shape):
+    """A solid whose surface is read from a Wavefront OBJ file, each of its objects a convex part.
+
+    The body frame's origin is its centre of mass, its axes are those of the file and taken for the principal ones.
+    """
+
+    kind: Literal["mesh"] = Field(description="which shape")
+    file: Annotated[str, Strict(), Field(min_length=1)] = Field(
+        description="the OBJ file, relative to the task file; one object ('o' or 'g') a convex part"
+    )
+    scale: Annotated[float, Strict(), Field(gt=0, le=1000, allow_inf_nan=False)] = Field(
+        default=1.0, description="length of the file's unit", json_schema_extra={"unit": "m"}
+    )
+
+
 Solid = Cylinder | Box | Sphere
 """A convex shape; parts of a compound are such."""
-Shape = Annotated[Solid | Compound, Field(discriminator="kind")]
+WrittenShape = Annotated[Solid | Compound | MeshFile, Field(discriminator="kind")]
+"""A shape as a task file gives it."""
+Shape = Solid | Compound | MeshShape
 
 _CENTRE = (0.0, 0.0, 0.0)
 
 
-def parts_of(shape: Shape) -> tuple[CylinderPart | BoxPart | SpherePart, ...]:
-    """Return the parts of a compound; any other shape is its own only part, in the middle."""
-    if isinstance(shape, Compound):
+def parts_of(shape: Shape) -> tuple[CylinderPart | BoxPart | SpherePart | Hull, ...]:
+    """Return the convex parts of a compound or a mesh; any other shape is its own only part, in the middle."""
+    if isinstance(shape, Compound | MeshShape):
         return shape.parts
     if isinstance(shape, Box):
         return (BoxPart(kind="box", half_extents=shape.half_extents, position=_CENTRE),)

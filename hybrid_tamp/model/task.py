@@ -1,7 +1,7 @@
 """A task: tokens of a domain, where they are, who they belong to, and what is wanted."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -97,6 +97,17 @@ class Task:
     def replaced(self, **changes: object) -> "Task":
         """Return a copy with other values of some attributes."""
         return replace(self, **changes)  # type: ignore[arg-type]
+
+    def part(self, names: Collection[str], **changes: object) -> "Task":
+        """Return the task with these tokens alone, and with other values of some attributes."""
+        tokens = tuple(token for token in self.tokens if token.name in names)
+        return self.replaced(
+            tokens=tokens,
+            state=State.of(tokens, {(t.name, v.name): self.state[t, v.name] for t in tokens for v in t.varying}),
+            agents={agent: tuple(name for name in own if name in names) for agent, own in self.agents.items()},
+            assignment={name: block for name, block in self.assignment.items() if name in names},
+            **changes,
+        )
 
     def values_of(self, sort: type[ObjectClass] | SymbolSort) -> tuple[Value, ...]:
         """Return the tokens of a class, or the symbols of a sort."""

@@ -64,27 +64,32 @@ def _ordered(classes: Iterable[type[ObjectClass]]) -> tuple[type[ObjectClass], .
     return tuple(sorted(set(classes), key=lambda object_class: object_class.name))
 
 
-def union_of(classes: Iterable[type[ObjectClass]]) -> type[BaseModel]:
+def union_of(classes: Iterable[type[ObjectClass]], unknown: Iterable[type[ObjectClass]] = ()) -> type[BaseModel]:
     """Return the model whose fields are the union of the classes' properties.
 
     Args:
         classes: object classes in any order.
+        unknown: further classes, whose properties may be missing.
 
     Raises:
         PropertyConflictError: two classes declare one property with another type, unit, bound or default.
     """
-    return _union(_ordered(classes))
+    return _union(_ordered(classes), _ordered(unknown))
 
 
 @lru_cache(maxsize=1024)
-def _union(classes: tuple[type[ObjectClass], ...]) -> type[BaseModel]:
-    faults = conflicts(classes)
+def _union(classes: tuple[type[ObjectClass], ...], unknown: tuple[type[ObjectClass], ...]) -> type[BaseModel]:
+    faults = conflicts((*classes, *unknown))
     if faults:
         raise PropertyConflictError(faults)
     fields: dict[str, Any] = {}
     for object_class in classes:
         for name, field in object_class.model_fields.items():
             fields.setdefault(name, (field.annotation, field))
+    for object_class in unknown:
+        for name, field in object_class.model_fields.items():
+            # What is not given is None, which no property is.
+            fields.setdefault(name, (field.annotation, FieldInfo.merge_field_infos(field, default=None)))
     return create_model(
         " + ".join(object_class.name for object_class in classes) or "no class",
         __config__=ConfigDict(extra="forbid", frozen=True),
@@ -101,12 +106,14 @@ class Token:
         classes: the object classes that the token is a member of, the root class included, sorted by name.
         properties: the union of the classes' fixed properties, name to value.
         shape: its geometry, or None for a place that has none.
+        unknown: the classes of which it is not known whether it is a member.
     """
 
     name: str
     classes: tuple[type[ObjectClass], ...]
     properties: Mapping[str, Any]
     shape: Shape | None = None
+    unknown: tuple[type[ObjectClass], ...] = ()
 
     @classmethod
     def make(
@@ -115,8 +122,9 @@ class Token:
         classes: Iterable[type[ObjectClass]],
         properties: Mapping[str, Any],
         shape: Shape | None = None,
+        unknown: Iterable[type[ObjectClass]] = (),
     ) -> "Token":
-        """Validate the properties against the union of the classes.
+        """Validate the properties against the union of the classes; of the unknown classes they may be missing.
 
         Raises:
             PropertyConflictError: the classes contradict each other.
@@ -125,9 +133,11 @@ class Token:
         members = _ordered(classes)
         if not any(is_place(member) for member in members):
             members = _ordered((*members, TOKEN))
-        values = MappingProxyType(dict(union_of(members).model_validate(dict(properties))))
+        doubtful = _ordered(unknown)
+        given = dict(union_of(members, doubtful).model_validate(dict(properties)))
+        values = MappingProxyType({key: value for key, value in given.items() if value is not None})
         implied = (member.default_shape(values) for member in members)
-        return cls(name, members, values, shape or next((s for s in implied if s is not None), None))
+        return cls(name, members, values, shape or next((s for s in implied if s is not None), None), doubtful)
 
     def __getitem__(self, property_name: str) -> Any:
         """Return a fixed property by name; KeyError if no class of the token has it."""

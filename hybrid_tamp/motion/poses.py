@@ -159,6 +159,21 @@ def quaternion_from_rpy(rpy: ArrayLike) -> FloatArray:
     return np.stack([x, y, z, w], axis=-1)
 
 
+def quaternion_of_rotation(matrix: ArrayLike) -> FloatArray:
+    """Return the unit quaternion ``(4,)`` of a rotation matrix ``(3, 3)``; of a nearly one, that of the nearest.
+
+    (Bar-Itzhack 2000, "New method for extracting the quaternion from a rotation matrix".)
+    """
+    r = np.asarray(matrix, dtype=float)
+    symmetric, skew = r + r.T, r - r.T
+    around = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
+    trace = np.trace(r)
+    block = symmetric - np.eye(3) * trace
+    _, vectors = np.linalg.eigh(np.block([[block, around[:, None]], [around[None, :], np.array([[trace]])]]))
+    quaternion = vectors[:, -1]
+    return np.asarray(quaternion if quaternion[3] >= 0 else -quaternion)
+
+
 def rotation_vector(quaternion: ArrayLike) -> FloatArray:
     """Return axis times angle, the logarithmic map, the shortest way (Sola 2017, Sec. 2.4).
 

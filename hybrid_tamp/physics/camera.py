@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybrid_tamp.model.mesh import Hull
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.shape import Box, Cylinder, Solid, parts_of
 from hybrid_tamp.model.state import FloatArray
@@ -72,7 +73,9 @@ def bounding_radius(token: Token) -> float:
     return max(float(np.linalg.norm(part.position)) + _radius(part) for part in parts_of(token.shape))
 
 
-def _radius(shape: Solid) -> float:
+def _radius(shape: Solid | Hull) -> float:
+    if isinstance(shape, Hull):
+        return float(np.linalg.norm(shape.vertices, axis=1).max())
     if isinstance(shape, Cylinder):
         return float(np.hypot(shape.radius, shape.length / 2))
     if isinstance(shape, Box):

@@ -8,11 +8,15 @@ that starts a millimetre too low; no damping, so that only the modelled friction
 
 import ctypes
 import os
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
+import numpy as np
+
 from hybrid_tamp.model.block import CONTROL_PERIOD
+from hybrid_tamp.model.mesh import Hull, MeshShape, obj_text
 from hybrid_tamp.model.shape import Box, Compound, Cylinder, Shape, Solid
 from hybrid_tamp.motion.poses import quaternion_from_rpy
 from hybrid_tamp.physics.scene import FLOOR_FRICTION, Body
@@ -56,6 +60,8 @@ SUBSTEP = CONTROL_PERIOD / SUBSTEPS
 """[s]."""
 SOLVER_ITERATIONS = 50
 CONTACT_ERP = 0.2
+HULL_MARGIN = 0.001
+"""Thickness of the layer about a convex hull [m]."""
 
 
 def connect() -> int:
@@ -107,6 +113,8 @@ def create(client: int, body: Body) -> int:
 
 
 def _collision_shape(client: int, shape: Shape) -> int:
+    if isinstance(shape, MeshShape):
+        return _hulls(client, shape)
     if isinstance(shape, Compound):
         solids = [_geometry(part) for part in shape.parts]
         handle: int = pybullet.createCollisionShapeArray(
@@ -121,6 +129,22 @@ def _collision_shape(client: int, shape: Shape) -> int:
         )
         return handle
     handle = pybullet.createCollisionShape(**_geometry(shape), physicsClientId=client)
+    return handle
+
+
+def _hulls(client: int, shape: MeshShape) -> int:
+    """Make a compound of convex hulls; Bullet reads several of them only from a file, one object a hull."""
+    half = np.ptp(shape.corners, axis=0) / 2.0
+    # Bullet wraps a hull in a layer: the hulls are so much smaller together that the body has its true size.
+    kept = 1.0 - HULL_MARGIN / np.maximum(half, 2.0 * HULL_MARGIN)
+    # Bullet remembers files by name, so a name is used once.
+    descriptor, name = tempfile.mkstemp(prefix="hulls-", suffix=".obj")
+    try:
+        with os.fdopen(descriptor, "w", encoding="ascii") as file:
+            file.write(obj_text([Hull(part.vertices * kept, part.triangles) for part in shape.parts]))
+        handle: int = pybullet.createCollisionShape(pybullet.GEOM_MESH, fileName=name, physicsClientId=client)
+    finally:
+        os.unlink(name)
     return handle
 
 

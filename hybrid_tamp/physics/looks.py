@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from hybrid_tamp.model.mesh import MeshShape
 from hybrid_tamp.model.shape import Box, Compound, Cylinder, Solid
+from hybrid_tamp.model.shape import parts_of as convex_parts
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
@@ -65,7 +67,7 @@ def _parts(token: Token, colour: Colour) -> list[Part]:
             Part(token.name, rim, green, True),
             Part(token.name, inner, colour, True),
         ]
-    if isinstance(token.shape, Compound):
+    if isinstance(token.shape, Compound | MeshShape):
         return _compound(token.name, token.shape, colour)
     body = Part(token.name, solid(token.shape), colour)
     if token.place or token.basic_actions:
@@ -73,9 +75,10 @@ def _parts(token: Token, colour: Colour) -> list[Part]:
     return [body, Part(token.name, _mark(token.shape), dark)]
 
 
-def _compound(name: str, shape: Compound, colour: Colour) -> list[Part]:
-    """Return the parts of a compound in two shades by turns, which show what it is made of and how it has turned."""
-    meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in shape.parts]
+def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[Part]:
+    """Return convex parts in two shades by turns, which show what it is made of and how it has turned."""
+    parts = convex_parts(shape)
+    meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in parts]
     shades = (colour, _darker(colour, _SHADE))
     return [Part(name, mesh, shades[number % 2]) for number, mesh in enumerate(meshes)]
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hybrid_tamp.model.mesh import Hull
 from hybrid_tamp.model.shape import Box, Cylinder, Solid
 from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.motion.poses import rotate
@@ -46,13 +47,24 @@ def joined(*meshes: Mesh) -> Mesh:
     )
 
 
-def solid(shape: Solid) -> Mesh:
+def solid(shape: Solid | Hull) -> Mesh:
     """Return the surface of a convex shape, centred at the origin."""
+    if isinstance(shape, Hull):
+        return faceted(shape)
     if isinstance(shape, Cylinder):
         return cylinder(shape.radius, shape.length)
     if isinstance(shape, Box):
         return box(shape.half_extents)
     return sphere(shape.radius)
+
+
+def faceted(hull: Hull) -> Mesh:
+    """Return a surface of flat triangles, each with corners of its own."""
+    corners = hull.vertices[hull.triangles]
+    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = crossed / np.linalg.norm(crossed, axis=1, keepdims=True)
+    count = len(corners)
+    return Mesh(corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), np.arange(3 * count).reshape(-1, 3))
 
 
 def disc(radius: float) -> Mesh:

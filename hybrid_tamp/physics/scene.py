@@ -8,6 +8,7 @@ import numpy as np
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.grasp import APERTURE, GRIP
+from hybrid_tamp.model.mesh import MeshShape
 from hybrid_tamp.model.shape import Compound, Cylinder, Shape, Solid, Sphere
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -136,6 +137,9 @@ def inertia(shape: Shape, mass: float) -> tuple[float, float, float]:
     A compound's mass is spread evenly over the volume of its parts, and its frame's origin is taken for its centre of
     mass. Of its inertia only the moments are returned: its axes are taken for the principal ones.
     """
+    if isinstance(shape, MeshShape):
+        x, y, z = (mass * moment for moment in shape.moments)
+        return (x, y, z)
     if not isinstance(shape, Compound):
         return _moments(shape, mass)
     volumes = np.array([_volume(part) for part in shape.parts])

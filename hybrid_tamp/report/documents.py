@@ -6,7 +6,6 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.task import Task
@@ -44,13 +43,35 @@ class PlannerEntry(Document):
     stages: dict[str, float] = Field(default_factory=dict, description="what each stage took [s]")
 
 
+class WholeEntry(Document):
+    """The task that a network was reduced from."""
+
+    blocks: int = Field(description="how many blocks the domain has")
+    edges: int = Field(description="how many edges its network has")
+    tokens: int = Field(description="how many tokens the task has")
+    blocks_left_out: list[str]
+    tokens_left_out: list[str] = Field(description="they rest all the time, but for places")
+
+
+class BroughtEntry(Document):
+    """An object that was brought into the network."""
+
+    token: str
+    classes: list[str]
+    blocks: list[str] = Field(description="blocks that it made fillable")
+    why: str
+
+
 class NetworkEntry(Document):
     """The network that was planned on."""
 
     blocks: list[str]
     edges: list[list[str]] = Field(description="pairs of 'BLOCK.slot', source first")
-    reduced_from: int | None = None
-    expanded_with: list[str] = Field(default_factory=list)
+    tokens: list[str] = Field(default_factory=list, description="tokens that were planned with")
+    reduced_from: WholeEntry | None = Field(None, description="null where nothing was left out")
+    expanded_with: list[BroughtEntry] = Field(
+        default_factory=list, description="objects brought in because there was no plan without them, in their order"
+    )
 
 
 class ReasonEntry(Document):
@@ -63,6 +84,17 @@ class ReasonEntry(Document):
     atom: str = ""
     margin: float | None = None
     unit: str = ""
+    lacks: str = Field("", description="the class or the slot 'BLOCK.slot' for which there is too little")
+
+
+class SuggestionEntry(Document):
+    """A single change with which there is a plan: it was planned."""
+
+    kind: Literal["token", "class", "edge", "fact", "property"]
+    what: str
+    solvable: Literal[True] = True
+    length: int = Field(description="number of PDDL actions of the plan that was found")
+    names: list[str] = Field(description="the token, class, slots, atom or property that it is about")
 
 
 class ExplanationEntry(Document):
@@ -71,6 +103,8 @@ class ExplanationEntry(Document):
     kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, time or memory")
     message: str
     reasons: list[ReasonEntry]
+    suggestions: list[SuggestionEntry] = Field(default_factory=list)
+    all_looked_at: bool = Field(False, description="whether no single change beyond the suggestions was left untried")
 
 
 class PlanDocument(Document):
@@ -147,11 +181,28 @@ class ResultDocument(Document):
     law: list[str] = Field(description="breaches of the law of assignment by the recording; empty if none")
 
 
-def network_entry(domain: Domain) -> NetworkEntry:
-    """Return the domain's network as data."""
+def network_entry(whole: Task, task: Task, brought: Iterable[BroughtEntry] = ()) -> NetworkEntry:
+    """Return the network that was planned on as data.
+
+    Args:
+        whole: the task.
+        task: what it was reduced to.
+        brought: the objects that were brought in.
+    """
+    kept = {block.name for block in task.domain.blocks}
+    reduced_from = WholeEntry(
+        blocks=len(whole.domain.blocks),
+        edges=whole.domain.network.graph.number_of_edges(),
+        tokens=len(whole.tokens),
+        blocks_left_out=sorted(block.name for block in whole.domain.blocks if block.name not in kept),
+        tokens_left_out=sorted(token.name for token in whole.tokens if token.name not in task.token_by_name),
+    )
     return NetworkEntry(
-        blocks=sorted(block.name for block in domain.blocks),
-        edges=[[".".join(source), ".".join(target)] for source, target in domain.network.edges],
+        blocks=sorted(kept),
+        edges=[[".".join(source), ".".join(target)] for source, target in task.domain.network.edges],
+        tokens=sorted(task.token_by_name),
+        reduced_from=reduced_from if reduced_from.blocks_left_out or reduced_from.tokens_left_out else None,
+        expanded_with=list(brought),
     )
 
 
@@ -161,6 +212,7 @@ def plan_document(
     status: Literal["solved", "unsolvable", "unknown", "limit"],
     planner: PlannerEntry,
     plan: TaskPlan | None,
+    network: NetworkEntry,
     explanation: ExplanationEntry | None,
 ) -> PlanDocument:
     """Return the document of one planning attempt."""
@@ -175,7 +227,7 @@ def plan_document(
         cost=float(len(plan.actions)) if plan else None,
         actions=list(plan.actions) if plan else [],
         steps=steps_of(plan) if plan else [],
-        network=network_entry(task.domain),
+        network=network,
         explanation=explanation,
     )
 
@@ -248,10 +300,8 @@ def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-def json_schemas() -> dict[str, dict[str, Any]]:
-    """Return the JSON Schemas of the documents, file stem to schema."""
+def json_schemas(documents: Mapping[str, type[Document]] | None = None) -> dict[str, dict[str, Any]]:
+    """Return the JSON Schemas of the documents, file stem to schema; of plans and results where none are given."""
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    return {
-        "plan-1": dialect | PlanDocument.model_json_schema(by_alias=True),
-        "result-1": dialect | ResultDocument.model_json_schema(by_alias=True),
-    }
+    found = documents or {"plan-1": PlanDocument, "result-1": ResultDocument}
+    return {stem: dialect | document.model_json_schema(by_alias=True) for stem, document in found.items()}

@@ -18,9 +18,10 @@ RUN_FILES = (
     "recording.npz",
     "events.jsonl",
     "video.mp4",
+    "convergence.png",
     "report.html",
 )
-NUMBERED_FILES = ("step-*.png", "primitive-[0-9][0-9].json")
+NUMBERED_FILES = ("step-*.png", "primitive-[0-9][0-9].json", "mesh-[0-9][0-9].obj")
 
 
 class RunFolder:
@@ -77,14 +78,22 @@ class RunFolder:
         Raises:
             InputError: the folder cannot be written to.
         """
+        return self.write_bytes(name, text.encode("utf-8"))
+
+    def write_bytes(self, name: str, content: bytes) -> Path:
+        """Write a file under a temporary name, then rename it.
+
+        Raises:
+            InputError: the folder cannot be written to.
+        """
         target = self.path / name
         try:
             handle, temporary = tempfile.mkstemp(dir=self.path, prefix=f".{name}.")
         except OSError as error:
             raise _unwritable(target, error) from error
         try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(text)
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
             os.chmod(temporary, 0o644)
             os.replace(temporary, target)
         except BaseException:

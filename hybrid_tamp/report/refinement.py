@@ -1,12 +1,9 @@
-"""What the mid-level planner did, for programs and for people."""
+"""What the mid-level planner did, for programs."""
 
 from collections.abc import Iterable, Mapping
 from math import isfinite
 
 from pydantic import Field
-from rich.console import Group, RenderableType
-from rich.table import Table
-from rich.text import Text
 
 from hybrid_tamp.model.refined import Milestone, Performance, RefinedPlan, Retuning, Shortfall, Tuned, Value
 from hybrid_tamp.report.entries import Document
@@ -15,8 +12,10 @@ from hybrid_tamp.report.entries import Document
 class ValueEntry(Document):
     """How good a choice of hyperparameters is: the violation first, then the value."""
 
-    violation: float = Field(description="sum of what conditions miss, each in units of its scale; 0 if all hold")
-    value: float = Field(description="weighted sum of the performance measures, maximised")
+    violation: float | None = Field(
+        description="sum of what conditions miss, each in units of its scale; 0 if all hold, null if not finite"
+    )
+    value: float | None = Field(description="weighted sum of the performance measures, maximised; null if not finite")
 
 
 class HyperparameterEntry(Document):
@@ -128,7 +127,7 @@ def _history(history: Iterable[Milestone]) -> list[MilestoneEntry]:
 
 
 def _value(value: Value) -> ValueEntry:
-    return ValueEntry(violation=value.violation, value=value.value)
+    return ValueEntry(violation=_finite(value.violation), value=_finite(value.value))
 
 
 def _hyperparameter(tuned: Tuned) -> HyperparameterEntry:
@@ -153,62 +152,3 @@ def performance_entries(
 def _finite(value: float | None) -> float | None:
     """JSON has neither infinity nor NaN."""
     return None if value is None or value != value or abs(value) == float("inf") else value
-
-
-def refinement_tables(entry: RefinementEntry) -> RenderableType:
-    """Return the hyperparameters, what they were optimised for, and what planning ahead gains."""
-    table = Table(title="Hyperparameters", title_justify="left", header_style="bold")
-    for heading in ("instance", "hyperparameter"):
-        table.add_column(heading)
-    for heading in ("value", "default", "apart"):
-        table.add_column(heading, justify="right")
-    for heading in ("unit", "bounds", "", "moves"):
-        table.add_column(heading)
-    before = ""
-    for each in entry.hyperparameters:
-        numbers = (each.value, each.default, each.apart)
-        bounds = f"[{each.lower:g}, {each.upper:g}]"
-        # Built as Text, because brackets would be markup.
-        words = (each.unit, bounds, each.status, ", ".join(each.moves))
-        shown = "" if each.instance == before else each.instance
-        table.add_row(*map(Text, (shown, each.name, *map(_number, numbers), *words)))
-        before = each.instance
-    lines: list[RenderableType] = [table] if entry.hyperparameters else []
-    return Group(*lines, *map(Text, _summary(entry)))
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4g}"
-
-
-def _summary(entry: RefinementEntry) -> Iterable[str]:
-    for each in entry.rounds:
-        tokens = ", ".join(each.roles.values())
-        yield f"given up: {each.block} of {tokens}: {each.atom} fails by {-each.margin:.3g} {each.unit}"
-    if not entry.optimiser:
-        yield "The defaults meet every condition, and there is no performance measure to improve."
-        return
-    yield (
-        f"value {entry.best.value:.4g} with {entry.optimiser} after {entry.evaluations} rollouts in "
-        f"{entry.seconds:.1f} s ({entry.stopped})"
-    )
-    for name, other in (("the defaults", entry.defaults), ("each action on its own", entry.apart)):
-        if other is not None:
-            yield f"  {name}: {_compared(entry.best, other)}"
-    if entry.physics is not None:
-        tried = entry.physics
-        spent = f"after {tried.evaluations} runs in {tried.seconds:.1f} s ({tried.stopped})"
-        yield f"in physics {_said(tried.best)} {spent}"
-        yield f"  the optimum of the forward models: {_said(tried.before)}"
-
-
-def _said(value: ValueEntry | None) -> str:
-    if value is None:
-        return "the run failed"
-    return f"value {value.value:.4g}" if value.violation == 0 else f"conditions are missed by {value.violation:.3g}"
-
-
-def _compared(best: ValueEntry, other: ValueEntry) -> str:
-    if other.violation > 0:
-        return f"conditions are missed by {other.violation:.3g} scales in all"
-    return f"{other.value:.4g}, so planning ahead gains {best.value - other.value:.3g}"

@@ -8,10 +8,15 @@ from rich.text import Text
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.report.documents import ExplanationEntry, InstanceEntry, PlanDocument, ResultDocument
+from hybrid_tamp.report.documents import ExplanationEntry, InstanceEntry, PlanDocument, ResultDocument, StepEntry
 
 _WIDTH = 60
 """Characters of a timeline."""
+_NAMED = 8
+"""So many of the names that were left out are said; programs are told all."""
+
+_NO_SINGLE_CHANGE = "No single change gives it a plan: no token, class, edge, fact or property."
+_NONE_FOUND = "No single change was found in time that gives it a plan; 'hybrid-tamp explain --seconds N' looks longer."
 
 
 def plan_table(document: PlanDocument) -> RenderableType:
@@ -22,12 +27,16 @@ def plan_table(document: PlanDocument) -> RenderableType:
     table.add_column("to [s]", justify="right")
     table.add_column("which tokens are in which blocks")
     for step in document.steps:
-        busy = [allocation(entry) for entry in step.blocks if entry.block != "RESTING"]
-        resting = [token for entry in step.blocks if entry.block == "RESTING" for token in entry.slots.values()]
-        if resting:
-            busy.append(f"RESTING: {', '.join(sorted(resting))}")
-        table.add_row(str(step.index), f"{step.start:.2f}", f"{step.end:.2f}", Text("\n".join(busy)))
+        lines = Text("\n".join(allocations(step)))
+        table.add_row(str(step.index), f"{step.start:.2f}", f"{step.end:.2f}", lines)
     return table
+
+
+def allocations(step: StepEntry) -> list[str]:
+    """Return which tokens are in which blocks: a line for each busy instance, and one for all that rests."""
+    busy = [allocation(entry) for entry in step.blocks if entry.block != "RESTING"]
+    resting = [token for entry in step.blocks if entry.block == "RESTING" for token in entry.slots.values()]
+    return [*busy, f"RESTING: {', '.join(sorted(resting))}"] if resting else busy
 
 
 def plan_footer(document: PlanDocument) -> str:
@@ -39,11 +48,44 @@ def plan_footer(document: PlanDocument) -> str:
     return said
 
 
+def network_text(document: PlanDocument) -> str:
+    """Return what part of the network was planned on, and what was brought in and why; empty if it was the whole."""
+    network, whole = document.network, document.network.reduced_from
+    lines = []
+    if whole is not None:
+        blocks, tokens = (
+            f"{len(network.blocks)} of {whole.blocks} blocks",
+            f"{len(network.tokens)} of {whole.tokens} tokens",
+        )
+        left_out = [*whole.blocks_left_out, *whole.tokens_left_out]
+        more = f" and {len(left_out) - _NAMED} more" if len(left_out) > _NAMED else ""
+        lines.append(f"reduced network: {blocks}, {tokens}; left out: {', '.join(left_out[:_NAMED])}{more}")
+    for brought in network.expanded_with[:_NAMED]:
+        fills = f" for {', '.join(brought.blocks)}" if brought.blocks else ""
+        lines.append(f"brought in {brought.token} ({', '.join(brought.classes)}){fills}: {brought.why}")
+    if len(network.expanded_with) > _NAMED:
+        lines.append(f"brought in {len(network.expanded_with) - _NAMED} more")
+    return "\n".join(lines)
+
+
 def allocation(entry: InstanceEntry) -> str:
     """Return one instance with its tokens and targets, e.g. ``ROLLING-1: hand=h, object=drum -> region=goal``."""
     slots = ", ".join(f"{slot}={token}" for slot, token in entry.slots.items())
     targets = ", ".join(f"{target}={value}" for target, value in entry.targets.items())
     return f"{entry.instance}: {slots}" + (f" -> {targets}" if targets else "")
+
+
+def timetable(title: str, plan: TaskPlan) -> RenderableType:
+    """Return one row an instance: from when to when which tokens are in which block."""
+    table = Table(title=title, title_justify="left", header_style="bold")
+    for heading in ("from [s]", "to [s]"):
+        table.add_column(heading, justify="right")
+    for heading in ("block", "tokens and targets"):
+        table.add_column(heading, overflow="fold")
+    for instance in sorted(plan.instances, key=lambda i: (i.start, i.end, i.name)):
+        roles = ", ".join(f"{role}={name}" for role, name in instance.roles.items())
+        table.add_row(f"{instance.start:.2f}", f"{instance.end:.2f}", Text(instance.block), Text(roles))
+    return table
 
 
 def timeline(plan: TaskPlan, tokens: Iterable[str]) -> RenderableType:
@@ -71,31 +113,42 @@ def _bar(instance: BlockInstance, width: int) -> Text:
 
 def explanation_text(entry: ExplanationEntry) -> RenderableType:
     """Return why there is no plan."""
-    lines: list[RenderableType] = [Text(entry.message, style="bold red")]
-    lines += [Text(f"  {reason.goal}: {reason.message}") for reason in entry.reasons]
-    return Group(*lines)
+    return Group(Text(entry.message, style="bold red"), *(Text(f"  {line}") for line in reasons(entry)))
+
+
+def reasons(entry: ExplanationEntry) -> list[str]:
+    """Return the reasons why there is no plan, and what would do, a line each."""
+    lines = [f"{reason.goal}: {reason.message}" for reason in entry.reasons]
+    lines += [f"There is a plan of {each.length} actions with {each.what}." for each in entry.suggestions]
+    if entry.kind == "unsolvable" and not entry.suggestions:
+        lines.append(_NO_SINGLE_CHANGE if entry.all_looked_at else _NONE_FOUND)
+    return lines
 
 
 def result_table(document: ResultDocument) -> RenderableType:
     """Return what a run did: predicted against measured exit margins, the goal, the domain's measures."""
-    table = Table(title=f"Run of {document.task} in {document.backend}", title_justify="left", header_style="bold")
-    for heading in ("block", "from [s]", "to [s]", "exit condition", "predicted", "measured", ""):
-        # Folded, not cut: a condition without its last argument says nothing.
-        table.add_column(heading, justify="right" if heading in ("from [s]", "to [s]") else "left", overflow="fold")
-    for run in document.blocks:
-        for index, condition in enumerate(run.exit):
-            first = (run.instance, f"{run.start:.2f}", f"{run.end:.2f}") if index == 0 else ("", "", "")
-            numbers = (_number(condition.predicted), _number(condition.measured))
-            table.add_row(*map(Text, first), Text(condition.atom), *numbers, "holds" if condition.holds else "fails")
+    table = Table(title=f"\nRun of {document.task} in {document.backend}", title_justify="left", header_style="bold")
+    table.box, table.pad_edge = None, False
+    # Folded, not cut: a condition without its last argument says nothing.
+    table.add_column("exit conditions", overflow="fold")
+    table.add_column("predicted", justify="right")
+    table.add_column("measured", justify="right")
+    table.add_column("")
+    for run in (each for each in document.blocks if each.exit):
+        table.add_row(Text(f"{run.instance}, {run.start:.2f} to {run.end:.2f} s"))
+        for condition in run.exit:
+            numbers = (margin(condition.predicted), margin(condition.measured))
+            table.add_row(Text(f"  {condition.atom}"), *numbers, "holds" if condition.holds else "FAILS")
     goal = Table(box=None, show_header=False, pad_edge=False)
     for atom in document.goal:
-        goal.add_row("goal", Text(atom.atom), _number(atom.margin), "holds" if atom.holds else "FAILS")
+        goal.add_row("goal", Text(atom.atom), margin(atom.margin), "holds" if atom.holds else "FAILS")
     for name, value in document.metrics.items():
         goal.add_row("measured", Text(name), f"{value:.4g}", "")
     return Group(table, goal)
 
 
-def _number(value: float | None) -> str:
+def margin(value: float | None) -> str:
+    """Return a signed margin, or a dash where there is none."""
     return "-" if value is None else f"{value:+.4f}"
 
 
@@ -107,4 +160,18 @@ def domains_table(domains: Iterable[Domain]) -> RenderableType:
     for domain in domains:
         classes = ", ".join(c.name for c in domain.classes)
         table.add_row(domain.name, domain.description, classes, ", ".join(b.name for b in domain.blocks))
+    return table
+
+
+def network_table(domain: Domain) -> RenderableType:
+    """Return one row a slot: what it takes, and to which slots a token may go from there."""
+    title = f"{domain.name}: {len(domain.blocks)} blocks, {len(domain.network.edges)} edges"
+    table = Table(title=title, title_justify="left", header_style="bold", box=None, pad_edge=False)
+    for heading in ("slot", "class", "goes on to"):
+        table.add_column(heading, overflow="fold")
+    for block in domain.blocks:
+        table.add_row(Text(block.name))
+        for slot in block.slots:
+            onward = ", ".join(map(".".join, domain.network.destinations((block.name, slot.name))))
+            table.add_row(*map(Text, (f"  {slot.name}", slot.object_class.name, onward or "-")))
     return table

@@ -57,12 +57,12 @@ def without_impossible(source: PlanningProblem) -> PlanningProblem:
         domain,
         operators=operators,
         predicates=tuple(predicate for predicate in domain.predicates if predicate[0] in used),
-        constants=tuple((c, t) for c, t in domain.constants if c in named or ranged & set(_lineage(t, parents))),
+        constants=tuple((c, t) for c, t in domain.constants if c in named or ranged & set(lineage(t, parents))),
     )
     return replace(source, domain=smaller, init=init)
 
 
-def _lineage(name: str, parents: Mapping[str, str]) -> Iterator[str]:
+def lineage(name: str, parents: Mapping[str, str]) -> Iterator[str]:
     """Yield a type and the types above it."""
     yield name
     while name in parents:
@@ -169,7 +169,7 @@ class PlainProblem:
 
     def _is_within(self, narrow: str, wide: str) -> bool:
         """Whether a type is another or one of its descendants."""
-        return wide in _lineage(narrow, self._parents)
+        return wide in lineage(narrow, self._parents)
 
     def _narrowed(self, case: _Case, substitution: Substitution) -> _Case:
         """Return the case in which a substitution holds, too."""

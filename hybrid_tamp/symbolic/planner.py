@@ -90,6 +90,10 @@ class PlannerProcess:
             self._worker.stop()
             self._worker = None
 
+    def prepare(self) -> None:
+        """Start the process for the next request now, and not when it comes."""
+        self._worker = self._worker or _Worker()
+
     def solve(self, problem: PlanningProblem, engine: str, limits: "Limits") -> PlannerAnswer:
         """Have an engine solve a problem.
 

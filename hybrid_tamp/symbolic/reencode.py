@@ -8,10 +8,12 @@ from collections.abc import Iterator
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
+from hybrid_tamp.symbolic.application import applicable
 from hybrid_tamp.symbolic.chaining.folding import folded
 from hybrid_tamp.symbolic.chaining.series import undone_by
 from hybrid_tamp.symbolic.encoding.passing import Meaning
 from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, ground
+from hybrid_tamp.symbolic.pddl import action_line
 from hybrid_tamp.symbolic.problem import Compilation
 
 NO_ACTION = "no-such-reassignment"
@@ -41,6 +43,12 @@ def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
             binding = dict(zip((v for v, _ in operator.parameters), action[1:], strict=True))
             facts = operator.effects(binding, facts)
     return actions
+
+
+def plan_lines(compilation: Compilation, plan: TaskPlan) -> list[str]:
+    """Return a plan as PDDL lines of a compiled task: the plan's own, unless they are those of another network."""
+    own = [tuple(line.strip("()").split()) for line in plan.actions]
+    return list(map(action_line, own if applicable(compilation, own) else reencode(compilation, plan)))
 
 
 def _tiles(plan: TaskPlan, token: str) -> bool:

@@ -6,11 +6,12 @@ objects in three-dimensional space").
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, product
 
 import numpy as np
 
+from hybrid_tamp.model.mesh import Hull
 from hybrid_tamp.model.shape import Box, Cylinder, Solid, parts_of
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
@@ -23,7 +24,7 @@ _MOST_STEPS = 64
 
 @dataclass(frozen=True, eq=False)
 class ConvexBody:
-    """A box, cylinder or sphere at a pose.
+    """A box, cylinder, sphere or convex hull at a pose.
 
     Attributes:
         half: half extents ``(3,)`` [m] of a core along the body's axes; of a cylinder's, x and y are zero.
@@ -31,6 +32,7 @@ class ConvexBody:
         ball: radius [m] of the ball that is swept over the core.
         position: of the centre ``(3,)`` [m].
         axes: the body's axes in the world as rows ``(3, 3)``.
+        points: corners of a hull ``(n, 3)`` [m] in its frame, instead of half, disc and ball; or None.
     """
 
     half: FloatArray
@@ -38,16 +40,21 @@ class ConvexBody:
     ball: float
     position: FloatArray
     axes: FloatArray
+    points: FloatArray | None = None
 
     @property
     def reach(self) -> float:
         """Radius of a ball about the centre that holds the body [m]."""
+        if self.points is not None:
+            return float(np.linalg.norm(self.points, axis=1).max())
         half = self.half + np.array([self.disc, 0.0, 0.0])
         return float(np.linalg.norm(half)) + self.ball
 
     def support(self, direction: FloatArray) -> FloatArray:
         """Return the furthest point ``(3,)`` [m] of the body along a direction ``(3,)`` of any length but zero."""
         local = self.axes @ direction
+        if self.points is not None:
+            return np.asarray(self.position + self.points[np.argmax(self.points @ local)] @ self.axes)
         point = np.sign(local) * self.half
         across = float(np.hypot(local[0], local[1]))
         if self.disc and across > 0:
@@ -59,6 +66,10 @@ class ConvexBody:
 
     def shrunk(self, depth: float) -> "ConvexBody":
         """Return the body without its outermost layer of this depth [m]; of thin ones the middle stays."""
+        if self.points is not None:
+            middle = (self.points.min(axis=0) + self.points.max(axis=0)) / 2.0
+            kept = 1.0 - depth / np.maximum(np.ptp(self.points, axis=0) / 2.0, depth)
+            return replace(self, points=middle + (self.points - middle) * kept)
         half = np.where(self.half > 0, np.maximum(self.half - depth, 0.0), 0.0)
         disc, ball = max(self.disc - depth, 0.0), max(self.ball - depth, 0.0)
         return ConvexBody(half, disc, ball, self.position, self.axes)
@@ -76,8 +87,18 @@ def body_of(token: Token, state: State) -> Body:
     parts = []
     for part in parts_of(token.shape):
         axes = rotate(orientation, rotate(quaternion_from_rpy(part.rpy), np.eye(3)))
-        parts.append(ConvexBody(*_core(part), position + rotate(orientation, part.position), axes))
+        place = position + rotate(orientation, part.position)
+        if isinstance(part, Hull):
+            parts.append(_hull(part, place, axes))
+        else:
+            parts.append(ConvexBody(*_core(part), place, axes))
     return parts
+
+
+def _hull(part: Hull, position: FloatArray, axes: FloatArray) -> ConvexBody:
+    """Return a hull about the middle of its box, so that its position is within it."""
+    middle = (part.vertices.min(axis=0) + part.vertices.max(axis=0)) / 2.0
+    return ConvexBody(np.zeros(3), 0.0, 0.0, position + middle @ axes, axes, part.vertices - middle)
 
 
 def _core(shape: Solid) -> tuple[FloatArray, float, float]:

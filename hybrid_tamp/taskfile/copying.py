@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from hybrid_tamp.taskfile.meshfile import MOST_BYTES
 from hybrid_tamp.taskfile.yaml_nodes import parse, read_text
 
 
@@ -14,7 +15,7 @@ def portable(path: Path) -> tuple[str, dict[str, str]]:
         path: the task file.
 
     Returns:
-        The text, and name to text of the primitive files that it names.
+        The text, and name to text of the primitive and mesh files that it names.
 
     Raises:
         InputError: a file cannot be read.
@@ -27,6 +28,13 @@ def portable(path: Path) -> tuple[str, dict[str, str]]:
         name = f"primitive-{number:02d}.json"
         files[name] = read_text(path.parent / named, "a primitive file")
         places.append((*document.faults.spans["primitives", key], name))
-    for first, last, name in reversed(places):
+    meshes: dict[str, str] = {}
+    for token, entry in document.data.get("tokens", {}).items():
+        named = (entry.get("shape") or {}).get("file")
+        if named is not None:
+            name = meshes.setdefault(named, f"mesh-{len(meshes) + 1:02d}.obj")
+            files[name] = read_text(path.parent / named, "a mesh file", MOST_BYTES)
+            places.append((*document.faults.spans["tokens", token, "shape", "file"], name))
+    for first, last, name in sorted(places, reverse=True):
         text = text[:first] + name + text[last:]
     return text, files

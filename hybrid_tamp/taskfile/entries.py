@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag, model_validator
 
 from hybrid_tamp.model.affordance import Number, quantity
-from hybrid_tamp.model.shape import Shape
+from hybrid_tamp.model.shape import WrittenShape
 from hybrid_tamp.model.task import DEFAULT_PLANNER, Limits, MidLevel
 
 Text = Annotated[str, Strict(), Field(min_length=1)]
@@ -53,10 +53,17 @@ class TokenEntry(_Entry):
     """One object token: a thing, a part of a robot, or a place."""
 
     classes: list[Text] = Field(description="names of the domain's classes that it is a member of")
-    properties: dict[str, Any] = Field(
-        default_factory=dict, description="fixed properties, the union of those of its classes"
+    unknown: list[Text] = Field(
+        default_factory=list,
+        description="names of classes of which it may or may not be a member, as 'hybrid-tamp probe' finds out",
     )
-    shape: Shape | None = Field(default=None, description="its geometry; default: what its classes imply, if anything")
+    properties: dict[str, Any] = Field(
+        default_factory=dict,
+        description="fixed properties, the union of those of its classes; of unknown classes some may be missing",
+    )
+    shape: WrittenShape | None = Field(
+        default=None, description="its geometry; default: what its classes imply, if anything"
+    )
     pose: Pose | None = Field(
         default=None, description="where it is at the beginning; needed by whatever has a position"
     )

@@ -122,6 +122,8 @@ def _check_class(argument: str, atom: Atom, parameter: Parameter, path: KeyPath,
     fitting = [name for name, token in scene.outlines.items() if token.is_member(sort)]
     wanted = f"{parameter.name} of {atom.predicate} must be a member of {sort.name}"
     remedy = "" if fitting else f"no token is a member of {sort.name}"
+    if sort in outline.unknown:
+        remedy = f"'hybrid-tamp probe --token {argument}' finds out whether it is one"
     faults.at(path, wanted, f"token {shown(argument)}, a member of {members}", fitting, remedy)
 
 

@@ -81,7 +81,7 @@ def _load(
     data, faults = document.data, document.faults
     file = _check_form(data, faults)
     domain = teach(data, faults, _find(data, faults, find_domain), path.parent if path else Path())
-    scene = read_scene(data, faults, domain)
+    scene = read_scene(data, faults, domain, path.parent if path else Path())
     goal = read_goal(data, faults, domain, scene)
     agents = read_agents(data, faults, scene)
     assignment = read_assignment(data, faults, domain, scene)

@@ -8,7 +8,7 @@ from hybrid_tamp.model.affordance import AffordanceClass, CapabilityClass, Objec
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Literal, Predicate
-from hybrid_tamp.model.shape import Box, Compound, Cylinder, Placement, Sphere
+from hybrid_tamp.model.shape import Box, Compound, Cylinder, MeshFile, Placement, Sphere
 from hybrid_tamp.taskfile.entries import LimitsEntry, MidLevelEntry, Pose, RangeEntry, TaskFile, TokenEntry
 from hybrid_tamp.taskfile.forms import JsonObject, bounds_in_words, form_of, number_in_words, type_in_words
 from hybrid_tamp.taskfile.roles import can_start
@@ -27,7 +27,7 @@ def reference_page(domains: Sequence[Domain]) -> str:
     """Return the reference page: every key of a task file, then every domain with all that a file can name."""
     parts = [_INTRODUCTION]
     parts += [_model("The file", TaskFile), _model("`TokenEntry`: a token", TokenEntry), _model("`Pose`", Pose)]
-    parts += [_model(f"`{shape.__name__}`: a shape", shape) for shape in (Cylinder, Box, Sphere, Compound)]
+    parts += [_model(f"`{shape.__name__}`: a shape", shape) for shape in (Cylinder, Box, Sphere, Compound, MeshFile)]
     parts += [_model("`CylinderPart`, `BoxPart`, `SpherePart`: a part", Placement)]
     parts += [_model("`LimitsEntry`: limits", LimitsEntry)]
     parts += [_model("`MidLevelEntry`: the mid-level planner", MidLevelEntry), _model("`RangeEntry`", RangeEntry)]

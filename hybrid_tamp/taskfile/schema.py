@@ -113,6 +113,7 @@ def _token(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) -> J
     return {
         "properties": {
             "classes": {"items": {"anyOf": names}, "uniqueItems": True},
+            "unknown": {"items": {"anyOf": names}, "uniqueItems": True},
             "properties": {"properties": properties, "additionalProperties": False},
         },
         "allOf": needs,

@@ -2,23 +2,26 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, SymbolSort
-from hybrid_tamp.model.shape import Shape
+from hybrid_tamp.model.shape import MeshFile, Shape, WrittenShape
 from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.model.token import PropertyConflictError, Token, union_of
 from hybrid_tamp.motion.poses import normalized, quaternion_from_rpy
 from hybrid_tamp.taskfile.entries import Pose
+from hybrid_tamp.taskfile.meshfile import read_mesh
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 from hybrid_tamp.taskfile.wording import add_validation_faults
 
-_SHAPE: TypeAdapter[Shape | None] = TypeAdapter(Shape | None)
+_SHAPE: TypeAdapter[WrittenShape | None] = TypeAdapter(WrittenShape | None)
 
 
 @dataclass
@@ -38,13 +41,14 @@ class Scene:
     given: dict[tuple[str, str], FloatArray] = field(default_factory=dict)
 
 
-def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None) -> Scene:
+def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None, folder: Path = Path()) -> Scene:
     """Read the tokens and note their faults.
 
     Args:
         data: the file's plain data.
         faults: the faults that were found in its form.
         domain: the domain, or None if it is unknown; then names alone are read.
+        folder: what the paths of mesh files are relative to.
     """
     entries = data.get("tokens")
     if not isinstance(entries, dict):
@@ -55,7 +59,7 @@ def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None) -> S
     if domain is not None:
         for name, entry in entries.items():
             if isinstance(entry, dict):
-                _read_token(name, entry, faults, domain, scene)
+                _read_token(name, entry, faults, domain, scene, folder)
     return scene
 
 
@@ -95,15 +99,16 @@ def known_classes(domain: Domain) -> Mapping[str, type[ObjectClass]]:
     return {TOKEN.name: TOKEN, **domain.class_by_name}
 
 
-def _read_token(name: str, entry: dict[str, Any], faults: Faults, domain: Domain, scene: Scene) -> None:
+def _read_token(name: str, entry: dict[str, Any], faults: Faults, domain: Domain, scene: Scene, folder: Path) -> None:
     path = ("tokens", name)
     classes = _classes(entry, path, faults, domain)
     if classes is None:
         return
+    unknown = _unknown(entry, path, classes, faults, domain)
     members = classes if any(map(is_place, classes)) else tuple({TOKEN: None, **dict.fromkeys(classes)})
-    outline = Token(name, members, {})
+    outline = Token(name, members, {}, unknown=unknown)
     scene.outlines[name] = outline
-    token = _make(outline, entry, path, faults)
+    token = _make(outline, entry, path, faults, folder)
     _read_pose(outline, entry, path, faults, scene)
     if token is not None:
         scene.tokens.append(token)
@@ -116,9 +121,28 @@ def _classes(
     path = (*path, "classes")
     if "classes" not in entry or not faults.sound(path):
         return None
+    if not entry["classes"]:
+        remedy = f"write [{TOKEN.name}] for a thing with which nothing is done"
+        faults.at(path, "a token is a member of one class at least", "[]", sorted(domain.class_by_name), remedy)
+        return None
+    return _named(entry["classes"], path, (), faults, domain)
+
+
+def _unknown(
+    entry: dict[str, Any], path: KeyPath, classes: tuple[type[ObjectClass], ...], faults: Faults, domain: Domain
+) -> tuple[type[ObjectClass], ...]:
+    """Return the classes that a token may turn out to be a member of, none if they are not sound."""
+    path = (*path, "unknown")
+    return (_named(entry.get("unknown", []), path, classes, faults, domain) if faults.sound(path) else None) or ()
+
+
+def _named(
+    names: list[str], path: KeyPath, others: tuple[type[ObjectClass], ...], faults: Faults, domain: Domain
+) -> tuple[type[ObjectClass], ...] | None:
+    """Return the classes of these names if they can share a token with each other and with others, or None."""
     known = known_classes(domain)
-    found: list[type[ObjectClass]] = []
-    for index, class_name in enumerate(entry["classes"]):
+    found: list[type[ObjectClass]] = [*others]
+    for index, class_name in enumerate(names):
         here = (*path, index)
         if class_name not in known:
             wanted = f"unknown class in the domain {domain.name}"
@@ -137,7 +161,7 @@ def _classes(
             wanted = f"{issue.where} are in conflict: {issue.wanted}"
             faults.at(path, wanted, issue.came, remedy="use one of the two classes, or mend the domain")
         return None
-    return tuple(found)
+    return tuple(found[len(others) :])
 
 
 def _check_company(
@@ -154,16 +178,16 @@ def _check_company(
             faults.at(path, wanted, shown(one.name), remedy=f"the domain {domain.name} declares them disjoint")
 
 
-def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults) -> Token | None:
+def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Token | None:
     """Make the token from its properties and shape and ask its classes whether they go together."""
     properties, base = entry.get("properties", {}), (*path, "properties")
     if not isinstance(properties, dict) or not faults.sound(base):
         return None
+    shape = _shape(entry, (*path, "shape"), faults, folder)
     has_shape = faults.sound((*path, "shape"))
-    shape = _SHAPE.validate_python(entry.get("shape")) if has_shape else None
-    union: type[BaseModel] = union_of(outline.classes)
+    union: type[BaseModel] = union_of(outline.classes, outline.unknown)
     try:
-        token = Token.make(outline.name, outline.classes, properties, shape)
+        token = Token.make(outline.name, outline.classes, properties, shape, outline.unknown)
     except ValidationError as error:
         add_validation_faults(faults, error, union, base, lambda key: _needed_by(outline, key))
         return None
@@ -176,6 +200,19 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults) 
         # The token may be named elsewhere all the same, hence `add`.
         faults.add(faults.mark(path, key=True), f"token {shown(token.name)} contradicts itself: {complaint}")
     return token
+
+
+def _shape(entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Shape | None:
+    """Return the shape that a token is given, a mesh read from its file."""
+    written = _SHAPE.validate_python(entry.get("shape")) if faults.sound(path) else None
+    if not isinstance(written, MeshFile):
+        return written
+    try:
+        return read_mesh(folder / written.file, written)
+    except InputError as error:
+        for issue in error.issues:
+            faults.at((*path, "file"), f"{issue.where}: {issue.wanted}", issue.came, issue.available, issue.remedy)
+        return None
 
 
 def _needed_by(outline: Token, key: str) -> str:

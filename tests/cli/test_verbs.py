@@ -105,7 +105,7 @@ def test_run_reaches_the_goal_and_leaves_every_file(ran: tuple[Path, "subprocess
     names = {path.name for path in folder.iterdir()}
     assert names >= {
         *("task.yaml", "plan.json", "domain.pddl", "problem.pddl", "plan.pddl", "result.json"),
-        *("recording.npz", "events.jsonl", "video.mp4"),
+        *("recording.npz", "events.jsonl", "video.mp4", "report.html"),
     }
     assert {name for name in names if name.endswith(".png")} == {f"step-{n:02d}.png" for n in (1, 2, 3, 4)}
     assert [json.loads(line)["event"] for line in (folder / "events.jsonl").read_text().splitlines()][-1] == "goal"

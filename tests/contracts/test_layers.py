@@ -71,7 +71,8 @@ def test_no_import_circle() -> None:
 
 
 def test_heavy_libraries_have_one_home() -> None:
-    homes: dict[str, set[str]] = {"unified_planning": set(), "pybullet": set(), "cmaes": set()}
+    libraries = ("unified_planning", "pybullet", "cmaes", "matplotlib", "jinja2")
+    homes: dict[str, set[str]] = {library: set() for library in libraries}
     for name, tree in modules():
         for module, _ in imports(tree):
             root = module.split(".")[0]
@@ -80,18 +81,27 @@ def test_heavy_libraries_have_one_home() -> None:
     assert all(name.startswith("hybrid_tamp/symbolic/") for name in homes["unified_planning"])
     assert homes["pybullet"] == {"hybrid_tamp/physics/engine.py"}
     assert homes["cmaes"] == {"hybrid_tamp/midlevel/cma.py"}
+    assert homes["matplotlib"] == {"hybrid_tamp/report/convergence.py"}
+    assert homes["jinja2"] == {"hybrid_tamp/report/page.py"}
 
 
 @pytest.mark.parametrize(
     "words",
-    [["--help"], ["check", "problems/roll_cylinder.yaml"], ["plan", "problems/no_such_task.yaml"], ["domains"]],
+    [
+        ["--help"],
+        ["network", "rolling_tumbling"],
+        ["check", "problems/roll_cylinder.yaml"],
+        ["plan", "problems/no_such_task.yaml"],
+        ["domains"],
+    ],
 )
 def test_quick_verbs_import_neither_planner_nor_physics(words: list[str]) -> None:
     program = (
         "import sys\n"
         "from hybrid_tamp.cli import main\n"
         f"status = main({words!r})\n"
-        "heavy = [m for m in ('unified_planning', 'pybullet', 'scipy', 'cmaes') if m in sys.modules]\n"
+        "names = ('unified_planning', 'pybullet', 'scipy', 'cmaes', 'matplotlib', 'jinja2')\n"
+        "heavy = [m for m in names if m in sys.modules]\n"
         "print('heavy', heavy)\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT.parent)

@@ -1,14 +1,20 @@
 """Tumbling in PyBullet: one run of each kind, judged by law, measures and contacts; campaigns are in scripts/trials."""
 
+from pathlib import Path
+
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 
 from hybrid_tamp import pipeline
+from hybrid_tamp.affordances.changes import without_token
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.physics.backend import open_backend
 from hybrid_tamp.physics.execution import execute
 from hybrid_tamp.report.measures import CONTACT, MEASURED, PLANNED, run_measures
+from hybrid_tamp.taskfile.loader import load_task
+
+PROBLEMS = Path(__file__).parents[2] / "problems"
 
 
 def measured(seed: int, hands: int) -> dict[str, float]:
@@ -39,3 +45,16 @@ def test_four_hands_are_a_fifth_faster_than_two_and_leave_the_box_in_peace() -> 
 def test_a_box_whose_edge_slides_is_tipped_all_the_same() -> None:
     """Seed 25: friction .4 and nearly a cube; its edge slides by 3 cm, and the hands have to turn further."""
     assert measured(25, 2)[CONTACT] < 5.0
+
+
+def test_two_one_handed_robots_tumble_a_box_together() -> None:
+    task = load_task(PROBLEMS / "tumble_two_robots.yaml")
+    plan = pipeline.plan(task).required()
+    with open_backend("pybullet") as physics:
+        recording = execute(task, plan, physics)
+    assert recording.success
+    assert not check_law(task, recording.plan, recording.at)
+    assert run_measures(plan, recording)[CONTACT] < 5.0
+    for agent in task.agents:
+        alone = without_token(task, task.token_by_name[task.agents[agent][0]])
+        assert pipeline.plan(alone, suggesting=0.0).document.status == "unsolvable"

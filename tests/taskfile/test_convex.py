@@ -1,15 +1,18 @@
 """Bodies that share space, against closed forms and PyBullet's own distances."""
 
+from pathlib import Path
+
 import numpy as np
 import pybullet
 import pytest
 
 from hybrid_tamp.model.affordance import AffordanceClass
-from hybrid_tamp.model.shape import Box, BoxPart, Compound, Cylinder, CylinderPart, Shape, Sphere
+from hybrid_tamp.model.shape import Box, BoxPart, Compound, Cylinder, CylinderPart, MeshFile, Shape, Sphere
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import normalized, quaternion_from_rpy
 from hybrid_tamp.taskfile.convex import CONTACT, Body, body_of, lowest_height, overlap, overlaps
+from hybrid_tamp.taskfile.meshfile import read_mesh
 
 
 class Thing(AffordanceClass):
@@ -128,3 +131,14 @@ def test_pybullet_finds_the_same_pairs_and_no_longer_way_out() -> None:
     finally:
         pybullet.disconnect(client)
     assert 50 < hits < 350
+
+
+def test_a_box_from_a_mesh_is_that_box() -> None:
+    path = Path(__file__).parents[2] / "problems" / "meshes" / "box.obj"
+    mesh, box = read_mesh(path, MeshFile(kind="mesh", file="b")), Box(kind="box", half_extents=(0.15, 0.14, 0.165))
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        turn, place, direction = normalized(rng.normal(size=4)), rng.normal(size=3), rng.normal(size=3)
+        (one,), (other,) = body(mesh, place, turn), body(box, place, turn)
+        assert one.support(direction) == pytest.approx(other.support(direction), abs=1e-7)
+        assert one.shrunk(0.01).support(direction) == pytest.approx(other.shrunk(0.01).support(direction), abs=1e-7)

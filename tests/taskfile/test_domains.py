@@ -117,7 +117,7 @@ def test_a_task_file_cannot_start_code(file: Path, text: str, monkeypatch: pytes
 
 
 def test_a_caller_may_let_a_task_file_name_a_path(file: Path) -> None:
-    text = f'domain: "{file}"\ntokens: {{a: {{classes: [], pose: {{position: [0, 0, 0]}}}}}}\ngoal: [x: [a]]\n'
+    text = f'domain: "{file}"\ntokens: {{a: {{classes: [TOKEN], pose: {{position: [0, 0, 0]}}}}}}\ngoal: [x: [a]]\n'
     with pytest.raises(InputError, match="t:3:8: unknown predicate in the domain mine"):
         load_task_text(text, "t", find_domain)
 

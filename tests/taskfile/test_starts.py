@@ -35,7 +35,7 @@ def refused(text: str, old: str, new: str) -> Issue:
 
 def test_bundled_tasks_start_well() -> None:
     for path in (Path(__file__).parents[2] / "problems").glob("*.yaml"):
-        load_task_text(path.read_text(encoding="utf-8"), path.stem)
+        load_task(path)
 
 
 def test_a_box_in_the_floor() -> None:

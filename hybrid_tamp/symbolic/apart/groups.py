@@ -12,7 +12,7 @@ import numpy as np
 
 from hybrid_tamp.model.facts import StaticFacts, static_facts
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
@@ -114,16 +114,7 @@ def most_helpers(task: Task) -> int:
 
 def own_task(task: Task, group: Group, chosen: Iterable[str], places: Collection[str]) -> Task:
     """Return the task of a group with the chosen helpers and places, and nothing else."""
-    kept = {*group.tokens, *chosen, *places}
-    tokens = tuple(token for token in task.tokens if token.name in kept)
-    state = State.of(tokens, {(t.name, v.name): task.state[t, v.name] for t in tokens for v in t.varying})
-    return task.replaced(
-        tokens=tokens,
-        state=state,
-        goal=group.goal,
-        agents={agent: tuple(name for name in names if name in kept) for agent, names in task.agents.items()},
-        assignment={name: block for name, block in task.assignment.items() if name in kept},
-    )
+    return task.part({*group.tokens, *chosen, *places}, goal=group.goal)
 
 
 class Helpers:

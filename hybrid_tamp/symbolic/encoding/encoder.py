@@ -68,8 +68,9 @@ def _encoded(chains: Chains) -> EncodedDomain:
 
 
 def _used(vocabulary: Vocabulary, operators: list[Operator]) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:
-    """Return the user's predicates and those of the compiler's own that an operator mentions."""
-    mentioned = {fact[0] for o in operators for facts in (o.precondition, o.add, o.delete) for fact in facts}
+    """Return the user's predicates and those of the compiler's own that an operator mentions, or a goal."""
+    mentioned = {"idle", "unclaimed", "completed"}
+    mentioned |= {fact[0] for o in operators for facts in (o.precondition, o.add, o.delete) for fact in facts}
     own = {name for name, _ in vocabulary.own_predicates}
     return tuple((name, types) for name, types in vocabulary.predicates if name in mentioned or name not in own)
 

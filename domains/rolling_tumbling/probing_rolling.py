@@ -1,0 +1,125 @@
+"""Whether a new object is ROLLABLE: a hand rolls it 0.6 m, as it would roll a labelled one."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hybrid_tamp.affordances.features import across, rolling_radius, roundest_axis, silhouette
+from hybrid_tamp.affordances.surfaces import points_of, volume_of
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.trial import Carry, Estimate, TrialRecipe
+from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply, quaternion_of_rotation
+
+from ..common.classes import Region, StaticEndEffector
+from .classes import Rollable
+from .geometry import UP, heading
+from .predicates import WITHIN_WORKSPACE
+from .tumbling_geometry import hand_axis
+
+DISTANCE, TOLERANCE = 0.6, 0.05
+"""What is ROLLABLE is rolled so far, and comes to rest so close to the place wanted [m]."""
+ROLLED: Mapping[str, tuple[float, float]] = {"final_distance [m]": (0.0, TOLERANCE), "roll_ratio": (0.9, 1.1)}
+"""The ratio alone would pass what turns once and stops."""
+_OFFSET, _YAW = 0.02, float(np.radians(1.0))
+"""How far starts differ, at most [m], [rad]."""
+_HAND = (0.25, -0.45, 0.3)
+"""Where the hand starts: along the way, beyond the token's end along the axis, up [m]."""
+
+
+def mass_of(token: Token, labelled: Token) -> float:
+    """Return the mass [kg] that a token is known to have, else that of its volume at a labelled one's density."""
+    if "mass" in token.properties:
+        return float(token["mass"])
+    assert token.shape is not None
+    assert labelled.shape is not None
+    return round(float(labelled["mass"]) * volume_of(token.shape) / volume_of(labelled.shape), 3)
+
+
+def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
+    """Turn the labelled axis onto the axis about which the new shape is the roundest."""
+    assert token.shape is not None
+    return np.asarray(frame(roundest_axis(token.shape)) @ frame(np.asarray(labelled["axis_of_rotation"])).T)
+
+
+def frame(axis: FloatArray) -> FloatArray:
+    """Return a rotation ``(3, 3)`` that turns z to an axis."""
+    return np.column_stack([*across(axis), axis])
+
+
+def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estimate:
+    """The axis goes through what were the ends of the labelled axis; hands touch what was its side."""
+    assert token.shape is not None
+    assert labelled.shape is not None
+    old = np.asarray(labelled["axis_of_rotation"])
+    end = old * float((points_of(labelled.shape) @ old).max())
+    ends = carry(np.array([end, -end]))
+    axis = ends[0] - ends[1]
+    axis /= np.linalg.norm(axis)
+    one, other = across(old)
+    sides = carry(labelled["radius_of_rotation"] * np.array([one, -one, other, -other]))
+    properties = {
+        "axis_of_rotation": tuple(round(float(component), 4) + 0.0 for component in axis),
+        "radius_of_rotation": round(rolling_radius(token.shape, axis), 4),
+        "mass": mass_of(token, labelled),
+        "friction": token.properties.get("friction", labelled["friction"]),
+        "rolling_friction": token.properties.get("rolling_friction", labelled["rolling_friction"]),
+    }
+    contacts = {f"side {number}": (x, y, z) for number, (x, y, z) in enumerate(sides.tolist(), start=1)}
+    return Estimate(properties, contacts)
+
+
+def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
+    """Lay the token on its side, its axis along the hand's if that is level, with the region ahead."""
+    hand = next((token for token in task.tokens if token.is_member(StaticEndEffector)), None)
+    x, y, yaw = (0.0, 0.0, 0.0) if rng is None else rng.uniform(-1.0, 1.0, 3) * (_OFFSET, _OFFSET, _YAW)
+    place = task.state[member, "position"] + np.array([x, y, 0.0])
+    turned, height = _lying(task, member, hand, yaw)
+    region = Token.make("place to roll to", [Region], {"radius": TOLERANCE})
+    tokens = (*(() if hand is None else (hand,)), member, region)
+    given = {
+        (member.name, "position"): np.array([place[0], place[1], height]),
+        (member.name, "orientation"): turned,
+        **({} if hand is None else {(hand.name, "orientation"): task.state[hand, "orientation"]}),
+    }
+    starts = [_towards(State.of(tokens, given), member, hand, region, sign) for sign in (1.0, -1.0)]
+    rooms = [0.0 if hand is None else float(WITHIN_WORKSPACE.evaluate(start, hand, member, region)) for start in starts]
+    start = starts[0] if rooms[0] >= min(rooms[1], 0.0) else starts[1]
+    goal = (Atom("inside", (member.name, region.name)),)
+    return task.replaced(name=f"roll {member.name}", tokens=tokens, state=start, goal=goal, agents={}, assignment={})
+
+
+def _towards(state: State, member: Token, hand: Token | None, region: Token, sign: float) -> State:
+    along = sign * heading(state, member)
+    centre = state[member, "position"]
+    changes = {(region.name, "position"): (centre + DISTANCE * along) * np.array([1.0, 1.0, 0.0])}
+    if hand is not None:
+        assert member.shape is not None
+        ahead, beyond, up = _HAND
+        aside = beyond - float(np.abs(points_of(member.shape) @ np.asarray(member["axis_of_rotation"])).max())
+        start = centre * np.array([1.0, 1.0, 0.0]) + ahead * along + aside * np.cross(UP, along) + up * UP
+        inside = np.clip(start, hand["workspace_lower"], hand["workspace_upper"])
+        changes[hand.name, "position"] = inside
+    return state.replace(changes)
+
+
+def _lying(task: Task, member: Token, hand: Token | None, yaw: float) -> tuple[FloatArray, float]:
+    """Return the orientation in which the token lies on its widest side, and how high its centre then is [m]."""
+    assert member.shape is not None
+    axis = np.asarray(member["axis_of_rotation"])
+    along = np.array([0.0, 1.0, 0.0]) if hand is None else hand_axis(task.state, hand) * np.array([1.0, 1.0, 0.0])
+    along = along / np.linalg.norm(along) if np.linalg.norm(along) > 0.5 else np.array([0.0, 1.0, 0.0])
+    points = points_of(member.shape)
+    reach = silhouette(points, axis)
+    one, other = across(axis)
+    angle = 2.0 * np.pi * int(np.argmin(reach)) / len(reach)
+    down = np.cos(angle) * one + np.sin(angle) * other
+    body = np.column_stack([axis, -down, np.cross(axis, -down)])
+    world = np.column_stack([along, UP, np.cross(along, UP)])
+    lying = quaternion_of_rotation(world @ body.T)
+    return quaternion_multiply(quaternion_from_axis_angle(UP, yaw), lying), float(reach.min())
+
+
+TRY_ROLLING = TrialRecipe(Rollable, _align, _estimate, _task, ROLLED)

@@ -1,0 +1,118 @@
+"""Whether a new object is TUMBLABLE: two hands tumble it onto its next face, as they would tumble a labelled one."""
+
+import numpy as np
+
+from hybrid_tamp.affordances.surfaces import points_of
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.trial import Carry, Estimate, TrialRecipe
+from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply, rotate
+
+from ..common.classes import StaticEndEffector
+from .classes import Tumblable
+from .faces import FACE, NORMALS, flat
+from .geometry import UP
+from .metrics import CONTROLLED
+from .probing_rolling import mass_of
+from .standing import FLAT_TOLERANCE
+from .tumbling_geometry import GRIP, hand_axis, in_body, normal, sides_across, to_the_right
+
+_OFFSET, _YAW = 0.02, float(np.radians(2.0))
+"""How far starts differ, at most [m], [rad]."""
+_ASIDE, _UP = 0.35, 0.55
+"""Where hands start beside the token's longest half, and above the floor [m]."""
+
+
+def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
+    """Faces are fixed to the body's axes, of the labelled token and of the new one."""
+    return np.eye(3)
+
+
+def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estimate:
+    """Faces are those of the box about it; hands touch where the labelled box's contact points have come to."""
+    assert token.shape is not None
+    halves = np.abs(points_of(token.shape)).max(axis=0)
+    contacts: dict[str, tuple[float, float, float]] = {}
+    depths = halves.copy()
+    turn = _turning_axis(task, token)
+    for face, point in _touched(labelled, turn).items():
+        x, y, z = carry(point[None])[0].tolist()
+        contacts[face] = (x, y, z)
+        axis = int(np.argmax(np.abs(NORMALS[face.split()[0]])))
+        depths[axis] = min(depths[axis], abs((x, y, z)[axis]))
+    properties = {
+        "half_extents": tuple(round(float(half), 4) for half in halves),
+        "hollow": tuple(round(float(depth), 4) for depth in halves - depths),
+        "mass": mass_of(token, labelled),
+        "friction": token.properties.get("friction", labelled["friction"]),
+    }
+    return Estimate(properties, contacts)
+
+
+def _turning_axis(task: Task, token: Token) -> int:
+    """Return the body axis of a token about which hands turn it: the nearest one to a level hand, else y."""
+    hand = next((one for one in task.tokens if one.is_member(StaticEndEffector)), None)
+    if hand is None:
+        return 1
+    return int(np.argmax(np.abs(in_body(task.state, token, hand_axis(task.state, hand)))))
+
+
+def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:
+    """Return where hands touch a labelled box that turns about an axis: each side at GRIP from either edge."""
+    halves = np.asarray(labelled["half_extents"]) - np.asarray(labelled["hollow"])
+    found = {}
+    for face in FACE.symbols:
+        axis = int(np.argmax(np.abs(NORMALS[face])))
+        if axis == turn:
+            continue
+        up = np.eye(3)[3 - axis - turn] * (2.0 * GRIP - 1.0) * labelled["half_extents"][3 - axis - turn]
+        for name, way in (("upper", 1.0), ("lower", -1.0)):
+            found[f"{face} {name}"] = NORMALS[face] * halves + way * up
+    return found
+
+
+def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
+    """Stand the token as it stands in the task, or upright, between two hands that come from their own sides."""
+    hands = tuple(token for token in task.tokens if token.is_member(StaticEndEffector))[:2]
+    x, y, yaw = (0.0, 0.0, 0.0) if rng is None else rng.uniform(-1.0, 1.0, 3) * (_OFFSET, _OFFSET, _YAW)
+    tokens = (*hands, member)
+    centre = task.state[member, "position"] * np.array([1.0, 1.0, 0.0])
+    standing = _standing(task, member)
+    turned = quaternion_multiply(quaternion_from_axis_angle(UP, yaw), standing)
+    given = {
+        (member.name, "orientation"): turned,
+        (member.name, "position"): centre + np.array([x, y, _height(member, turned)]),
+    }
+    aside = _ASIDE + max(member["half_extents"])
+    for number, hand in enumerate(hands):
+        side = to_the_right(task.state, hand) * (aside if number % 2 else -aside)
+        given[hand.name, "position"] = centre + side + _UP * UP
+        given[hand.name, "orientation"] = task.state[hand, "orientation"]
+    state = State.of(tokens, given)
+    goal = (Atom("posture", (member.name, flat(_onto(state, hands, member)))),)
+    return task.replaced(name=f"tumble {member.name}", tokens=tokens, state=state, goal=goal, agents={}, assignment={})
+
+
+def _standing(task: Task, member: Token) -> FloatArray:
+    orientation = task.state[member, "orientation"]
+    normals = np.array([rotate(orientation, outward) for outward in NORMALS.values()])
+    flat_enough = float(-normals[:, 2].min()) >= np.cos(FLAT_TOLERANCE)
+    return orientation if flat_enough else np.array([0.0, 0.0, 0.0, 1.0])
+
+
+def _height(member: Token, orientation: FloatArray) -> float:
+    assert member.shape is not None
+    return float(-rotate(orientation, points_of(member.shape))[:, 2].min())
+
+
+def _onto(state: State, hands: tuple[Token, ...], member: Token) -> str:
+    """Return the face that looks most to the right of the first hand; without hands the right one."""
+    if not hands:
+        return "right"
+    right = to_the_right(state, hands[0])
+    return max(sides_across(state, hands[0], member), key=lambda face: float(normal(state, member, face) @ right))
+
+
+TRY_TUMBLING = TrialRecipe(Tumblable, _align, _estimate, _task, CONTROLLED)

@@ -1,0 +1,147 @@
+"""What an observer sees: the states of all tokens over time, and nothing of who meant what."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybrid_tamp.model.affordance import BODY_STATE
+from hybrid_tamp.model.predicate import Literal, Value
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.state import FloatArray, State, StateLayout
+from hybrid_tamp.model.task import Task
+
+Truth = NDArray[np.bool_]
+"""Whether something holds, row by row, shape ``(t,)``."""
+
+SMOOTHING = 0.02
+"""Over how long poses and velocities are averaged [s]: much less than any block lasts."""
+ALLOWANCE = 0.25
+"""How inexact what is measured is, in scales of predicates."""
+STILL = (0.01, 0.04)
+"""A token whose place [m] and orientation [rad] change by no more than this rests or is held."""
+_ONSET = (0.003, 0.01)
+"""A token whose place [m] or orientation [rad] has changed by this much has begun to move."""
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """States over time, smoothed.
+
+    Attributes:
+        times: instant of each row [s], shape ``(t,)``.
+        trajectory: state of each row, batch shape ``(t,)``.
+        measured: the same before it was smoothed.
+        allowance: a condition is seen to hold from this much of its predicate's scale before it does.
+    """
+
+    times: FloatArray
+    trajectory: State
+    measured: State
+    allowance: float
+    _truths: dict[object, Truth] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def of(cls, times: FloatArray, trajectory: State, allowance: float = ALLOWANCE) -> "Observation":
+        """Smooth what was measured at a constant rate.
+
+        Args:
+            times: instants [s], shape ``(t,)``, evenly spaced.
+            trajectory: measured states, batch shape ``(t,)``.
+            allowance: how inexact they are, in scales of predicates.
+        """
+        period = float(times[1] - times[0]) if len(times) > 1 else 1.0
+        window = max(1, round(SMOOTHING / period)) | 1
+        return cls(
+            times,
+            State(trajectory.layout, _smoothed(trajectory.layout, trajectory.values, window)),
+            trajectory,
+            allowance,
+        )
+
+    @property
+    def last(self) -> int:
+        """The last row."""
+        return len(self.times) - 1
+
+    def row(self, time: float) -> int:
+        """Return the first row at an instant [s] or after it."""
+        return min(int(np.searchsorted(self.times, time - 1e-9)), self.last)
+
+    def at(self, time: float) -> State:
+        """Return the state measured nearest to an instant [s]."""
+        return State(self.measured.layout, self.measured.values[int(np.argmin(np.abs(self.times - time)))])
+
+    def state(self, row: int) -> State:
+        """Return the state of one row."""
+        return State(self.trajectory.layout, self.trajectory.values[row])
+
+    def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False) -> Truth:
+        """Return where a condition holds as measured, row by row; unless `strict`, also where it about holds."""
+
+        def find() -> Truth:
+            holds = np.asarray(literal.margin(self.measured, binding) >= 0)
+            least = -self.allowance * literal.predicate.scale
+            return holds if strict else np.asarray(holds | (literal.margin(self.trajectory, binding) >= least))
+
+        return self._known((literal.ground(binding), strict), find)
+
+    def departure(self, token: str, row: int) -> int:
+        """Return the row at which a token is no longer where it was in a row; beyond the last one if it stays."""
+        moved = np.flatnonzero(self._moved(token, row, STILL)[row:])
+        return row + int(moved[0]) if len(moved) else self.last + 1
+
+    def onset(self, token: str, row: int) -> int:
+        """Return the row at which the movement begins that takes a token away from where it was in a row."""
+        left = self.departure(token, row)
+        near = np.flatnonzero(~self._moved(token, row, _ONSET)[row:left])
+        return row + int(near[-1])
+
+    def place(self, token: str, row: int) -> FloatArray:
+        """Return where a token is in a row, ``(3,)`` [m]."""
+        return np.asarray(self.trajectory[token, "position"][row])
+
+    def _moved(self, token: str, row: int, tolerances: tuple[float, float]) -> Truth:
+        position = self.trajectory[token, "position"]
+        moved = np.linalg.norm(position - position[row], axis=-1) > tolerances[0]
+        if (token, "orientation") in self._slices:
+            turned = self.trajectory[token, "orientation"]
+            cosine = np.minimum(1.0, np.abs(turned @ turned[row]))
+            moved = moved | (2.0 * np.arccos(cosine) > tolerances[1])
+        return np.asarray(moved)
+
+    @cached_property
+    def _slices(self) -> frozenset[tuple[str, str]]:
+        return frozenset(self.trajectory.layout.slices)
+
+    def _known(self, key: object, find: Callable[[], Truth]) -> Truth:
+        if key not in self._truths:
+            self._truths[key] = np.broadcast_to(np.asarray(find(), dtype=bool), self.times.shape)
+        return self._truths[key]
+
+
+def observed(task: Task, recording: Recording) -> Observation:
+    """Return what is seen of a run of a task: its states, in the task's own layout."""
+    return Observation.of(recording.times, State(StateLayout.of(task.tokens), recording.states))
+
+
+def _smoothed(layout: StateLayout, values: FloatArray, window: int) -> FloatArray:
+    """Average poses and velocities over a window of rows; whatever else varies may jump and stays as it is."""
+    found = values.copy()
+    averaged = {varying.name for varying in BODY_STATE}
+    kernel, half = np.ones(window) / window, window // 2
+    for (_, name), part in layout.slices.items():
+        if name not in averaged or window <= 1:
+            continue
+        column = values[:, part]
+        if name == "orientation":
+            flips = np.where(np.sum(column[1:] * column[:-1], axis=-1) < 0, -1.0, 1.0)
+            column = column * np.concatenate([[1.0], np.cumprod(flips)])[:, None]
+        padded = np.concatenate([np.repeat(column[:1], half, 0), column, np.repeat(column[-1:], half, 0)])
+        mean = np.stack([np.convolve(each, kernel, mode="valid") for each in padded.T], axis=-1)
+        if name == "orientation":
+            mean /= np.linalg.norm(mean, axis=-1, keepdims=True)
+        found[:, part] = mean
+    return np.asarray(found)

@@ -1,0 +1,60 @@
+"""The convergence curve: the best value over the rollouts, as a picture."""
+
+from io import BytesIO
+from typing import TYPE_CHECKING
+
+from hybrid_tamp.report.refinement import MilestoneEntry, RefinementEntry
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_BLUE, _RED, _GREY = "#1f5fa8", "#be2823", "#5c6570"
+
+
+def convergence_picture(entry: RefinementEntry) -> bytes | None:
+    """Return the curve as a PNG, or None where nothing was optimised.
+
+    While conditions are missed the violation is what counts (red, right axis); from then on the value (blue).
+    """
+    if not entry.optimiser or not entry.history:
+        return None
+    # A figure of its own, because pyplot keeps figures and picks a window system.
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.2, 3.6), dpi=120, layout="constrained")
+    axes = figure.add_subplot(xlabel="rollouts of the optimiser [1]", ylabel="best value of the plan [1]")
+    # The optimiser begins with the defaults.
+    first = MilestoneEntry(evaluations=1, violation=entry.defaults.violation, value=entry.defaults.value)
+    history = [first, *entry.history]
+    _draw_value(axes, entry, history)
+    if first.violation != 0:
+        _draw_violation(axes, history)
+    axes.set_xlim(0, 1.02 * history[-1].evaluations)
+    axes.grid(color="#e4e7eb")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, fontsize="small", frameon=False)
+    picture = BytesIO()
+    # Without the version of matplotlib in it: the same run, the same file.
+    figure.savefig(picture, format="png", metadata={"Software": None})
+    return picture.getvalue()
+
+
+def _draw_value(axes: "Axes", entry: RefinementEntry, history: list[MilestoneEntry]) -> None:
+    curve = [(m.evaluations, m.value) for m in history if m.violation == 0 and m.value is not None]
+    axes.plot(*_columns(curve), color=_BLUE, drawstyle="steps-post", marker=".", label=f"by {entry.optimiser}")
+    for name, other, style in (("each action on its own", entry.apart, "--"), ("the defaults", entry.defaults, ":")):
+        if other is not None and other.violation == 0 and other.value is not None:
+            axes.axhline(other.value, color=_GREY, linestyle=style, label=name)
+
+
+def _draw_violation(axes: "Axes", history: list[MilestoneEntry]) -> None:
+    end = next((m.evaluations for m in history if m.violation == 0), history[-1].evaluations)
+    axes.axvspan(0, end, color=_RED, alpha=0.08, linewidth=0, label="conditions are missed")
+    curve = [(m.evaluations, m.violation) for m in history if m.violation is not None and m.evaluations <= end]
+    right = axes.twinx()
+    right.plot(*_columns(curve), color=_RED, drawstyle="steps-post", marker=".")
+    right.set_ylabel("violation [scales of the conditions]", color=_RED)
+    right.set_ylim(bottom=0)
+
+
+def _columns(points: list[tuple[int, float]]) -> tuple[list[int], list[float]]:
+    return [x for x, _ in points], [y for _, y in points]

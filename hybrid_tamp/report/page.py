@@ -1,0 +1,100 @@
+"""The page of a run: report.html, made from the documents in its folder; pictures and video are files beside it."""
+
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.report.documents import PlanDocument, ResultDocument
+from hybrid_tamp.report.entries import Document
+from hybrid_tamp.report.folder import NUMBERED_FILES, RUN_FILES, RunFolder
+from hybrid_tamp.report.refinement_tables import KEPT, efforts, given_up, number, values
+from hybrid_tamp.report.tables import allocation, allocations, margin, network_text, plan_footer, reasons
+
+PAGE = "report.html"
+
+_Document = TypeVar("_Document", bound=Document)
+
+
+def write_page(folder: RunFolder) -> Path:
+    """Write the page of what `plan` or `run` left in a folder.
+
+    Args:
+        folder: it holds plan.json and, where the plan was run, result.json.
+
+    Raises:
+        InputError: a document is not there or is none, or the folder cannot be written to.
+    """
+    plan = _read(folder.path / "plan.json", PlanDocument)
+    result = None
+    if (folder.path / "result.json").exists():
+        result = _read(folder.path / "result.json", ResultDocument)
+    return folder.write_text(PAGE, _template().render(_content(folder.path, plan, result)))
+
+
+def _template() -> Any:
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    for function in (allocations, given_up, margin, number, reasons):
+        environment.filters[function.__name__] = function
+    return environment.from_string(files("hybrid_tamp.report").joinpath("page.html").read_text(encoding="utf-8"))
+
+
+def _content(path: Path, plan: PlanDocument, result: ResultDocument | None) -> dict[str, Any]:
+    refinement, task_file = plan.refinement, path / "task.yaml"
+    there = sorted(name for name in RUN_FILES if name != PAGE and (path / name).exists())
+    return {
+        "plan": plan,
+        "result": result,
+        "lanes": lanes(plan),
+        "footer": plan_footer(plan) if plan.steps else "",
+        "network": network_text(plan).splitlines(),
+        "performance": result.performance if result else refinement.performance if refinement else [],
+        "values": list(values(refinement)) if refinement else [],
+        "effort": "; ".join(efforts(refinement)) if refinement else "",
+        "kept": KEPT,
+        "steps": sorted(file.name for file in path.glob(NUMBERED_FILES[0])),
+        "video": "video.mp4" if "video.mp4" in there else "",
+        "convergence": "convergence.png" if "convergence.png" in there else "",
+        "files": there,
+        "task_file": task_file.read_text(encoding="utf-8") if task_file.exists() else "",
+    }
+
+
+def lanes(plan: PlanDocument) -> dict[str, list[dict[str, Any]]]:
+    """Return the timeline: token to its bars, `left` and `width` in percent of the makespan; none where it rests."""
+    found: dict[str, list[dict[str, Any]]] = {}
+    for step in plan.steps:
+        for entry in step.blocks:
+            for token in entry.slots.values():
+                bars = found.setdefault(token, [])
+                if entry.block == "RESTING":
+                    continue
+                left, right = (round(100 * time / (plan.makespan or 1.0), 2) for time in (step.start, step.end))
+                if bars and bars[-1]["name"] == entry.instance:
+                    bars[-1]["width"] = round(right - bars[-1]["left"], 2)
+                else:
+                    title = f"{allocation(entry)}, from {step.start:.2f} s"
+                    bars.append({"name": entry.instance, "left": left, "width": round(right - left, 2), "title": title})
+    return dict(sorted(found.items()))
+
+
+def _read(file: Path, document: type[_Document]) -> _Document:
+    """Return the document in a file.
+
+    Raises:
+        InputError: it is not there, or it is not such a document.
+    """
+    try:
+        return document.model_validate_json(file.read_bytes())
+    except OSError as error:
+        wanted = f"{file.name} as `plan -o` and `run -o` leave it"
+        raise InputError([Issue(str(file), wanted, str(error.strerror))]) from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(map(str, first["loc"])) or "the document"
+        wanted = f"a document that follows the published JSON Schema of {file.name}"
+        raise InputError([Issue(str(file), wanted, f"at {place}: {first['msg']}")]) from error

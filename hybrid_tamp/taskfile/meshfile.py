@@ -1,0 +1,147 @@
+"""Mesh files of task files: read, and refused where physics could not take them, with the figure that is wrong."""
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.mesh import Hull, MeshShape
+from hybrid_tamp.model.shape import MeshFile
+from hybrid_tamp.model.state import FloatArray
+from hybrid_tamp.taskfile.objfile import Surface, read_objects
+from hybrid_tamp.taskfile.yaml_nodes import read_text
+
+MOST_TRIANGLES = 200_000
+MOST_BYTES = 64 * 1024 * 1024
+MOST_PARTS = 1000
+SMALLEST, LARGEST = 0.001, 10.0
+"""What the longest edge of a body's box must be between [m]: beyond that the unit is wrong."""
+MOST_SKEW = 0.05
+_WHAT = "a mesh file"
+_THINNEST = 1e-6
+"""A part's least volume, as a share of the cube of its longest edge."""
+_DENT = 1e-3
+"""How far a convex part may be dented, as a share of its longest edge: files are rounded."""
+_SAME = 1e-7
+"""So close two corners are one, as a share of the body's longest edge."""
+
+
+def read_mesh(path: Path, written: MeshFile) -> MeshShape:
+    """Read a mesh file.
+
+    Args:
+        path: the file.
+        written: what the task file says of it.
+
+    Raises:
+        InputError: it is missing, no OBJ, empty, too large, of the wrong unit, or one of its objects is not
+            watertight, degenerate, not in one piece or not convex, or its axes are far from the principal ones; with
+            the figure.
+    """
+    source = str(path)
+    if path.suffix.lower() != ".obj":
+        raise InputError(
+            [Issue(source, "a Wavefront OBJ file, whose name ends in .obj", repr(path.suffix or path.name))]
+        )
+    if path.is_file() and path.stat().st_size > MOST_BYTES:
+        _check_count(_triangles_in(path), source)
+    text = read_text(path, _WHAT, MOST_BYTES)
+    vertices, surfaces = read_objects(text, source)
+    _check_count(sum(len(surface.triangles) for surface in surfaces), source)
+    if len(surfaces) > MOST_PARTS:
+        raise InputError([Issue(source, f"a mesh of at most {MOST_PARTS} convex parts", str(len(surfaces)))])
+    size = _size(vertices, surfaces) * written.scale
+    if not SMALLEST <= size <= LARGEST:
+        remedy = (
+            "is the file in millimetres? then write scale: 0.001" if size > LARGEST else "give the scale of its unit"
+        )
+        wanted = f"a body between {SMALLEST:g} m and {LARGEST:g} m long"
+        raise InputError([Issue(source, wanted, f"one of {size:.4g} m", remedy=remedy)])
+    parts = [_part(vertices * written.scale, surface, size, source) for surface in surfaces]
+    shape = MeshShape.of(written.file, written.scale, hashlib.sha256(text.encode()).hexdigest(), parts)
+    if shape.skew > MOST_SKEW:
+        wanted = f"a mesh whose axes are its principal ones, up to a product of inertia of {MOST_SKEW:g} of its moment"
+        raise InputError(
+            [Issue(source, wanted, f"{shape.skew:.3g}", remedy="turn it in its file and back by its pose")]
+        )
+    return shape
+
+
+def _triangles_in(path: Path) -> int:
+    """Count the faces of a file too large to be read whole."""
+    count, before = 0, b"\n"
+    with path.open("rb") as file:
+        while block := file.read(1 << 24):
+            count += (before + block).count(b"\nf ")
+            before = block[-2:]
+    return count
+
+
+def _check_count(count: int, source: str) -> None:
+    if count == 0:
+        raise InputError([Issue(source, "a mesh with triangles", "none")])
+    if count > MOST_TRIANGLES:
+        wanted = f"a mesh of at most {MOST_TRIANGLES} triangles"
+        raise InputError([Issue(source, wanted, str(count), remedy="simplify it: its convex hulls are what matters")])
+
+
+def _size(vertices: FloatArray, surfaces: list[Surface]) -> float:
+    used = vertices[np.unique([index for surface in surfaces for triangle in surface.triangles for index in triangle])]
+    return float(np.ptp(used, axis=0).max())
+
+
+def _part(vertices: FloatArray, surface: Surface, size: float, source: str) -> Hull:
+    """Return one object as a convex part, its equal corners made one."""
+    corners = vertices[np.array(surface.triangles)].reshape(-1, 3)
+    _, first, names = np.unique(np.round(corners / (_SAME * size)), axis=0, return_index=True, return_inverse=True)
+    part = Hull(corners[first], names.reshape(-1, 3).astype(np.intp))
+    fault = _fault(part)
+    if fault is not None:
+        wanted, came = fault
+        raise InputError([Issue(source, f"object {surface.name!r} of the mesh must be {wanted}", came)])
+    return part if part.integrals[0] > 0 else Hull(part.vertices, part.triangles[:, ::-1])
+
+
+def _fault(part: Hull) -> tuple[str, str] | None:
+    """Return what an object should be and what it is instead, or None.
+
+    What is closed, in one piece of the sphere's topology and nowhere dented across an edge is convex.
+    """
+    size = float(np.ptp(part.vertices, axis=0).max())
+    corners = part.vertices[part.triangles]
+    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(crossed, axis=1) / 2.0
+    thin = int(np.sum(areas < 1e-12 * size**2))
+    if thin:
+        return "without degenerate triangles", f"{thin} of {len(areas)} have no area"
+    edges = part.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    partners = _partners(edges)
+    if partners is None:
+        pairs, counts = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+        odd = int(np.sum(counts != 2))
+        said = f"{odd} of its {len(pairs)} edges do not join two triangles" if odd else "triangles of two orientations"
+        return "watertight", said
+    if len(part.vertices) - len(edges) // 2 + len(areas) != 2:
+        return "one solid without holes", "several pieces, or one with holes"
+    volume = part.integrals[0]
+    if abs(volume) < _THINNEST * size**3:
+        return "a solid", f"degenerate: a volume of {abs(volume):.3g} m^3 at a length of {size:.3g} m"
+    normals = np.repeat(crossed / (2.0 * areas[:, None]) * np.sign(volume), 3, axis=0)
+    apexes = part.triangles[:, [2, 0, 1]].reshape(-1)[partners]
+    dent = float(np.max(np.sum(normals * (part.vertices[apexes] - part.vertices[edges[:, 0]]), axis=1)))
+    if dent > _DENT * size:
+        return "convex: split it into convex objects", f"a dent of {dent:.3g} m"
+    return None
+
+
+def _partners(edges: NDArray[np.intp]) -> NDArray[np.intp] | None:
+    """Return for each directed edge ``(e, 2)`` the index of its opposite, or None if one has none or several."""
+    count = int(edges.max()) + 1
+    keys, mirrored = edges @ [count, 1], edges @ [1, count]
+    order = np.argsort(keys)
+    found = np.searchsorted(keys[order], mirrored)
+    if len(np.unique(keys)) < len(keys) or not np.array_equal(np.sort(keys), np.sort(mirrored)):
+        return None
+    return np.asarray(order[found])

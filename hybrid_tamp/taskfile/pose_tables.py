@@ -1,0 +1,168 @@
+"""Demonstrations of whole scenes as files: a table of time and of tokens' poses, with every fault at its place.
+
+::
+
+    time [s], hand.x, hand.y, hand.z, drum.x, drum.y, drum.z, drum.qx, drum.qy, drum.qz, drum.qw
+    0.00, 0.250, -0.450, 0.300, 0.0, 0.0, 0.1, 0.7071, 0.0, 0.0, 0.7071
+
+A token without qx, qy, qz, qw does not turn, and one that is not there stays where its task has it. What else varies
+about a token, e.g. ``hand.aperture``, may have a column.
+"""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from hybrid_tamp.model.block import CONTROL_PERIOD
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.demonstration import MINIMAL_SAMPLES
+from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotation_vector
+from hybrid_tamp.taskfile.places import Faults, Mark, shown
+from hybrid_tamp.taskfile.tables import MAX_BYTES, Cell, check_quaternions, check_times, numbered, sample
+from hybrid_tamp.taskfile.yaml_nodes import read_text
+
+LONGEST = 600.0
+"""Longest demonstration [s]."""
+_PARTS = {"position": ("x", "y", "z"), "orientation": ("qx", "qy", "qz", "qw")}
+_RATES = ("velocity", "angular_velocity")
+_NAME = re.compile(r"^(.*?)\s*(\[[^]]*\])?$")
+_SPANS = (0.03, 0.15)
+"""Over how long velocities are taken at least and at most [s]; the less exact poses are, the longer."""
+_SPAN_PER_DEVIATION = 100.0
+"""[s/m]."""
+Columns = Mapping[tuple[str, str], list[int]]
+"""(token, property) to the columns of its components."""
+
+
+def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State]:
+    """Read a demonstration of a whole scene.
+
+    Args:
+        path: the file.
+        task: whose tokens it shows; where they are is read from the file.
+
+    Returns:
+        Instants at the control period [s], shape ``(t,)``, and the states then, batch shape ``(t,)``, with velocities.
+
+    Raises:
+        InputError: everything that is wrong with the file, each fault with its line and column.
+    """
+    rows = numbered(read_text(Path(path), "a demonstration", MAX_BYTES))
+    faults = Faults(str(path))
+    header = rows[0][1] if rows else []
+    columns = _columns(header, task, faults)
+    faults.raise_if_any()
+    samples = [values for _, cells in rows[1:] if (values := sample(cells, len(header), faults)) is not None]
+    faults.raise_if_any()
+    table, lines = np.array(samples, dtype=np.float64).reshape(-1, len(header)), [number for number, _ in rows[1:]]
+    check_times(table[:, 0], lines, MINIMAL_SAMPLES, faults)
+    for (token, name), places in columns.items():
+        if name == "orientation":
+            check_quaternions(table[:, places], lines, faults, f"{token}.")
+    if len(table) and table[-1, 0] - table[0, 0] > LONGEST:
+        came = f"{table[-1, 0] - table[0, 0]:g} s"
+        faults.add(Mark(lines[-1]), f"a demonstration lasts at most {LONGEST:g} s", came)
+    faults.raise_if_any()
+    return _states(table, columns, task)
+
+
+def _columns(header: list[Cell], task: Task, faults: Faults) -> Columns:
+    """Return where everything stands; note what the first line does not say as it should."""
+    names = [str(_NAME.sub(r"\1", cell.text)) for cell in header]
+    if not names or names[0].casefold() != "time":
+        came = shown(names[0]) if names else "an empty file"
+        faults.add(Mark(), "the first line names the columns: time, then token.x, token.y, token.z and so on", came)
+        return {}
+    wanted = _available(task)
+    found: dict[str, int] = {}
+    for index, (name, cell) in enumerate(zip(names[1:], header[1:], strict=True), start=1):
+        if name not in wanted:
+            faults.add(cell.mark, "a column of a token of the task", shown(name), tuple(wanted))
+        elif name in found:
+            faults.add(cell.mark, "each column once", shown(name))
+        found[name] = index
+    if len(names) == 1:
+        faults.add(Mark(), "a column of a token of the task", "time alone", tuple(wanted))
+    return _complete(header, found, wanted, faults)
+
+
+def _available(task: Task) -> dict[str, tuple[str, str]]:
+    """Return each possible column with its token and property."""
+    found: dict[str, tuple[str, str]] = {}
+    for token in task.assigned:
+        for varying in token.varying:
+            if varying.name in _RATES:
+                continue
+            parts = _PARTS.get(varying.name, (varying.name,) if varying.size == 1 else ())
+            found |= {f"{token.name}.{part}": (token.name, varying.name) for part in parts}
+    return found
+
+
+def _complete(
+    header: list[Cell], found: Mapping[str, int], wanted: Mapping[str, tuple[str, str]], faults: Faults
+) -> Columns:
+    columns: dict[tuple[str, str], list[int]] = {}
+    for name, index in found.items():
+        if name not in wanted or wanted[name] in columns:
+            continue
+        token, varying = wanted[name]
+        parts = [f"{token}.{part}" for part in _PARTS.get(varying, (varying,))]
+        missing = [part for part in parts if part not in found]
+        if missing:
+            faults.add(header[index].mark, f"{', '.join(parts)} together", f"no {', '.join(missing)}")
+        columns[token, varying] = [found.get(part, 0) for part in parts]
+    return columns
+
+
+def _states(table: FloatArray, columns: Columns, task: Task) -> tuple[FloatArray, State]:
+    given = table[:, 0] - table[0, 0]
+    times = np.arange(int(np.floor(given[-1] / CONTROL_PERIOD)) + 1, dtype=np.float64) * CONTROL_PERIOD
+    states = task.state.repeated(len(times))
+    changes: dict[tuple[str, str], FloatArray] = {}
+    for (token, name), places in columns.items():
+        column = table[:, places]
+        if name == "orientation":
+            column = _steady(column)
+        values = np.stack([np.interp(times, given, part) for part in column.T], axis=-1)
+        changes[token, name] = (
+            values / np.linalg.norm(values, axis=-1, keepdims=True) if name == "orientation" else values
+        )
+    for (token, name), values in list(changes.items()):
+        if name == "position":
+            changes[token, "velocity"] = _rates(values, _deviation(table[:, columns[token, name]]))
+        elif name == "orientation":
+            turns = rotation_vector(quaternion_multiply(values[1:], quaternion_conjugate(values[:-1])))
+            turned = np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
+            changes[token, "angular_velocity"] = _rates(turned, _deviation(turned))
+    return times, states.replace(changes)
+
+
+def _steady(quaternions: FloatArray) -> FloatArray:
+    """Return the quaternions ``(t, 4)`` with signs such that each is near the one before it."""
+    flips = np.where(np.sum(quaternions[1:] * quaternions[:-1], axis=-1) < 0, -1.0, 1.0)
+    return np.asarray(quaternions * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
+
+
+def _deviation(values: FloatArray) -> float:
+    """Return the standard deviation of the noise of a table of values ``(t, c)``, from their second differences."""
+    bends = np.abs(values[2:] - 2.0 * values[1:-1] + values[:-2])
+    return float(np.median(bends) / (0.6745 * np.sqrt(6.0)))
+
+
+def _rates(values: FloatArray, deviation: float) -> FloatArray:
+    """Return how fast values ``(t, c)`` change [1/s]: of the time before and the time after, the slower counts.
+
+    Where one movement ends and the next one begins at once, a mean over both would never be at rest.
+    """
+    span = float(np.clip(_SPAN_PER_DEVIATION * deviation, *_SPANS))
+    count = max(2, min(round(span / CONTROL_PERIOD), len(values) - 1))
+    offsets = np.arange(count + 1) - count / 2.0
+    kernel = (offsets / (offsets @ offsets) / CONTROL_PERIOD)[::-1]
+    slopes = np.stack([np.convolve(part, kernel, mode="valid") for part in values.T], axis=-1)
+    rows = np.arange(len(values))
+    before, after = slopes[np.maximum(rows - count, 0)], slopes[np.minimum(rows, len(slopes) - 1)]
+    slower = np.linalg.norm(before, axis=-1) < np.linalg.norm(after, axis=-1)
+    return np.asarray(np.where(slower[:, None], before, after))

@@ -1,0 +1,237 @@
+"""Tool use by its own forward models: closed forms, the best grasp, what is feasible, batches."""
+
+from collections.abc import Callable
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hybrid_tamp_domains.tool_use import DOMAIN
+from hybrid_tamp_domains.tool_use.classes import Graspable, Striker
+from hybrid_tamp_domains.tool_use.geometry import RAISED, on_handle, push_pose, tool_orientation, top
+from hybrid_tamp_domains.tool_use.trials import Scene, hammer_shape, hammer_task, random_hammer
+from validation import val_accepts
+
+from hybrid_tamp import pipeline
+from hybrid_tamp.model.block import CONTROL_PERIOD, Binding, Block
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.predicate import ANY, Atom
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.taskfile.domains import find_task_file
+from hybrid_tamp.taskfile.loader import load_task
+from hybrid_tamp.testing import check_domain
+
+USES = {"push": ("CARRYING:push", "PUSHING"), "strike": ("CARRYING:strike", "STRIKING")}
+PROBLEMS = ("hammer_push", "hammer_strike", "hammer_push_then_strike")
+TASK = hammer_task("hammer", Scene())
+HAND, HAMMER, BLOCK = TASK.tokens[:3]
+GRASPS = np.linspace(0.0, 0.15, 31)
+USED = {"hand": HAND, "tool": HAMMER, "object": BLOCK, "region": TASK.token_by_name["goal"]}
+SECONDS = {"PUSHING": 10.0, "STRIKING": 2.0}
+"""How long a rollout takes at most [s]."""
+FORCE = 0.5 * 9.81 * 2.0
+"""With which the floor resists the block [N]."""
+
+
+def held(state: State, place: FloatArray, orientation: FloatArray, grasps: FloatArray) -> State:
+    """Return states in which the hand holds the hammer, which is somewhere."""
+    at = place + rotate(orientation, on_handle(HAMMER, grasps))
+    return state.repeated(len(grasps)).replace(
+        {
+            ("hammer", "position"): place,
+            ("hammer", "orientation"): orientation,
+            ("hand", "position"): at,
+            ("hand", "orientation"): orientation,
+            ("hand", "aperture"): HAMMER["handle_width"],
+        }
+    )
+
+
+def ready_to_push(grasps: FloatArray, distance: float) -> State:
+    state = TASK.state.replace({("goal", "position"): (0.1 + distance, 0.0, 0.0)})
+    place, yaw = push_pose(state, HAMMER, BLOCK, USED["region"])
+    return held(state, place, tool_orientation(yaw, 0.0), grasps)
+
+
+def ready_to_strike(grasps: FloatArray) -> State:
+    """The hand is where the hammer, level, meets the middle of the top; the hammer is raised."""
+    lever = HAMMER["impact_point"][0] + grasps
+    hand = top(TASK.state, BLOCK) + np.stack([-lever, 0 * grasps, np.full_like(grasps, 0.045)], axis=-1)
+    orientation = tool_orientation(0.0, RAISED)
+    return held(TASK.state, hand - rotate(orientation, on_handle(HAMMER, grasps)), orientation, grasps)
+
+
+def rolled(block: Block, binding: Binding, start: State, **chosen: float | FloatArray) -> dict[str, FloatArray]:
+    """Roll a block out to its exit and return the figures of its measures; nothing of it depends on other code."""
+    count = len(start.values)
+    hyperparameters = {name: np.broadcast_to(v, count) for name, v in (block.guesses(binding, start) | chosen).items()}
+    policy = block.policy(binding, start, hyperparameters)
+    state, pending = start, np.ones(count, dtype=bool)
+    figures = {m.name: np.zeros(count) for m in block.performance}
+    for step in range(round(block.duration.maximum / CONTROL_PERIOD)):
+        commands = policy(np.float64(step * CONTROL_PERIOD), state)
+        for measure in block.performance:
+            if measure.rate is not None:
+                figures[measure.name] += np.where(pending, measure.rate(binding, state, commands) * CONTROL_PERIOD, 0)
+        state = block.system(binding, state, commands, CONTROL_PERIOD)
+        for measure in block.performance:
+            if measure.peak is not None:
+                now = np.maximum(figures[measure.name], measure.peak(binding, state))
+                figures[measure.name] = np.where(pending, now, figures[measure.name])
+        margins = [literal.margin(state, binding) for literal in block.exit if ANY not in literal.arguments]
+        pending &= ~((np.min(margins, axis=0) >= 0) & (step * CONTROL_PERIOD > block.duration.minimum))
+        # Grasps with which nothing is struck never come to their exit.
+        if not pending.any() or step * CONTROL_PERIOD > SECONDS[block.name]:
+            break
+    return figures | {m.name: m.end(binding, start, state, hyperparameters) for m in block.performance if m.end}
+
+
+def value(block: Block, figures: dict[str, FloatArray]) -> FloatArray:
+    terms = [m.weight * figures[m.name] / m.scale for m in block.performance]
+    return np.asarray(np.sum(terms, axis=0))
+
+
+PUSHING, STRIKING, GRASPING = (DOMAIN.block_by_name[name] for name in ("PUSHING", "STRIKING", "GRASPING"))
+
+
+@pytest.fixture(scope="module")
+def struck() -> dict[str, FloatArray]:
+    return rolled(STRIKING, USED, ready_to_strike(GRASPS))
+
+
+@pytest.fixture(scope="module")
+def touched() -> FloatArray:
+    """Contact of each grasp, by the closed form of the paper's 'linear in the amount of contact'."""
+    return (np.minimum(GRASPS + 0.03, 0.15) - np.maximum(GRASPS - 0.03, 0.0)) / 0.06
+
+
+def test_the_tip_is_as_fast_as_the_work_of_the_torque_makes_it(struck: dict[str, FloatArray]) -> None:
+    """sqrt(2 tau phi / (I_c + m g^2 + I_w)) (g + .025), where the butt of the handle is not in the way."""
+    rate = np.sqrt(2.0 * 4.0 * np.pi / 2 / (0.00199 + 0.6 * GRASPS**2 + 0.002))
+    free = GRASPS >= 0.04
+    assert np.allclose(np.sqrt(struck["tip_speed_squared"])[free], (rate * (GRASPS + 0.025))[free], atol=1e-4)
+    assert np.all(struck["hand_speed"][free] < 1e-3)
+
+
+def test_a_hammer_held_near_its_head_cannot_strike_because_its_butt_is_in_the_way(
+    struck: dict[str, FloatArray],
+) -> None:
+    assert np.all(struck["tip_speed_squared"][(GRASPS > 0.004) & (GRASPS < 0.03)] < 0.1)
+
+
+def test_a_hand_that_swings_about_an_elbow_is_slower_at_the_tip_and_moves_itself() -> None:
+    grasps, radius = np.full(3, 0.08), np.array([0.05, 0.1, 0.3])
+    found = rolled(STRIKING, USED, ready_to_strike(grasps), swing_radius=radius)
+    rate = np.sqrt(2.0 * 4.0 * np.pi / 2 / (0.00399 + 0.6 * (0.08 + radius) ** 2 + 1.5 * radius**2))
+    assert np.allclose(np.sqrt(found["tip_speed_squared"]), rate * (0.105 + radius), rtol=5e-3)
+    assert np.allclose(found["hand_speed"], rate * radius, rtol=0.05)
+
+
+def test_the_target_point_does_not_matter_for_the_measures() -> None:
+    grasps = np.full(3, 0.1)
+    beside = np.array([0.0, -0.03, 0.02])
+    found = rolled(STRIKING, USED, ready_to_strike(grasps), target_x=beside / 2, target_y=beside)
+    assert np.ptp(found["tip_speed_squared"]) < 1e-3
+
+
+def test_the_torque_of_a_push_is_its_resistance_times_the_lever() -> None:
+    found = rolled(PUSHING, USED, ready_to_push(GRASPS, 0.3))
+    assert np.allclose(found["torque_work"], (FORCE * (GRASPS + 0.025)) ** 2 * 0.3, rtol=0.02)
+
+
+def test_contact_is_the_share_of_the_hand_that_is_on_the_handle(touched: FloatArray) -> None:
+    grasps = np.array([0.0, 0.015, 0.03, 0.1, 0.12, 0.135, 0.15])
+    upright = tool_orientation(0.0, 0.0)
+    start = held(TASK.state, TASK.state[HAMMER, "position"], upright, grasps)
+    found = GRASPING.performance[0].end(USED, start, start, {})
+    assert np.allclose(found, [0.5, 0.75, 1.0, 1.0, 1.0, 0.75, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("final", "push", "both"), [(0.2, 0.03, 0.116), (0.5, 0.029, 0.07), (0.6, 0.018, 0.062), (1.0, 0.0, 0.04)]
+)
+def test_the_best_grasps_are_those_of_the_closed_form(
+    final: float, push: float, both: float, struck: dict[str, FloatArray], touched: FloatArray
+) -> None:
+    """J = contact - 4 torque^2 d + .2 v_tip^2 - .1 v_hand, as in the paper's Fig. 6."""
+    pushed = touched + value(PUSHING, rolled(PUSHING, USED, ready_to_push(GRASPS, final - 0.1)))
+    hit = value(STRIKING, struck)
+    assert GRASPS[np.argmax(pushed)] == pytest.approx(push, abs=0.005)
+    assert GRASPS[np.argmax(touched + hit)] == pytest.approx(0.12, abs=0.005)
+    assert GRASPS[np.argmax(pushed + hit)] == pytest.approx(both, abs=0.005)
+
+
+@pytest.mark.parametrize(("block", "ready"), [(PUSHING, lambda g: ready_to_push(g, 0.2)), (STRIKING, ready_to_strike)])
+def test_a_batch_gives_what_its_members_give(block: Block, ready: Callable[[FloatArray], State]) -> None:
+    grasps = np.array([0.05, 0.11])
+    together = rolled(block, USED, ready(grasps))
+    for index in range(len(grasps)):
+        alone = rolled(block, USED, ready(grasps[index : index + 1]))
+        for name, figures in together.items():
+            assert figures[index] == pytest.approx(alone[name][0], rel=1e-6, abs=1e-9)
+
+
+def test_symbols_and_forward_models_agree() -> None:
+    assert not check_domain(load_task(find_task_file("hammer_push_then_strike")), samples=1)
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_problems_are_solved_by_lawful_plans_that_val_accepts(name: str, tmp_path: Path) -> None:
+    task = load_task(find_task_file(name))
+    plan = pipeline.plan(task).required()
+    assert not check_law(task, plan)
+    uses = [USES[word] for word in name.split("_") if word in USES]
+    blocks = [instance.block for instance in plan.instances if instance.block != "RESTING"]
+    assert blocks == ["REACHING:handle", "GRASPING", *chain(*uses), "CARRYING:down", "RELEASING"]
+    actions = [tuple(action.strip("()").split()) for action in plan.actions]
+    assert val_accepts(tmp_path, compile_task(task).problem, actions)
+
+
+def with_hammer(task: Task, **properties: object) -> Task:
+    """Return the task with a hammer of other properties."""
+    other = Token.make("hammer", HAMMER.classes, HAMMER.properties | properties, HAMMER.shape)
+    return task.replaced(tokens=tuple(other if token.name == "hammer" else token for token in task.tokens))
+
+
+@pytest.mark.parametrize(
+    ("properties", "fact"),
+    [
+        ({"mass": 40.0}, "liftable"),
+        ({"handle_width": 0.07}, "wide_enough"),
+    ],
+)
+def test_what_a_hand_cannot_hold_has_no_plan(properties: dict[str, float], fact: str) -> None:
+    outcome = pipeline.plan(with_hammer(TASK, **properties))
+    assert outcome.plan is None
+    assert fact in str(outcome.error)
+
+
+def test_a_tool_that_strikes_is_chosen_among_others() -> None:
+    """A stick of the same handle is nearer, but nothing says that it strikes."""
+    stick = Token.make(
+        "stick",
+        [Graspable],
+        {key: value for key, value in HAMMER.properties.items() if not key.endswith("_point")},
+        hammer_shape(),
+    )
+    tokens = (stick, *TASK.tokens)
+    given = {(token, name): TASK.state[token, name] for token, name, _ in TASK.state.layout.entries}
+    given |= {
+        ("stick", "position"): (-0.3, -0.15, HAMMER.properties["impact_point"][0] + 0.015),
+        ("stick", "orientation"): TASK.state["hammer", "orientation"],
+    }
+    task = TASK.replaced(tokens=tokens, state=State.of(tokens, given), goal=(Atom("struck", ("block",)),))
+    plan = pipeline.plan(task).required()
+    assert not check_law(task, plan)
+    assert {i.slots["tool"] for i in plan.instances if "tool" in i.slots} == {"hammer"}
+    assert HAMMER.is_member(Striker)
+
+
+def test_random_tasks_are_the_same_for_the_same_seed() -> None:
+    one, other = random_hammer(5), random_hammer(5)
+    assert np.array_equal(one.state.values, other.state.values)
+    assert one.token_by_name["block"].properties == other.token_by_name["block"].properties
