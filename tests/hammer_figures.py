@@ -80,7 +80,7 @@ def figure_task(kind: str, x: float, *, radius: float = 0.0, hand_weight: float 
     file = yaml.load((PROBLEMS / f"{FILES[kind]}.yaml").read_text(encoding="utf-8"))
     moved = file["tokens"]["goal" if "goal" in file["tokens"] else "block"]
     moved["pose"]["position"][0] = x
-    fixed = {"STRIKING.swing_radius": radius, **_FIXED, "PUSHING.distance": round(x - START, 6)}
+    fixed = {"STRIKING.swing_radius": radius, **_FIXED, "PUSHING.beyond": 0.0}
     weights = {"STRIKING.hand_speed": hand_weight}
     file["midlevel"] = {"hyperparameters": fixed, "weights": weights}
     if long:

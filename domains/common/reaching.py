@@ -32,6 +32,7 @@ from .classes import StaticEndEffector
 from .predicates import AT_REST
 from .primitives import demonstrated_reach
 from .servos import force_on, free_motion, hand_servo
+from .timetable import Timetable
 
 LIFT = 0.36
 """How far above its start and goal the demonstrated reach carries the hand [m]."""
@@ -85,10 +86,10 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         )
 
         servo = hand_servo(hand, start)
+        timetable = Timetable(lambda elapsed: reference.at(elapsed)[:2], start)
 
         def policy(elapsed: FloatArray, state: State) -> Commands:
-            position, velocity, _ = reference.at(elapsed)
-            return servo(state, position, velocity)
+            return servo(state, *timetable(elapsed))
 
         return policy
 

@@ -42,7 +42,7 @@ def position_servo(hand: Token, state: State, position: FloatArray, velocity: Fl
 def turn_between(orientation: FloatArray, wanted: FloatArray) -> FloatArray:
     """Return the turn ``(..., 3)`` [rad] in the world from one orientation to another, for small ones."""
     error = quaternion_multiply(wanted, quaternion_conjugate(orientation))
-    return np.asarray(2.0 * np.sign(error[..., 3:] + 1e-300) * error[..., :3])
+    return np.asarray(np.copysign(2.0, error[..., 3:]) * error[..., :3])
 
 
 def turning_rate(state: State, token: Token, wanted: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:

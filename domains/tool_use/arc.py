@@ -7,9 +7,10 @@ import numpy as np
 from hybrid_tamp.model.block import Binding, Hyperparameters
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import cross
 
 from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE
-from .geometry import UP, cross, dot, hand_in_tool, heading, norm, side, strike_place, swing_angle, top
+from .geometry import UP, dot, hand_in_tool, heading, norm, side, strike_place, swing_angle, top
 from .holding import keeping
 from .swing import Swing, swing_of
 

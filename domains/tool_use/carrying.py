@@ -30,6 +30,7 @@ from ..common.classes import Region
 from ..common.predicates import AT_REST
 from ..common.primitives import reach_over, straight_profile
 from ..common.reaching import LIFT
+from ..common.timetable import Timetable
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
 from .feasibility import ABLE_TO_PUSH, ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME, PUSH_WITHIN_REACH, SQUARE_TO
 from .geometry import (
@@ -105,12 +106,18 @@ def _policy(goal: Goal) -> Callable[[Binding, State, Hyperparameters], Policy]:
         yawing = (direction - from_yaw + np.pi) % (2 * np.pi) - np.pi
         swinging = angle - from_angle
 
-        def policy(elapsed: FloatArray, state: State) -> Commands:
+        def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
             phase = (elapsed - _TURN[0] * duration) / turning
             done, speed = profile.share(phase), profile.rate(phase) / turning
             wanted = tool_orientation(from_yaw + done * yawing, from_angle + done * swinging)
-            spin = (speed * yawing)[..., None] * UP + (speed * swinging)[..., None] * side(state, tool)
-            return servo(state, hand, tool, reach(elapsed), (wanted, spin))
+            return (*reach(elapsed), wanted, (speed * yawing)[..., None] * UP, (speed * swinging)[..., None])
+
+        timetable = Timetable(reference, start)
+
+        def policy(elapsed: FloatArray, state: State) -> Commands:
+            position, velocity, wanted, yaw_rate, swing_rate = timetable(elapsed)
+            spin = yaw_rate + swing_rate * side(state, tool)
+            return servo(state, hand, tool, (position, velocity), (wanted, spin))
 
         return policy
 

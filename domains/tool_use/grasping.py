@@ -24,6 +24,7 @@ from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile
 from ..common.reaching import ReachGoal
 from ..common.servos import force_on, free_motion, hand_servo
+from ..common.timetable import Timetable
 from .classes import DexterousHand, Graspable
 from .feasibility import GRASP_FACTS
 from .geometry import beside, handle_length, location, on_handle, point
@@ -64,12 +65,17 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     profile = straight_profile()
     servo = hand_servo(hand, start)
 
-    def policy(elapsed: FloatArray, state: State) -> Commands:
+    def approach(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         done = profile.share(elapsed / _APPROACH)[..., None]
         speed = profile.rate(elapsed / _APPROACH)[..., None] / _APPROACH
+        return origin + done * whole, speed * whole
+
+    timetable = Timetable(approach, start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
         closing = np.where(elapsed > _CLOSES_AFTER, hand["maximal_grip"], 0.0)
         grip = np.broadcast_to(closing[..., None], state[hand, "aperture"].shape)
-        return servo(state, origin + done * whole, speed * whole) | {(hand.name, "grip"): grip}
+        return servo(state, *timetable(elapsed)) | {(hand.name, "grip"): grip}
 
     return policy
 

@@ -18,13 +18,15 @@ from hybrid_tamp.model.block import Commands
 from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import quaternion_from_rotation_vector, quaternion_multiply, rotate
+from hybrid_tamp.motion.poses import cross, quaternion_from_rotation_vector, quaternion_multiply, rotate
 
 from ..common.servos import DAMPING_RATIO, turning_rate
-from .geometry import UP, cross, dot, off_handle
+from .geometry import UP, dot, off_handle
 
 GRAVITY = 9.81
 """[m/s^2]."""
+_LIFT = GRAVITY * UP
+"""What compensates gravity [m/s^2]."""
 POSITION_RATE = 60.0
 """Natural frequency with which a hand and its tool come to a place [rad/s]."""
 
@@ -63,7 +65,7 @@ def wrench(
     arm = state[tool, "position"] - state[hand, "position"]
     spin = state[tool, "angular_velocity"]
     moving = acceleration + cross(turning, arm) - dot(spin, spin)[..., None] * arm
-    force = tool["mass"] * (moving + GRAVITY * UP)
+    force = tool["mass"] * (moving + _LIFT)
     torque = (tool["inertia"][1] + hand["wrist_inertia"]) * turning
     if load is not None:
         force = force - load.force
@@ -115,12 +117,12 @@ def accelerated(state: State, hand: Token, tool: Token, commands: Commands, dt: 
     """
     arm = state[tool, "position"] - state[hand, "position"]
     spin = state[tool, "angular_velocity"]
-    pushed = commands[hand.name, "force"] / hand["mass"] + GRAVITY * UP
+    pushed = commands[hand.name, "force"] / hand["mass"] + _LIFT
     reduced = tool["mass"] * hand["mass"] / (tool["mass"] + hand["mass"])
     inertia = tool["inertia"][1] + hand["wrist_inertia"] + reduced * dot(arm, arm)
     turning = (commands[hand.name, "torque"] - reduced * cross(arm, pushed)) / inertia[..., None]
     force = reduced * (pushed + cross(turning, arm) - dot(spin, spin)[..., None] * arm)
-    return state[hand, "velocity"] + (pushed - GRAVITY * UP - force / hand["mass"]) * dt, spin + turning * dt
+    return state[hand, "velocity"] + (commands[hand.name, "force"] - force) * (dt / hand["mass"]), spin + turning * dt
 
 
 def moved(state: State, hand: Token, tool: Token, commands: Commands, dt: float) -> dict[tuple[str, str], FloatArray]:
@@ -158,29 +160,42 @@ def fingers(state: State, hand: Token, tool: Token, commands: Commands, dt: floa
     return {(hand.name, "aperture"): np.where(closing, closed, opened)}
 
 
-def effective_mass(state: State, hand: Token, tool: Token, at: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return the mass ``(...)`` [kg] with which hand and tool meet a blow at a point along a unit direction.
-
-    A blow P at distance l from the common centre of mass changes the point's speed by P (1/M + l^2/I).
-    """
-    centre, mass, inertia = _whole(state, hand, tool)
-    lever = cross(at - centre, direction)
-    return np.asarray(1.0 / (1.0 / mass + dot(lever, lever) / inertia))
+Whole = tuple[FloatArray, float, FloatArray]
+"""Centre of mass ``(..., 3)`` [m], mass [kg] and moment of inertia ``(...)`` [kg m^2] of hand and tool."""
 
 
-def knocked(
-    state: State, hand: Token, tool: Token, velocity: FloatArray, spin: FloatArray, at: FloatArray, blow: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return velocity of the hand and angular velocity of both after a blow ``(..., 3)`` [N s] on the tool."""
-    centre, mass, inertia = _whole(state, hand, tool)
-    turned = cross(at - centre, blow) / inertia[..., None]
-    return velocity + blow / mass + cross(turned, state[hand, "position"] - centre), spin + turned
-
-
-def _whole(state: State, hand: Token, tool: Token) -> tuple[FloatArray, float, FloatArray]:
-    """Return centre of mass ``(..., 3)`` [m], mass [kg] and moment of inertia ``(...)`` [kg m^2] of hand and tool."""
+def whole(state: State, hand: Token, tool: Token) -> Whole:
+    """Return hand and tool as one body."""
     arm = state[tool, "position"] - state[hand, "position"]
     mass = hand["mass"] + tool["mass"]
     reduced = tool["mass"] * hand["mass"] / mass
     inertia = tool["inertia"][1] + hand["wrist_inertia"] + reduced * dot(arm, arm)
     return state[hand, "position"] + arm * (tool["mass"] / mass), float(mass), inertia
+
+
+def effective_mass(body: Whole, at: FloatArray, direction: FloatArray) -> FloatArray:
+    """Return the mass ``(...)`` [kg] with which hand and tool meet a blow at a point along a unit direction.
+
+    A blow P at distance l from the common centre of mass changes the point's speed by P (1/M + l^2/I).
+    """
+    centre, mass, inertia = body
+    lever = cross(at - centre, direction)
+    return np.asarray(1.0 / (1.0 / mass + dot(lever, lever) / inertia))
+
+
+def knocked(
+    body: Whole, velocity: FloatArray, spin: FloatArray, place: FloatArray, at: FloatArray, blow: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return velocity of the hand, which is at a place, and angular velocity of both after a blow on the tool.
+
+    Args:
+        body: hand and tool.
+        velocity: of the hand before, ``(..., 3)`` [m/s].
+        spin: of both before, ``(..., 3)`` [rad/s].
+        place: of the hand, ``(..., 3)`` [m].
+        at: where the blow meets the tool, ``(..., 3)`` [m].
+        blow: ``(..., 3)`` [N s].
+    """
+    centre, mass, inertia = body
+    turned = cross(at - centre, blow) / inertia[..., None]
+    return velocity + blow / mass + cross(turned, place - centre), spin + turned

@@ -23,11 +23,12 @@ from hybrid_tamp.model.block import (
 from hybrid_tamp.model.predicate import ANY
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
+from hybrid_tamp.motion.poses import cross, quaternion_conjugate, rotate
 
 from ..common.classes import Region
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile
+from ..common.timetable import Timetable
 from .classes import DexterousHand, Pushable, Pusher
 from .feasibility import (
     ABLE_TO_PUSH,
@@ -37,8 +38,8 @@ from .feasibility import (
     SQUARE_TO,
     resistance,
 )
-from .geometry import UP, cross, dot, half_depth, heading, norm, point, side, tool_orientation, way
-from .holding import Load, accelerated, effective_mass, knocked, placed, servo
+from .geometry import UP, dot, half_depth, heading, norm, point, side, tool_orientation, way
+from .holding import Load, accelerated, effective_mass, knocked, placed, servo, whole
 from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
 
 _APPROACH = 0.8
@@ -64,17 +65,18 @@ def _roles(binding: Binding) -> tuple[Token, Token, Token, Token]:
     return hand, tool, thing, region
 
 
-def _distance_guess(binding: Binding, state: State) -> FloatArray:
+def _distance(binding: Binding, state: State, hyperparameters: Hyperparameters) -> FloatArray:
+    """Return how far to push ``(...)`` [m]."""
     _, _, thing, region = _roles(binding)
-    return way(state, thing, region)[1]
+    return np.maximum(way(state, thing, region)[1] + hyperparameters["beyond"], 0.0)
 
 
-def _time(hyperparameters: Hyperparameters) -> FloatArray:
-    return np.maximum(np.asarray(hyperparameters["distance"]) / hyperparameters["speed"], _SHORTEST)
+def _time(distance: FloatArray, hyperparameters: Hyperparameters) -> FloatArray:
+    return np.maximum(distance / np.asarray(hyperparameters["speed"]), _SHORTEST)
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    return float(_APPROACH + _time(hyperparameters))
+    return float(_APPROACH + _time(_distance(binding, state, hyperparameters), hyperparameters))
 
 
 def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArray:
@@ -83,7 +85,7 @@ def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArr
     return dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
 
 
-def _steering(state: State, thing: Token, line: FloatArray, ahead: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _steering(state: State, thing: Token, line: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return where across its line the tool pushes ``(...)`` [m], and how fast that changes [m/s].
 
     A thing that one point pushes from behind turns away from it, more and more. So the tool pushes to the side to which
@@ -93,41 +95,49 @@ def _steering(state: State, thing: Token, line: FloatArray, ahead: FloatArray) -
         state: current state.
         thing: what is pushed.
         line: a point of the line ``(..., 3)`` [m].
-        ahead: its direction ``(..., 3)``.
+        axes: the directions along it and across ``(..., 2, 3)``.
     """
-    across = cross(np.broadcast_to(UP, ahead.shape), ahead)
+    across = axes[..., 1, :]
     off, drift = dot(state[thing, "position"] - line, across), dot(state[thing, "velocity"], across)
-    local = rotate(quaternion_conjugate(state[thing, "orientation"]), ahead)
-    turned = (np.pi / 4 - np.arctan2(local[..., 1], local[..., 0])) % (np.pi / 2) - np.pi / 4
+    local = rotate(quaternion_conjugate(state[thing, "orientation"])[..., None, :], axes)
+    turned = (np.pi / 4 - np.arctan2(local[..., 0, 1], local[..., 0, 0])) % (np.pi / 2) - np.pi / 4
     spin = state[thing, "angular_velocity"][..., 2]
-    depth, width = half_depth(state, thing, ahead), _MARGIN * half_depth(state, thing, across)
-    wanted = np.clip(-_RETURNING * off, -_LARGEST_TURN, _LARGEST_TURN)
-    beside = np.clip(_STEERING * (turned - wanted), -width, width)
+    reach = np.abs(local) @ np.asarray(thing["half_extents"])
+    depth, width = reach[..., 0], _MARGIN * reach[..., 1]
+    wanted = np.minimum(np.maximum(-_RETURNING * off, -_LARGEST_TURN), _LARGEST_TURN)
+    beside = np.minimum(np.maximum(_STEERING * (turned - wanted), -width), width)
     return off - depth * turned + beside, drift + (_STEERING - depth) * spin
 
 
 def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
     hand, tool, thing, region = _roles(binding)
     ahead, _ = way(start, thing, region)
-    across = cross(np.broadcast_to(UP, ahead.shape), ahead)
+    across = cross(UP, ahead)
+    axes = np.stack([ahead, across], axis=-2)
     upright = tool_orientation(np.arctan2(ahead[..., 1], ahead[..., 0]), 0.0)
     face = point(start, tool, np.asarray(tool["pushing_point"]))
     origin, line, gap = start[hand, "position"].copy(), start[thing, "position"].copy(), _gap(start, tool, thing, ahead)
-    beside = dot(face - line, across)
-    distance, duration = np.asarray(hyperparameters["distance"]), _time(hyperparameters)
+    beside = dot(face - line, across)[..., None]
+    distance = _distance(binding, start, hyperparameters)
+    duration = _time(distance, hyperparameters)
     profile, still = straight_profile(), np.zeros(3)
 
-    def policy(elapsed: FloatArray, state: State) -> Commands:
+    def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         near, far = elapsed / _APPROACH, (elapsed - _APPROACH) / duration
-        come, speed = profile.share(near), distance * profile.rate(far) / duration
-        way_off, drift = _steering(state, thing, line, ahead)
-        along = gap * come + distance * profile.share(far)
-        position = origin + along[..., None] * ahead + (come * (way_off - beside))[..., None] * across
-        velocity = (gap * profile.rate(near) / _APPROACH + speed)[..., None] * ahead + (come * drift)[
-            ..., None
-        ] * across
+        come, speed = profile.share(near)[..., None], distance * profile.rate(far) / duration
+        going = gap * profile.rate(near) / _APPROACH + speed
+        position = origin + (gap * profile.share(near) + distance * profile.share(far))[..., None] * ahead
         resisting = resistance(thing) * np.clip(speed / _CREEP, 0.0, 1.0)
-        load = Load(-resisting[..., None] * ahead, point(state, tool, np.asarray(tool["pushing_point"])))
+        return come, position, going[..., None] * ahead, -resisting[..., None] * ahead
+
+    timetable = Timetable(reference, start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        come, position, velocity, resisting = timetable(elapsed)
+        way_off, drift = _steering(state, thing, line, axes)
+        position = position + come * (way_off[..., None] - beside) * across
+        velocity = velocity + come * drift[..., None] * across
+        load = Load(resisting, point(state, tool, np.asarray(tool["pushing_point"])))
         return servo(state, hand, tool, (position, velocity), (upright, still), load)
 
     return policy
@@ -144,10 +154,11 @@ def _system(binding: Binding, state: State, commands: Commands, dt: float) -> St
     alone = np.maximum(sliding - braked / thing["mass"], 0.0)
     gap = dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
     touches = (closing > alone) & (gap <= (closing - alone) * dt + _TOUCH)
-    mass = effective_mass(state, hand, tool, face, ahead)
+    body = whole(state, hand, tool)
+    mass = effective_mass(body, face, ahead)
     common = np.maximum((mass * closing + thing["mass"] * sliding - braked) / (mass + thing["mass"]), 0.0)
     blow = np.where(touches, mass * (closing - common), 0.0)[..., None] * ahead
-    velocity, spin = knocked(state, hand, tool, velocity, spin, face, -blow)
+    velocity, spin = knocked(body, velocity, spin, state[hand, "position"], face, -blow)
     slides = np.where(touches, common, alone)[..., None] * ahead
     changes = placed(state, hand, tool, velocity, spin, dt)
     changes[thing.name, "velocity"] = slides
@@ -203,7 +214,8 @@ PUSHING = Block(
     # A push is straight, and the thing keeps its heading; the other facts are about the tool as it stood at first.
     keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),
     hyperparameters=(
-        Hyperparameter("distance", "m", 0.0, 10.0, _distance_guess, "how far to push"),
+        # About the region: what is pushed far past it would take most of the time of a search.
+        Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "how far past the region's middle"),
         Hyperparameter("speed", "m/s", 0.05, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
     ),
     duration=Duration(_APPROACH, 40.0, _expected),

@@ -9,6 +9,7 @@ from hybrid_tamp.model.token import Token
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile
 from ..common.servos import force_on, free_motion, hand_servo
+from ..common.timetable import Timetable
 from .classes import DexterousHand, Graspable
 from .geometry import beside
 from .holding import fingers
@@ -31,10 +32,15 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     profile = straight_profile()
     servo = hand_servo(hand, start)
 
-    def policy(elapsed: FloatArray, state: State) -> Commands:
+    def leaving(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         phase = (elapsed - _OPENING) / _LEAVING
         done, speed = profile.share(phase)[..., None], profile.rate(phase)[..., None] / _LEAVING
-        return servo(state, origin + done * whole, speed * whole)
+        return origin + done * whole, speed * whole
+
+    timetable = Timetable(leaving, start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        return servo(state, *timetable(elapsed))
 
     return policy
 

@@ -22,11 +22,12 @@ from hybrid_tamp.model.block import (
 )
 from hybrid_tamp.model.state import FloatArray, State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.motion.poses import cross, rotate
 
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile
 from ..common.servos import DAMPING_RATIO, turn_between, turning_rate
+from ..common.timetable import Timetable
 from .arc import WINDING_UP, Arc, in_plane, on_arc
 from .classes import DexterousHand, Strikable, Striker
 from .feasibility import ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME
@@ -34,7 +35,6 @@ from .geometry import (
     LEVEL,
     UP,
     butt,
-    cross,
     dot,
     hand_in_tool,
     in_box,
@@ -47,7 +47,7 @@ from .geometry import (
     top,
     yaw,
 )
-from .holding import accelerated, effective_mass, keeping, placed, wrench
+from .holding import accelerated, effective_mass, keeping, placed, whole, wrench
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
 
 _ABOVE = 0.15
@@ -79,12 +79,18 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     over = tool_orientation(direction, LEVEL - _ABOVE)
     above = arc.hand_at(np.full_like(turn, LEVEL - _ABOVE))
 
-    def policy(elapsed: FloatArray, state: State) -> Commands:
+    def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         phase = elapsed / arc.winding
         done, speed = profile.share(phase), profile.rate(phase) / arc.winding
         wound = tool_orientation(direction, from_angle + done * turn)
         rate = (speed * turn)[..., None] * arc.axis
-        before = keeping(state, hand, origin + done[..., None] * arc.way, speed[..., None] * arc.way)
+        return origin + done[..., None] * arc.way, speed[..., None] * arc.way, wound, rate
+
+    timetable = Timetable(reference, start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        position, velocity, wound, rate = timetable(elapsed)
+        before = keeping(state, hand, position, velocity)
         hit = ((state[thing, "impulse"][..., 0] > taken) | (elapsed > arc.latest))[..., None]
         swinging = (elapsed > arc.winding)[..., None]
         spin = dot(state[tool, "angular_velocity"], arc.axis)
@@ -127,7 +133,7 @@ def _system(binding: Binding, state: State, commands: Commands, dt: float) -> St
         for token in (hand, tool):
             for name in ("velocity", "angular_velocity"):
                 changes[token.name, name] = np.where(stopped[..., None], 0.0, changes[token.name, name])
-    blow = effective_mass(state, hand, tool, impact, UP) * np.where(hit, sinking, 0.0)
+    blow = effective_mass(whole(state, hand, tool), impact, UP) * np.where(hit, sinking, 0.0)
     changes[thing.name, "impulse"] = np.maximum(state[thing, "impulse"], blow[..., None])
     return state.replace(changes)
 

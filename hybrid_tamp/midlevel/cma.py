@@ -26,6 +26,11 @@ from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace
 REDRAWN = 10
 """Generations in which points outside the cube are sampled again instead of folded back."""
 
+PATIENCE = 7
+"""Generations that must have gained something, where it is to be quick."""
+LEAST_GAIN = 0.03
+"""What counts as something, as a part of all that was gained."""
+
 
 @dataclass(frozen=True)
 class CMAES:
@@ -37,6 +42,8 @@ class CMAES:
         sigma: initial standard deviation, as a part of each variable's range.
         tolerance: a run ends when its generation spreads less than this in each variable, as a part of its range.
         restarts: further runs, as far as the budget lasts.
+        quick: whether a run ends where its last generations gained next to nothing, and no other begins once all
+            conditions are met.
         noisy: whether to adapt the learning rates to noise (Nomura, Akimoto and Ono, GECCO 2023). Without noise
             it only costs evaluations.
 
@@ -49,6 +56,7 @@ class CMAES:
     tolerance: float = 1e-4
     restarts: int = 1
     noisy: bool = False
+    quick: bool = False
 
     def __post_init__(self) -> None:
         """Check the population."""
@@ -72,7 +80,7 @@ class CMAES:
         start = search.start
         for run in range(1 + self.restarts):
             self._run(search, start, population * 2**run, rng)
-            if search.spent:
+            if search.spent or (self.quick and search.met):
                 break
             start = rng.uniform(size=search.k)
         return search.optimum(search.spent or "converged")
@@ -95,6 +103,8 @@ class CMAES:
                 return
             strategy.tell(list(zip(generation, _costs(scores), strict=True)))
             converged = bool(np.all(np.ptp(inside, axis=0) < self.tolerance)) or strategy.should_stop()
+            if self.quick and strategy.generation > PATIENCE and search.gain(PATIENCE) < LEAST_GAIN:
+                return
 
 
 def folded(points: FloatArray) -> FloatArray:

@@ -3,16 +3,19 @@
 It is the same whoever rolls out: the blocks' forward models, a whole population at once, or physics.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Protocol
 
 import numpy as np
 
-from hybrid_tamp.midlevel.rollout import Chosen, Key, Rollout
+from hybrid_tamp.midlevel.rollout import GOAL, Chosen, Condition, Key, Rollout
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace, Variable
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.task import Task
+
+RESERVE = 0.5
+"""Margin that searches keep of each goal atom, where it has as much by default [scales of its predicate]."""
 
 
 class RollOut(Protocol):
@@ -34,6 +37,8 @@ class Objective:
         space: the hyperparameters of all instances, in the order of the plan.
         keys: (instance, hyperparameter) of each variable.
         last: the last population that was rolled out.
+        until: the instance after whose exit points are not rolled out any further, or None.
+        reserves: goal atom, as text, to the margin that a search keeps of it [its unit].
     """
 
     def __init__(self, task: Task, plan: TaskPlan, roll_out: RollOut) -> None:
@@ -44,11 +49,25 @@ class Objective:
         self.keys = tuple(found)
         self.space = SearchSpace(tuple(found.values()))
         self.last: Rollout | None = None
+        self.until: str | None = None
+        self.reserves: Mapping[str, float] = {}
 
     def __call__(self, points: FloatArray) -> Scores:
         """Return the scores of points ``(n, d)`` of the space."""
-        self.last = self.rollout(points)
-        return Scores(self.last.violation, self.last.value)
+        self.last = self.rollout(points, self.until)
+        return Scores(self.missed(self.last), self.last.value)
+
+    def keep_reserves(self, defaults: Rollout) -> None:
+        """Have searches keep some of the margin that goal atoms have by default.
+
+        The value of a plan must not be bought with the last of a goal's margin: physics would miss it by a hair.
+        """
+        goal = [condition for condition in defaults.conditions if condition.where == GOAL]
+        self.reserves = {c.atom: min(RESERVE * c.scale, float(c.margin[0])) for c in goal if c.margin[0] > 0}
+
+    def missed(self, rollout: Rollout) -> FloatArray:
+        """Return V, and how much of their reserves goal atoms lack where they are brought about, shape ``(n,)``."""
+        return np.asarray(rollout.violation + _lacking(rollout.conditions, self.reserves))
 
     def rollout(self, points: FloatArray, until: str | None = None) -> Rollout:
         """Roll out points ``(n, d)``, until the exit of one instance at least."""
@@ -60,12 +79,30 @@ class Objective:
 
         def evaluate(points: FloatArray) -> Scores:
             rollout = self.rollout(points, instance.name)
-            mine = [c.violation for c in rollout.conditions if c.where == instance.name]
-            violation = np.sum(mine, axis=0) + np.zeros(len(points))
+            mine = [c for c in rollout.conditions if c.where == instance.name]
+            violation = (
+                np.sum([c.violation for c in mine], axis=0) + _lacking(mine, self.reserves) + np.zeros(len(points))
+            )
             bad = np.logical_or.reduce([np.zeros(len(points), dtype=bool), *rollout.failed.values()])
             return Scores(np.where(bad, np.inf, violation), rollout.value_of(self.task, instance))
 
         return evaluate
+
+
+def _lacking(conditions: Iterable[Condition], reserves: Mapping[str, float]) -> FloatArray:
+    """Return what margins lack of the reserves beyond what is missing anyway, in units of their scales."""
+    lacking = [
+        np.maximum(reserves[c.atom] - np.maximum(c.margin, 0.0), 0.0) / c.scale
+        for c in conditions
+        if c.atom in reserves
+    ]
+    return np.asarray(np.sum(lacking, axis=0))
+
+
+def last_measured(task: Task, plan: TaskPlan) -> str | None:
+    """Return the last instance with a performance measure, by name."""
+    measured = [i for i in plan.instances if task.domain.block_by_name[i.block].performance]
+    return max(measured, key=lambda i: (i.end, i.name)).name if measured else None
 
 
 def _variables(task: Task, plan: TaskPlan) -> Iterable[tuple[Key, Variable]]:

@@ -6,13 +6,13 @@ space that is searched. The optimum is never worse than the defaults, nor than e
 """
 
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
-from hybrid_tamp.midlevel.objective import Objective, RollOut
+from hybrid_tamp.midlevel.objective import Objective, RollOut, last_measured
 from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum, find_optimiser
 from hybrid_tamp.midlevel.relevance import Relevance, find_relevant
 from hybrid_tamp.midlevel.retuning import Retuner
@@ -30,7 +30,9 @@ _BATCH = 48
 """Candidates of a generation: rolled out together they cost little more than one."""
 _SCREENING = 0.4
 """Largest share of the budget that is spent on finding out what matters."""
-_BASES = (4, 32)
+_TOLERANCE = 1e-2
+"""Effects up to this part of what is at stake are not worth a dimension more of the search."""
+_BASES = (4, 6)
 """How many base points, at least and at most, that takes."""
 
 
@@ -62,6 +64,30 @@ def refine(
     return _Refinement(task, plan, progress, roll_out or Rollouts(task, plan), measured).refined(compare)
 
 
+@dataclass(frozen=True, eq=False)
+class _Compared:
+    """A few candidates, the defaults first, and each action optimised on its own last; the whole plan rolled out.
+
+    Attributes:
+        rollout: what comes of them.
+        points: the candidates, shape ``(n, d)``.
+        chosen: the best of them.
+    """
+
+    rollout: Rollout
+    points: FloatArray
+    chosen: int
+
+    @property
+    def violation(self) -> float:
+        """V of the best."""
+        return self.value(self.chosen).violation
+
+    def value(self, candidate: int) -> Value:
+        """Return V and J of one."""
+        return Value(float(self.rollout.violation[candidate]), float(self.rollout.value[candidate]))
+
+
 class _Refinement:
     """The work on one plan."""
 
@@ -72,64 +98,91 @@ class _Refinement:
         self.began = time.monotonic()
         self.tell = progress or (lambda share, best: None)
         self.objective = Objective(task, plan, roll_out)
+        self.last_measured = self.objective.until = last_measured(task, plan)
         asked = measured if task.midlevel.refine == "physics" else None
         self.measured = None if asked is None else Objective(task, plan, asked)
         self.rng = np.random.default_rng(task.seed)
         self.evaluations = 0
         self.moves: dict[str, list[str]] = {}
+        self.own: set[str] = set()
 
     def refined(self, compare: bool) -> RefinedPlan:
-        space, settings = self.objective.space, self.task.midlevel
-        defaults = self._at(space.default)
-        measures = any(self.task.domain.block_by_name[i.block].performance for i in self.plan.instances)
-        if not space.varying or (defaults.violation[0] == 0 and not measures):
-            return self._outcome(defaults, space.default, defaults)
-        self.tell(0.0, Milestone(1, float(defaults.violation[0]), float(defaults.value[0])))
+        space, measures = self.objective.space, self.last_measured is not None
+        defaults = self.objective.rollout(space.default[None])
+        if not space.varying or (not measures and defaults.violation[0] == 0):
+            return self._outcome(_Compared(defaults, space.default[None], 0))
+        if measures:
+            self.objective.keep_reserves(defaults)
         relevance = self._relevance()
-        best = self._optimum(relevance)
+        own = {name for name in relevance.relevant if name in self.own}
+        apart = optimised_apart(self.objective, own) if compare and measures else None
+        best = self._optimum(relevance, self._start(apart))
         self.evaluations += best.evaluations
-        point, apart = best.point, None
-        if compare and measures:
-            apart = optimised_apart(self.objective, set(relevance.relevant))
-            point = min((point, apart), key=lambda candidate: _order(self._at(candidate)))
+        compared = self._compared(space.default, best.point, *([] if apart is None else [apart]))
+        if self.objective.until is not None and best.violation == 0 and compared.violation > 0:
+            # What comes after the last measure was left out, and does not come right by itself.
+            self.objective.until = None
+            return self.refined(compare)
+        self.objective.until = None
         retuned = None
         if self.measured is not None and relevance.relevant:
-            retuner = Retuner(self.objective, self.measured, settings, self.rng, self.tell)
-            point, shortfall, retuned = retuner.retune(point, relevance.relevant)
-        outcome = self._outcome(self._at(point), point, defaults, relevance, apart)
+            retuner = Retuner(self.objective, self.measured, self.task.midlevel, self.rng, self.tell)
+            point, shortfall, retuned = retuner.retune(compared.points[compared.chosen], relevance.relevant)
+            points = np.vstack([compared.points[:1], point, compared.points[2:]])
+            compared = _Compared(self.objective.rollout(points), points, 1)
+        history = tuple(Milestone(*each) for each in best.history)
+        outcome = self._outcome(compared, relevance, apart)
         if retuned is not None:
             outcome = replace(outcome, physics=retuned, shortfall=shortfall)
-        history = tuple(Milestone(*each) for each in best.history)
-        return replace(outcome, optimiser=settings.optimiser, stopped=best.stopped, history=history)
+        return replace(outcome, optimiser=self.task.midlevel.optimiser, stopped=best.stopped, history=history)
 
-    def _at(self, point: FloatArray) -> Rollout:
-        """Roll out one point ``(d,)``."""
-        return self.objective.rollout(point[None])
+    def _compared(self, *points: FloatArray) -> "_Compared":
+        """Roll the whole plan out for a few candidates."""
+        rollout = self.objective.rollout(np.array(points))
+        chosen = np.lexsort((-rollout.value, self.objective.missed(rollout)))[0]
+        return _Compared(rollout, np.array(points), int(chosen))
+
+    def _start(self, apart: FloatArray | None) -> FloatArray:
+        """Return the point from which to search: the defaults, or where each action is the best on its own."""
+        default = self.objective.space.default
+        if apart is None:
+            return default
+        scores = self.objective(np.array([default, apart]))
+        return (default, apart)[int(np.argmin(scores.ranks()))]
 
     def _relevance(self) -> Relevance:
         varying = len(self.objective.space.varying)
         affordable = int(_SCREENING * self.task.midlevel.evaluations / (4 * varying + 1))
         bases = int(np.clip(affordable, *_BASES))
         try:
-            found = find_relevant(self.objective, self.objective.space, self.rng, bases=bases)
+            found = find_relevant(self.objective, self.objective.space, self.rng, bases=bases, tolerance=_TOLERANCE)
         except NothingFinite as error:
             raise self._not_finite(error) from error
         self.evaluations += found.evaluations
-        for (instance, measure), figures in self._sampled().items():
-            for name in found.moving(figures):
-                self.moves.setdefault(name, []).append(f"{instance}.{measure}")
+        self._note_moves(found)
         return found
 
-    def _sampled(self) -> Mapping[tuple[str, str], FloatArray]:
-        """Return the performance measures of the population that was rolled out last."""
-        return self.objective.last.figures if self.objective.last is not None else {}
+    def _note_moves(self, found: Relevance) -> None:
+        """Note what each variable moves in the population that was rolled out last."""
+        assert self.objective.last is not None, "it has been rolled out"
+        sampled = self.objective.last
+        self.moves, self.own = {}, set()
+        for (instance, measure), figures in sampled.figures.items():
+            for name in found.moving(figures):
+                self.moves.setdefault(name, []).append(f"{instance}.{measure}")
+        names = dict(zip(self.objective.keys, self.objective.space.names, strict=True))
+        for instance in {instance for instance, _ in names}:
+            felt = [c.violation for c in sampled.conditions if c.where == instance]
+            felt += [figures for (owner, _), figures in sampled.figures.items() if owner == instance]
+            moving = {name for figures in felt for name in found.moving(figures)}
+            self.own |= {name for (owner, _), name in names.items() if owner == instance and name in moving}
 
-    def _optimum(self, relevance: Relevance) -> Optimum:
-        settings, space = self.task.midlevel, self.objective.space
-        part = space.only(relevance.relevant)
+    def _optimum(self, relevance: Relevance, start: FloatArray) -> Optimum:
+        settings = self.task.midlevel
+        part = self.objective.space.starting_at(start).only(relevance.relevant)
         left = max(1, settings.evaluations - self.evaluations)
         seconds = max(0.1, settings.seconds - (time.monotonic() - self.began))
-        optimise = find_optimiser(settings.optimiser, batch=_BATCH)
+        optimise = find_optimiser(settings.optimiser, batch=_BATCH, quick=True)
 
         def told(milestone: tuple[int, float, float]) -> None:
             share = max(milestone[0] / left, (time.monotonic() - self.began) / settings.seconds)
@@ -151,26 +204,25 @@ class _Refinement:
         return NotFinite([Issue(where.name, str(error), remedy=f"there the block {where.block} first computed it")])
 
     def _outcome(
-        self,
-        rollout: Rollout,
-        point: FloatArray,
-        defaults: Rollout,
-        relevance: Relevance | None = None,
-        apart: FloatArray | None = None,
+        self, compared: "_Compared", relevance: Relevance | None = None, apart: FloatArray | None = None
     ) -> RefinedPlan:
+        rollout, point, chosen = compared.rollout, compared.points[compared.chosen], compared.chosen
         values = dict(zip(self.objective.keys, point.tolist(), strict=True))
-        short = rollout.worst()
+        short = rollout.worst(chosen)
+        margins = {(c.where, c.atom): float(c.margin[chosen]) for c in rollout.conditions}
         return RefinedPlan(
             plan=_with_values(self.plan, values),
             hyperparameters=self._tuned(point, relevance, apart),
-            performance=tuple(self._performance(rollout)),
-            best=_value(rollout),
-            defaults=_value(defaults),
-            apart=None if apart is None else _value(self._at(apart)),
-            shortfall=None if short is None else Shortfall(short.where, short.atom, short.unit, float(short.margin[0])),
-            expected={(c.where, c.atom): float(c.margin[0]) for c in rollout.conditions},
+            performance=tuple(self._performance(compared)),
+            best=compared.value(chosen),
+            defaults=compared.value(0),
+            apart=None if apart is None else compared.value(-1),
+            shortfall=None
+            if short is None
+            else Shortfall(short.where, short.atom, short.unit, margins[short.where, short.atom]),
+            expected=margins,
             optimiser="",
-            evaluations=self.evaluations + 1,
+            evaluations=self.evaluations + len(compared.points),
             seconds=time.monotonic() - self.began,
             stopped="",
             history=(),
@@ -188,21 +240,13 @@ class _Refinement:
             found.append(Tuned(*key, variable.unit, *bounds, float(point[index]), status, moves, own))
         return tuple(found)
 
-    def _performance(self, rollout: Rollout) -> list[Performance]:
+    def _performance(self, compared: "_Compared") -> list[Performance]:
+        figures = compared.rollout.figures
         return [
-            Performance(i.name, m.name, m.unit, m.weight, m.scale, float(rollout.figures[i.name, m.name][0]))
+            Performance(i.name, m.name, m.unit, m.weight, m.scale, float(figures[i.name, m.name][compared.chosen]))
             for i in sorted(self.plan.instances, key=lambda i: (i.start, i.name))
             for m in self.task.domain.block_by_name[i.block].performance
         ]
-
-
-def _value(rollout: Rollout) -> Value:
-    return Value(float(rollout.violation[0]), float(rollout.value[0]))
-
-
-def _order(rollout: Rollout) -> tuple[float, float]:
-    """Return what is smaller for the better of two rollouts of one candidate."""
-    return float(rollout.violation[0]), -float(rollout.value[0])
 
 
 def _with_values(plan: TaskPlan, values: dict[tuple[str, str], float]) -> TaskPlan:

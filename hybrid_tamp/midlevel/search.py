@@ -39,6 +39,24 @@ class Search:
             return "evaluations"
         return "seconds" if time.monotonic() - self._begin >= self._budget.seconds else ""
 
+    def gain(self, batches: int) -> float:
+        """Return what the last batches have gained, as a part of all that was gained; of violation, where there is one.
+
+        Of fewer batches it is 1, and where nothing has been gained yet.
+        """
+        if len(self._history) <= batches:
+            return 1.0
+        first, before, now = self._history[0], self._history[-1 - batches], self._history[-1]
+        if now.violation < before.violation:
+            return 1.0 if now.violation == 0 else (before.violation - now.violation) / first.violation
+        whole = now.value - next(m.value for m in self._history if m.violation == now.violation)
+        return (now.value - before.value) / whole if whole > 0.0 else 1.0
+
+    @property
+    def met(self) -> bool:
+        """Whether a candidate met all conditions."""
+        return bool(self._history) and self._history[-1].violation == 0.0
+
     def evaluate(self, cube: FloatArray) -> Scores:
         """Evaluate candidates in one batch, as many as the budget allows.
 

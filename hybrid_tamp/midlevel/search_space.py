@@ -1,7 +1,7 @@
 """The space of hyperparameters that an optimiser searches: a box in real units, a cube without them."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isfinite
 
@@ -119,6 +119,11 @@ class SearchSpace:
         if unknown:
             raise InputError([Issue("", "unknown hyperparameter", repr(name), self.names) for name in unknown])
         return SearchSpace(tuple(variable for variable in self.variables if variable.name in wanted), whole=self)
+
+    def starting_at(self, point: FloatArray) -> "SearchSpace":
+        """Return this space with a point ``(d,)`` in place of the defaults."""
+        variables = (replace(v, default=float(at)) for v, at in zip(self.variables, point, strict=True))
+        return replace(self, variables=tuple(variables))
 
     def embed(self, points: FloatArray) -> FloatArray:
         """Return points ``(n, k)`` of a part as points ``(n, d)`` of its whole; of a whole, they are the same."""

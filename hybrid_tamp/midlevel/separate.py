@@ -10,8 +10,10 @@ from hybrid_tamp.midlevel.objective import Objective
 from hybrid_tamp.midlevel.optimiser import Evaluate
 from hybrid_tamp.midlevel.search_space import FloatArray
 
-_POINTS = 121
+_POINTS = 61
 _SWEEPS = 2
+_NARROWER = 0.05
+"""Half of a sweep's range as a part of the one before: three points to either side of the best."""
 _EQUAL = 1e-6
 """Difference of values, as a part of their spread over a scan, that counts as none."""
 
@@ -30,29 +32,30 @@ def optimised_apart(objective: Objective, relevant: set[str]) -> FloatArray:
             for index, (key, name) in enumerate(zip(objective.keys, objective.space.names, strict=True))
             if key[0] == instance.name and name in relevant
         ]
-        # One variable after the other; a second time round where one's best may depend on the others.
-        for index in mine * (_SWEEPS if len(mine) > 1 else 1):
-            point[index] = _best(objective, objective.own(instance), point, index)
+        # One variable after the other and all again, in a narrower range: one's best may depend on the others.
+        for sweep in range(_SWEEPS):
+            for index in mine:
+                point[index] = _best(objective, objective.own(instance), point, index, _NARROWER**sweep)
     return point
 
 
-def _best(objective: Objective, evaluate: Evaluate, point: FloatArray, index: int) -> float:
-    """Return the middle of the best interval of one variable, the others kept."""
-    low, high = objective.space.lower[index], objective.space.upper[index]
-    for _ in range(2):  # the whole range, then between the neighbours of the best
-        values = np.linspace(low, high, _POINTS)
-        points = np.tile(point, (_POINTS, 1))
-        points[:, index] = values
-        scores = evaluate(points)
-        least = np.min(scores.violation)
-        met = scores.violation <= least
-        if not np.isfinite(least):
-            return float(point[index])
-        spread = float(np.ptp(scores.value[met]))
-        best = met & (scores.value >= np.max(scores.value[met]) - _EQUAL * spread)
-        first = int(np.argmax(best))
-        last = first + int(np.argmin(np.append(best[first:], False))) - 1
-        if last > first:
-            return float((values[first] + values[last]) / 2)
-        low, high = values[max(first - 1, 0)], values[min(first + 1, _POINTS - 1)]
-    return float(values[first])
+def _best(objective: Objective, evaluate: Evaluate, point: FloatArray, index: int, share: float) -> float:
+    """Return the middle of the best interval of one variable, within a share of its range, the others kept."""
+    lower, upper = objective.space.lower[index], objective.space.upper[index]
+    low, high = lower, upper
+    if share < 1.0:
+        half = share * (upper - lower)
+        low, high = max(point[index] - half, lower), min(point[index] + half, upper)
+    values = np.linspace(low, high, _POINTS)
+    points = np.tile(point, (_POINTS, 1))
+    points[:, index] = values
+    scores = evaluate(points)
+    least = np.min(scores.violation)
+    if not np.isfinite(least):
+        return float(point[index])
+    met = scores.violation <= least
+    spread = float(np.ptp(scores.value[met]))
+    best = met & (scores.value >= np.max(scores.value[met]) - _EQUAL * spread)
+    first = int(np.argmax(best))
+    last = first + int(np.argmin(np.append(best[first:], False))) - 1
+    return float((values[first] + values[last]) / 2)

@@ -7,7 +7,7 @@ or where it has come to rest short of its exit.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from math import floor
+from math import floor, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ _CHUNK = 48
 """Control steps between two looks at the conditions: one look at many states costs little more than at one."""
 _STILL = 1e-7
 """What changes by less than this within a chunk has come to rest [SI units]."""
+_HUGE = 1e300
+"""Squares above this are as good as infinite."""
 _AWAKE = 0.5
 """How long nothing is taken to be at rest [s]: movements begin slowly."""
 
@@ -159,26 +161,20 @@ class Simulation:
 
         The others stay where they are, so that what is computed of them next spoils nothing.
         """
-        commands = {} if policy is None else self._limited(policy(elapsed, state))
+        commands = {} if policy is None else policy(elapsed, state)
         finite = np.ones(state.values.shape[:-1], dtype=bool)
         for key, command in commands.items():
-            if not np.isfinite(command).all():
-                finite &= np.isfinite(command).all(axis=-1)
-                commands[key] = np.where(np.isfinite(command), command, 0.0)
+            square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
+            # What is not finite is not within any limit either: one look for both.
+            if not np.maximum.reduce(square, axis=None) <= min(limit**2, _HUGE):
+                sound = np.asarray(np.isfinite(command).all(axis=-1))
+                finite &= sound
+                commands[key] = _limited(np.where(sound[..., None], command, 0.0), limit)
         after = self.block.system(self.binding, state, commands, CONTROL_PERIOD)
-        if not np.isfinite(after.values).all():
+        if not isfinite(np.add.reduce(after.values, axis=None)):
             finite &= np.isfinite(after.values).all(axis=-1)
             after = self.state(np.where(finite[..., None], after.values, state.values))
         return after, commands, finite
-
-    def _limited(self, commands: Commands) -> Commands:
-        """Scale commands down to the limits of their tokens, as every backend does."""
-        for key, limit in self._limits.items():
-            if key in commands:
-                norm = np.sqrt(np.einsum("...i,...i->...", commands[key], commands[key]))
-                if norm.max() > limit:
-                    commands[key] = commands[key] * np.minimum(1.0, limit / np.maximum(norm, limit))[..., None]
-        return commands
 
 
 class _Population:
@@ -269,6 +265,12 @@ class _Population:
                 self.figures[:, column] = measure.end(self.simulation.binding, before, after, self.chosen)
         finite = self.finite & np.isfinite(self.figures).all(axis=1) & np.isfinite(self.exits).all(axis=1)
         return Stretch(self.after, self.steps, self.exits, self.figures, finite)
+
+
+def _limited(command: FloatArray, limit: float) -> FloatArray:
+    """Scale a command down to the limit of its token, as every backend does."""
+    norm = np.sqrt(np.einsum("...i,...i->...", command, command))
+    return np.asarray(command * np.minimum(1.0, limit / np.maximum(norm, limit))[..., None])
 
 
 def _limits(tokens: Iterable[Token]) -> dict[tuple[str, str], float]:

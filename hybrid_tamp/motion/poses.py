@@ -7,6 +7,8 @@ The equations are those of Sola 2017, "Quaternion kinematics for the error-state
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hybrid_tamp.motion.products import EACH_ROW, HAMILTON, ROW_SUMS, TURN, products
+
 FloatArray = NDArray[np.float64]
 
 _CONJUGATION = np.array([-1.0, -1.0, -1.0, 1.0])
@@ -20,8 +22,11 @@ def _array(values: ArrayLike, size: int, name: str) -> FloatArray:
     return array
 
 
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    # numpy.cross checks so much that a small batch takes several times as long with it.
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return vector products, of broadcast shape ``(..., 3)``.
+
+    `numpy.cross` checks so much that a small batch takes several times as long with it.
+    """
     return np.asarray(a.take(_NEXT, -1) * b.take(_LAST, -1) - a.take(_LAST, -1) * b.take(_NEXT, -1))
 
 
@@ -60,11 +65,7 @@ def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
         ValueError: a last dimension is not 4.
     """
     left, right = _array(a, 4, "a"), _array(b, 4, "b")
-    left_vector, left_scalar = left[..., :3], left[..., 3:]
-    right_vector, right_scalar = right[..., :3], right[..., 3:]
-    vector = left_scalar * right_vector + right_scalar * left_vector + _cross(left_vector, right_vector)
-    scalar = left_scalar * right_scalar - np.sum(left_vector * right_vector, axis=-1, keepdims=True)
-    return np.concatenate([vector, scalar], axis=-1)
+    return products(left, right, HAMILTON)
 
 
 def quaternion_conjugate(quaternion: ArrayLike) -> FloatArray:
@@ -96,8 +97,8 @@ def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
         ValueError: a last dimension is not 4 or not 3.
     """
     unit, source = _array(quaternion, 4, "quaternion"), _array(vectors, 3, "vectors")
-    twice_cross = 2.0 * _cross(unit[..., :3], source)
-    return np.asarray(source + unit[..., 3:] * twice_cross + _cross(unit[..., :3], twice_cross))
+    terms = products(unit, unit, TURN) * source.take(EACH_ROW, -1)
+    return np.asarray(source + terms @ ROW_SUMS)
 
 
 def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
@@ -112,10 +113,10 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
     Raises:
         ValueError: the last dimension is not 3.
     """
-    array = _array(vector, 3, "vector")
-    half_angle = 0.5 * np.sqrt(np.sum(array * array, axis=-1, keepdims=True))
-    # numpy.sinc(x) is sin(pi x) / (pi x), with its limit at 0.
-    return np.concatenate([0.5 * np.sinc(half_angle / np.pi) * array, np.cos(half_angle)], axis=-1)
+    half = 0.5 * _array(vector, 3, "vector")
+    # What is added is lost in rounding everywhere but at 0, where it gives sin(x) / x its limit.
+    half_angle = np.sqrt(np.einsum("...i,...i->...", half, half) + 1e-60)[..., None]
+    return np.concatenate([np.sin(half_angle) / half_angle * half, np.cos(half_angle)], axis=-1)
 
 
 def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> FloatArray:

@@ -110,9 +110,10 @@ def test_the_violation_comes_first() -> None:
         return 0.25 - state[puck, "place"][..., 1]
 
     task = puck_task(second=replace(SECOND, performance=(Measure("far", "m", 1e6, end=far),)))
-    strict = replace(task.domain.predicates[0], margin=low)
+    strict = replace(task.domain.predicates[0], margin=low, scale=0.01)
     blocks = [replace(block, exit=(strict("puck"),)) for block in task.domain.blocks[:2]]
     domain = replace(task.domain, predicates=(strict,), blocks=(*blocks, task.domain.blocks[2]))
     refined = refine(task.replaced(domain=domain), puck_plan())
     assert refined.best.violation == 0.0
-    assert values(refined)["b"] == pytest.approx(0.25, abs=2e-3)
+    # Half a scale of the goal's margin is kept for what physics adds.
+    assert values(refined)["b"] == pytest.approx(0.245, abs=2e-3)

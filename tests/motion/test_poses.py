@@ -180,8 +180,8 @@ def test_batches_broadcast_and_equal_single_calls() -> None:
     assert [result.shape for result in results] == [(5, 7, 4), (5, 7, 3), (5, 7, 4)]
     for i in range(5):
         for j in range(7):
-            np.testing.assert_array_equal(results[0][i, j], quaternion_multiply(a[i, 0], b[j]))
-            np.testing.assert_array_equal(results[1][i, j], rotate(a[i, 0], v[j]))
+            np.testing.assert_allclose(results[0][i, j], quaternion_multiply(a[i, 0], b[j]), rtol=0, atol=1e-15)
+            np.testing.assert_allclose(results[1][i, j], rotate(a[i, 0], v[j]), rtol=0, atol=1e-15)
             np.testing.assert_allclose(results[2][i, j], integrate(a[i, 0], omega[i, 0], 0.1), atol=1e-15)
     assert quaternion_from_axis_angle([0.0, 0.0, 1.0], np.zeros((2, 6))).shape == (2, 6, 4)
     assert quaternion_from_rpy(np.zeros((2, 6, 3))).shape == (2, 6, 4)
