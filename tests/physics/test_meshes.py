@@ -35,7 +35,7 @@ def test_a_concave_box_stands_on_its_edges_as_high_as_its_file_says() -> None:
 
 
 def test_a_ball_fits_into_the_hollow() -> None:
-    """The middle of the top side lies 3 cm deeper than its edges; a convex hull would hold the ball that much higher."""
+    """The middle of the top side lies 3 cm deeper than its edges; a hull would hold the ball that much higher."""
     ball = Token.make("ball", [Thing], {"mass": 1.0}, read_ball())
     task = scene(
         {("thing", "position"): (0.0, 0.0, 0.15), ("ball", "position"): (0.0, 0.0, 0.372)},
