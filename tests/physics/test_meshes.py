@@ -43,7 +43,8 @@ def test_a_ball_fits_into_the_hollow() -> None:
         ball=ball,
     )
     rest = run(task, 4.0, still)[-1]
-    assert rest["ball", "position"] == pytest.approx([0.0, 0.0, 0.37], abs=0.03)
+    # Along y the hollow is level: the ball may roll as it likes.
+    assert rest["ball", "position"][[0, 2]] == pytest.approx([0.0, 0.37], abs=0.03)
     assert rest["ball", "position"][2] < 0.375
 
 
