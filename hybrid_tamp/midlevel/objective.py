@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from hybrid_tamp.midlevel.rollout import GOAL, Chosen, Condition, Key, Rollout
+from hybrid_tamp.midlevel.rollout import Chosen, Condition, Key, Rollout
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace, Variable
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
@@ -57,13 +57,17 @@ class Objective:
         self.last = self.rollout(points, self.until)
         return Scores(self.missed(self.last), self.last.value)
 
-    def keep_reserves(self, defaults: Rollout) -> None:
+    def keep_reserves(self, rollout: Rollout) -> None:
         """Have searches keep some of the margin that goal atoms have by default.
 
         The value of a plan must not be bought with the last of a goal's margin: physics would miss it by a hair.
+
+        Args:
+            rollout: a population of which the first is the default.
         """
-        goal = [condition for condition in defaults.conditions if condition.where == GOAL]
-        self.reserves = {c.atom: min(RESERVE * c.scale, float(c.margin[0])) for c in goal if c.margin[0] > 0}
+        goal = set(map(str, self.task.goal))
+        found = [condition for condition in rollout.conditions if condition.atom in goal and condition.margin[0] > 0]
+        self.reserves = {c.atom: min(RESERVE * c.scale, float(c.margin[0])) for c in found}
 
     def missed(self, rollout: Rollout) -> FloatArray:
         """Return V, and how much of their reserves goal atoms lack where they are brought about, shape ``(n,)``."""

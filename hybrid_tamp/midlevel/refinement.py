@@ -108,12 +108,13 @@ class _Refinement:
 
     def refined(self, compare: bool) -> RefinedPlan:
         space, measures = self.objective.space, self.last_measured is not None
-        defaults = self.objective.rollout(space.default[None])
-        if not space.varying or (not measures and defaults.violation[0] == 0):
-            return self._outcome(_Compared(defaults, space.default[None], 0))
-        if measures:
-            self.objective.keep_reserves(defaults)
+        if not measures or not space.varying:
+            defaults = self.objective.rollout(space.default[None])
+            if not space.varying or defaults.violation[0] == 0:
+                return self._outcome(_Compared(defaults, space.default[None], 0))
         relevance = self._relevance()
+        if measures and self.objective.last is not None:
+            self.objective.keep_reserves(self.objective.last)
         own = {name for name in relevance.relevant if name in self.own}
         apart = optimised_apart(self.objective, own) if compare and measures else None
         best = self._optimum(relevance, self._start(apart))

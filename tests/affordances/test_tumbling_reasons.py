@@ -131,4 +131,5 @@ def test_the_planner_proves_what_the_explanation_says(edit: tuple[str, str]) -> 
     document = pipeline.plan(wrong).document
     assert document.status == "unsolvable"
     assert document.explanation is not None
-    assert [reason.kind for reason in document.explanation.reasons] == ["not_feasible"]
+    # What would do beside mending the fact, such as another hand, is a reason, too.
+    assert "not_feasible" in [reason.kind for reason in document.explanation.reasons]
