@@ -232,8 +232,8 @@ class _Refinement:
     def _tuned(self, point: FloatArray, relevance: Relevance | None, apart: FloatArray | None) -> tuple[Tuned, ...]:
         found = []
         for index, (key, variable) in enumerate(zip(self.objective.keys, self.objective.space.variables, strict=True)):
-            status = "kept"
-            if relevance is not None:
+            status = "kept" if variable.lower < variable.upper else "fixed"
+            if relevance is not None and status != "fixed":
                 status = "optimised" if variable.name in relevance.relevant else "free"
             own = None if apart is None else float(apart[index])
             bounds = (variable.lower, variable.upper, variable.default)

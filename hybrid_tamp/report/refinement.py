@@ -28,7 +28,9 @@ class HyperparameterEntry(Document):
     upper: float
     default: float
     value: float
-    status: str = Field(description="optimised; free: without an effect over its whole bounds; or kept at its default")
+    status: str = Field(
+        description="optimised; fixed by its bounds; free: without an effect over its bounds; or kept at its default"
+    )
     moves: list[str] = Field(description="performance measures on which it has an effect")
     apart: float | None = Field(description="its value where each action is optimised on its own")
 
