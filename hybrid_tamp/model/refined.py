@@ -18,8 +18,8 @@ class Tuned:
         upper: upper bound [unit].
         default: what it was by default [unit].
         value: what it is now [unit].
-        status: ``optimised``; ``fixed`` by its bounds; ``free``, without an effect over its whole bounds; or ``kept``, left
-            at its default because the defaults meet every condition and no measure could be improved.
+        status: ``optimised``; ``fixed`` by its bounds; ``free``, without an effect over its whole bounds, left at its
+            default; or ``kept`` there because the defaults meet every condition and no measure could be improved.
         moves: the conditions and performance measures on which it has an effect, e.g. ``STRIKING-1.hand_speed``.
         apart: its value where each action is optimised on its own [unit], or None if that was not asked.
     """
