@@ -146,7 +146,7 @@ class _Refinement:
     def _start(self, apart: FloatArray | None) -> FloatArray:
         """Return the point from which to search: the defaults, or where each action is the best on its own."""
         default = self.objective.space.default
-        if apart is None:
+        if apart is None or np.allclose(apart, default, rtol=1e-9):
             return default
         scores = self.objective(np.array([default, apart]))
         return (default, apart)[int(np.argmin(scores.ranks()))]
