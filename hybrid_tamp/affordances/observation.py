@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.predicate import Literal, Value
-from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import FloatArray, State, StateLayout
-from hybrid_tamp.model.task import Task
 
 Truth = NDArray[np.bool_]
 """Whether something holds, row by row, shape ``(t,)``."""
@@ -120,11 +118,6 @@ class Observation:
         if key not in self._truths:
             self._truths[key] = np.broadcast_to(np.asarray(find(), dtype=bool), self.times.shape)
         return self._truths[key]
-
-
-def observed(task: Task, recording: Recording) -> Observation:
-    """Return what is seen of a run of a task: its states, in the task's own layout."""
-    return Observation.of(recording.times, State(StateLayout.of(task.tokens), recording.states))
 
 
 def _smoothed(layout: StateLayout, values: FloatArray, window: int) -> FloatArray:
