@@ -38,7 +38,7 @@ class Objective:
         keys: (instance, hyperparameter) of each variable.
         last: the last population that was rolled out.
         until: the instance after whose exit points are not rolled out any further, or None.
-        reserves: goal atom, as text, to the margin that a search keeps of it [its unit].
+        reserves: goal atom, as text, to the margin that a search keeps of it [its unit]; None until that is known.
     """
 
     def __init__(self, task: Task, plan: TaskPlan, roll_out: RollOut) -> None:
@@ -50,20 +50,19 @@ class Objective:
         self.space = SearchSpace(tuple(found.values()))
         self.last: Rollout | None = None
         self.until: str | None = None
-        self.reserves: Mapping[str, float] = {}
+        self.reserves: Mapping[str, float] | None = None
 
     def __call__(self, points: FloatArray) -> Scores:
-        """Return the scores of points ``(n, d)`` of the space."""
+        """Return the scores of points ``(n, d)`` of the space, the default the first of the first population."""
         self.last = self.rollout(points, self.until)
+        if self.reserves is None:
+            self._keep_reserves(self.last)
         return Scores(self.missed(self.last), self.last.value)
 
-    def keep_reserves(self, rollout: Rollout) -> None:
+    def _keep_reserves(self, rollout: Rollout) -> None:
         """Have searches keep some of the margin that goal atoms have by default.
 
         The value of a plan must not be bought with the last of a goal's margin: physics would miss it by a hair.
-
-        Args:
-            rollout: a population of which the first is the default.
         """
         goal = set(map(str, self.task.goal))
         found = [condition for condition in rollout.conditions if condition.atom in goal and condition.margin[0] > 0]
@@ -71,7 +70,7 @@ class Objective:
 
     def missed(self, rollout: Rollout) -> FloatArray:
         """Return V, and how much of their reserves goal atoms lack where they are brought about, shape ``(n,)``."""
-        return np.asarray(rollout.violation + _lacking(rollout.conditions, self.reserves))
+        return np.asarray(rollout.violation + _lacking(rollout.conditions, self.reserves or {}))
 
     def rollout(self, points: FloatArray, until: str | None = None) -> Rollout:
         """Roll out points ``(n, d)``, until the exit of one instance at least."""
@@ -85,7 +84,9 @@ class Objective:
             rollout = self.rollout(points, instance.name)
             mine = [c for c in rollout.conditions if c.where == instance.name]
             violation = (
-                np.sum([c.violation for c in mine], axis=0) + _lacking(mine, self.reserves) + np.zeros(len(points))
+                np.sum([c.violation for c in mine], axis=0)
+                + _lacking(mine, self.reserves or {})
+                + np.zeros(len(points))
             )
             bad = np.logical_or.reduce([np.zeros(len(points), dtype=bool), *rollout.failed.values()])
             return Scores(np.where(bad, np.inf, violation), rollout.value_of(self.task, instance))

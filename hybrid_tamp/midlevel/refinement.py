@@ -14,9 +14,10 @@ import numpy as np
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.midlevel.objective import Objective, RollOut, last_measured
 from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum, find_optimiser
-from hybrid_tamp.midlevel.relevance import Relevance, find_relevant
+from hybrid_tamp.midlevel.relevance import Effect, Relevance, find_relevant
 from hybrid_tamp.midlevel.retuning import Retuner
 from hybrid_tamp.midlevel.rollout import Rollout, Rollouts
+from hybrid_tamp.midlevel.scores import SAME
 from hybrid_tamp.midlevel.search_space import FloatArray
 from hybrid_tamp.midlevel.separate import optimised_apart
 from hybrid_tamp.model.plan import TaskPlan
@@ -26,8 +27,8 @@ from hybrid_tamp.model.task import Task
 Progress = Callable[[float, Milestone], None]
 """Called with the share of the budget that is spent, 0 to 1, and the best so far."""
 
-_BATCH = 48
-"""Candidates of a generation: rolled out together they cost little more than one."""
+_BATCHES = {"cma": 48}
+"""Candidates of a generation, by optimiser: rolled out together they cost little more than one."""
 _SCREENING = 0.4
 """Largest share of the budget that is spent on finding out what matters."""
 _TOLERANCE = 1e-2
@@ -112,12 +113,11 @@ class _Refinement:
             defaults = self.objective.rollout(space.default[None])
             if not space.varying or defaults.violation[0] == 0:
                 return self._outcome(_Compared(defaults, space.default[None], 0))
-        relevance = self._relevance()
-        if measures and self.objective.last is not None:
-            self.objective.keep_reserves(self.objective.last)
-        own = {name for name in relevance.relevant if name in self.own}
-        apart = optimised_apart(self.objective, own) if compare and measures else None
-        best = self._optimum(relevance, self._start(apart))
+        if not measures:
+            self.objective.reserves = {}  # There is no value to buy with them.
+        relevance, apart, best = self._in_a_line() if len(space.varying) == 1 else self._in_space(compare and measures)
+        if compare and measures and apart is None:
+            apart = optimised_apart(self.objective, self.own)
         self.evaluations += best.evaluations
         compared = self._compared(space.default, best.point, *([] if apart is None else [apart]))
         if self.objective.until is not None and best.violation == 0 and compared.violation > 0:
@@ -136,6 +136,24 @@ class _Refinement:
         if retuned is not None:
             outcome = replace(outcome, physics=retuned, shortfall=shortfall)
         return replace(outcome, optimiser=self.task.midlevel.optimiser, stopped=best.stopped, history=history)
+
+    def _in_space(self, compare: bool) -> tuple[Relevance, FloatArray | None, Optimum]:
+        """Find out what matters, and search those variables from the defaults or from each action's own best."""
+        relevance = self._relevance()
+        own = {name for name in relevance.relevant if name in self.own}
+        apart = optimised_apart(self.objective, own) if compare else None
+        return relevance, apart, self._optimum(relevance, self._start(apart))
+
+    def _in_a_line(self) -> tuple[Relevance, None, Optimum]:
+        """Search one variable; a space of one dimension cannot shrink, and the search shows by itself what it moves."""
+        (name,) = self.objective.space.varying
+        everything = Relevance({name: Effect(np.inf, np.inf)}, Effect(0.0, 0.0), 0)
+        best = self._optimum(everything, self.objective.space.default)
+        assert self.objective.last is not None, "it has been rolled out"
+        moved = [".".join(key) for key, figures in self.objective.last.figures.items() if _spread(figures) > SAME]
+        self.moves, self.own = {name: moved}, {name}
+        idle = not moved and _spread(self.objective.last.violation) <= SAME
+        return (Relevance({name: Effect(0.0, 0.0)}, Effect(0.0, 0.0), 0) if idle else everything), None, best
 
     def _compared(self, *points: FloatArray) -> "_Compared":
         """Roll the whole plan out for a few candidates."""
@@ -183,7 +201,7 @@ class _Refinement:
         part = self.objective.space.starting_at(start).only(relevance.relevant)
         left = max(1, settings.evaluations - self.evaluations)
         seconds = max(0.1, settings.seconds - (time.monotonic() - self.began))
-        optimise = find_optimiser(settings.optimiser, batch=_BATCH, quick=True)
+        optimise = find_optimiser(settings.optimiser, batch=_BATCHES.get(settings.optimiser), quick=True)
 
         def told(milestone: tuple[int, float, float]) -> None:
             share = max(milestone[0] / left, (time.monotonic() - self.began) / settings.seconds)
@@ -248,6 +266,11 @@ class _Refinement:
             for i in sorted(self.plan.instances, key=lambda i: (i.start, i.name))
             for m in self.task.domain.block_by_name[i.block].performance
         ]
+
+
+def _spread(figures: FloatArray) -> float:
+    finite = figures[np.isfinite(figures)]
+    return float(np.ptp(finite)) if len(finite) else 0.0
 
 
 def _with_values(plan: TaskPlan, values: dict[tuple[str, str], float]) -> TaskPlan:

@@ -75,6 +75,7 @@ def test_the_neighbourhood_ends_where_a_condition_does() -> None:
     domain = replace(task.domain, predicates=(low,), blocks=(*blocks, task.domain.blocks[2]))
     narrowed = task.replaced(domain=domain)
     objective = Objective(narrowed, puck_plan(), Rollouts(narrowed, puck_plan()))
+    objective.reserves = {}
     a, b = neighbourhood(objective, np.array([0.95, 0.5]), objective.space.names).variables
     assert (a.lower, a.upper, a.default) == pytest.approx((0.75, 1.0, 0.95))
     assert b.lower == pytest.approx(0.3)
