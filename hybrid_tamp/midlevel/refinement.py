@@ -17,7 +17,7 @@ from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum, find_
 from hybrid_tamp.midlevel.relevance import Effect, Relevance, find_relevant
 from hybrid_tamp.midlevel.retuning import Retuner
 from hybrid_tamp.midlevel.rollout import Rollout, Rollouts
-from hybrid_tamp.midlevel.scores import SAME
+from hybrid_tamp.midlevel.scores import SAME, Scores
 from hybrid_tamp.midlevel.search_space import FloatArray
 from hybrid_tamp.midlevel.separate import optimised_apart
 from hybrid_tamp.model.plan import TaskPlan
@@ -106,6 +106,7 @@ class _Refinement:
         self.evaluations = 0
         self.moves: dict[str, list[str]] = {}
         self.own: set[str] = set()
+        self.searched: list[Rollout] = []
 
     def refined(self, compare: bool) -> RefinedPlan:
         space, measures = self.objective.space, self.last_measured is not None
@@ -149,10 +150,11 @@ class _Refinement:
         (name,) = self.objective.space.varying
         everything = Relevance({name: Effect(np.inf, np.inf)}, Effect(0.0, 0.0), 0)
         best = self._optimum(everything, self.objective.space.default)
-        assert self.objective.last is not None, "it has been rolled out"
-        moved = [".".join(key) for key, figures in self.objective.last.figures.items() if _spread(figures) > SAME]
+        # Of all that was searched: the last generation alone may lie where all are as good as each other.
+        figures = {key: np.concatenate([r.figures[key] for r in self.searched]) for key in self.searched[0].figures}
+        moved = [".".join(key) for key, each in figures.items() if _spread(each) > SAME]
         self.moves, self.own = {name: moved}, {name}
-        idle = not moved and _spread(self.objective.last.violation) <= SAME
+        idle = not moved and _spread(np.concatenate([r.violation for r in self.searched])) <= SAME
         return (Relevance({name: Effect(0.0, 0.0)}, Effect(0.0, 0.0), 0) if idle else everything), None, best
 
     def _compared(self, *points: FloatArray) -> "_Compared":
@@ -207,8 +209,15 @@ class _Refinement:
             share = max(milestone[0] / left, (time.monotonic() - self.began) / settings.seconds)
             self.tell(min(share, 1.0), Milestone(*milestone))
 
+        def evaluated(points: FloatArray) -> Scores:
+            scores = self.objective(part.embed(points))
+            if self.objective.last is not None:
+                self.searched.append(self.objective.last)
+            return scores
+
+        self.searched = []
         try:
-            optimum = optimise(lambda p: self.objective(part.embed(p)), part, Budget(left, seconds), self.rng, told)
+            optimum = optimise(evaluated, part, Budget(left, seconds), self.rng, told)
         except NothingFinite as error:
             raise self._not_finite(error) from error
         return replace(optimum, point=part.embed(optimum.point[None])[0])

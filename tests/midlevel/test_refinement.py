@@ -56,6 +56,23 @@ def test_equal_choices_are_taken_from_the_middle() -> None:
     assert refined.hyperparameters[0].apart == pytest.approx(0.4, abs=0.01)
 
 
+@pytest.mark.parametrize("optimiser", ["cma", "grid"])
+def test_one_hyperparameter_is_searched_as_it_is(optimiser: str) -> None:
+    def plateau(b: Any, before: Any, after: Any, h: Any) -> Any:
+        return -np.maximum(np.abs(after[b["puck"], "place"][..., 0] - 0.4) - 0.3, 0.0)
+
+    first = replace(FIRST, performance=(Measure("plateau", "m", 1.0, end=plateau),))
+    still = replace(SECOND.hyperparameters[0], lower=0.0, upper=0.0)
+    second = replace(SECOND, hyperparameters=(still,), performance=())
+    a, b = refine(puck_task(first, second, optimiser=optimiser), puck_plan()).hyperparameters
+    # In the end all candidates are as good as each other; it matters all the same.
+    assert (a.status, a.moves, b.status) == ("optimised", ("FIRST-1.plateau",), "fixed")
+    assert 0.1 <= a.value <= 0.7
+    idle = replace(first, performance=(Measure("idle", "m", 1.0, end=lambda b, s, e, h: 0.0 * h["a"]),))
+    a, b = refine(puck_task(idle, second, optimiser=optimiser), puck_plan()).hyperparameters
+    assert (a.status, a.moves, a.value) == ("free", (), a.default)
+
+
 def test_dummies_are_free_and_what_acts_through_an_interaction_is_not() -> None:
     def together(b: Any, before: Any, after: Any, h: Any) -> Any:
         # At the defaults, all zero, neither of them has an effect.
