@@ -11,6 +11,7 @@ import numpy as np
 
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.block import CONTROL_PERIOD, Commands
+from hybrid_tamp.model.mesh import MeshShape
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.shape import Compound
 from hybrid_tamp.model.state import FloatArray, State
@@ -109,10 +110,10 @@ class BulletBackend:
     def snapshot(self) -> Iterator[Callable[[], None]]:
         """Remember the present for a while; what is entered goes back to it.
 
-        Bullet restores its state to the bit, but for compounds: their parts' contacts come back mixed up. With one in
-        the scene the commands since the reset are repeated instead, which takes as long as the steps alone.
+        Bullet restores its state to the bit, but for shapes of several parts: their contacts come back mixed up. With
+        one in the scene the commands since the reset are repeated instead, which takes as long as the steps alone.
         """
-        if any(isinstance(token.shape, Compound) for token in self._task.assigned):
+        if any(isinstance(token.shape, Compound | MeshShape) for token in self._task.assigned):
             start, rows = self._start, tuple(self._rows)
             yield lambda: self._repeat(start, rows)
             return
