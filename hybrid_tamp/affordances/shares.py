@@ -139,7 +139,8 @@ def _pooled(task: Task, shared: _Shared, ranked: list[tuple[float, Bound]], cand
 
 def _literals(shared: _Shared, ranked: list[tuple[float, Bound]]) -> Iterator[Literal]:
     for _, bound in ranked:
-        yield next(one for one in shared.literals if all(role in bound for role in one.arguments))
+        # Arguments that are no roles are symbols, so the slot tells which literal it is.
+        yield next(one for one in shared.literals if not shared.slots or _slot(shared, bound) in one.arguments)
 
 
 def _slot(shared: _Shared, bound: Bound) -> str:
