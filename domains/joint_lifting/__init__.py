@@ -1,8 +1,8 @@
 """Joint lifting (paper, Sec. II-E): hands, of one robot or of several, lift together what is too heavy for fewer.
 
-The story, in order: `places` (where hands bear a box), `classes` (what is lifted), `load` (what hands bear by friction),
-`predicates`, `bearing` (how hands bear a box between them), `lifting` (LIFTING, HOLDING and LOWERING, by two hands or by
-four), and `network`. REACHING (D5) and RESTING (D6) come from `..common`.
+The story, in order: `places` (where hands bear a box), `classes` (what is lifted), `load` (what hands bear by
+friction), `predicates`, `bearing` (how hands bear a box between them), `lifting` (LIFTING, HOLDING and LOWERING, by two
+hands or by four), and `network`. REACHING (D5) and RESTING (D6) come from `..common`.
 """
 
 from typing import cast

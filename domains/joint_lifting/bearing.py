@@ -1,8 +1,9 @@
 """How hands bear a box between them: the policy and the forward model that LIFTING, HOLDING and LOWERING share.
 
 Each hand follows its reference c, which moves with the box: F = K (c - x) + D (c' - v) - S n + W z, n the outward
-normal of its face, S the squeeze and W its share of the weight. Nothing but friction joins hand and box: in the forward
-model, too, a hand bears at most mu times the force with which it presses on its face, and beyond that the box slips.
+normal of its face, along which K is smaller, S the squeeze and W its share of the weight. Nothing but friction joins
+hand and box: in the forward model, too, a hand bears at most mu times the force with which it presses on its face, and
+beyond that the box slips.
 """
 
 from collections.abc import Callable
@@ -21,6 +22,8 @@ from .places import CREWS, UP, corner_heights, dot, gap_at, outward
 
 SLOTS = ("first", "second", "third", "fourth")
 """Slots of the hands, in the order of the places of a crew."""
+_SOFTNESS = 0.1
+"""Stiffness of a hand that squeezes along the normal of its face, as a share of its stiffness in other directions."""
 _TOUCH = 1e-4
 
 
@@ -57,8 +60,7 @@ class Course:
     Attributes:
         closed: how far the hands have come from where they start to the other end of their gap, 0 to 1.
         closing: its rate [1/s].
-        grip: share of the squeeze.
-        loaded: share of the weight that the hands bear.
+        grip: share of the squeeze, and of the weight that hands bear: so the one always suffices for the other.
         rise: how far up the box is to be from where it starts [m].
         rising: its rate [m/s].
     """
@@ -66,7 +68,6 @@ class Course:
     closed: FloatArray
     closing: FloatArray
     grip: FloatArray
-    loaded: FloatArray
     rise: FloatArray
     rising: FloatArray
 
@@ -95,17 +96,19 @@ def bearing(
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         now = course(elapsed)
-        closed, closing, grip, loaded, rise, rising = (
-            np.asarray(each)[..., None]
-            for each in (now.closed, now.closing, now.grip, now.loaded, now.rise, now.rising)
+        closed, closing, grip, rise, rising = (
+            np.asarray(each)[..., None] for each in (now.closed, now.closing, now.grip, now.rise, now.rising)
         )
         commands: Commands = {}
         for hand, begun, normal, gap in references:
             place = begun - normal * (gap * closed) + UP * rise
             velocity = UP * rising - normal * (gap * closing)
-            push = STIFFNESS * (place - state[hand, "position"]) - normal * (squeeze[..., None] * grip)
+            error = place - state[hand, "position"]
+            # A box that was askew turns until it fits between the stiff wrists: hands give way along their normals.
+            given_way = normal * ((1.0 - _SOFTNESS) * grip * dot(error, normal)[..., None])
+            push = STIFFNESS * (error - given_way) - normal * (squeeze[..., None] * grip)
             brake = damping(hand["mass"]) * (velocity - state[hand, "velocity"])
-            commands[hand.name, "force"] = push + brake + weight * loaded
+            commands[hand.name, "force"] = push + brake + weight * grip
         return commands
 
     return policy
@@ -135,15 +138,15 @@ def bearing_system(crew: str, binding: Binding, state: State, commands: Commands
     lowest = -corner_heights(state, thing).min(axis=-1) / dt
     """Vertical speed with which the box comes to the floor [m/s]."""
     sinking = state[thing, "velocity"][..., 2] - GRAVITY * dt
-    moved = [_pressed(state, hand, thing, place, commands, dt) for hand, place in roles.hands]
-    total = mass + sum(np.where(press > 0.0, hand["mass"], 0.0) for (hand, _), (_, press) in zip(roles.hands, moved))
-    momentum = mass * sinking
-    for (hand, _), (velocity, press) in zip(roles.hands, moved, strict=True):
-        momentum = momentum + np.where(press > 0.0, hand["mass"] * velocity[..., 2], 0.0)
+    moved = [(hand, *_pressed(state, hand, thing, place, commands, dt)) for hand, place in roles.hands]
+    momentum, total = mass * sinking, mass * np.ones_like(sinking)
+    for hand, velocity, press in moved:
+        joined = np.where(press > 0.0, hand["mass"], 0.0)
+        momentum, total = momentum + joined * velocity[..., 2], total + joined
     common = np.maximum(momentum / total, lowest)
     changes: dict[tuple[str, str], FloatArray] = {}
     lifting = np.zeros_like(common)
-    for (hand, _), (velocity, press) in zip(roles.hands, moved, strict=True):
+    for hand, velocity, press in moved:
         most = friction(thing) * press * dt
         impulse = np.clip(hand["mass"] * (velocity[..., 2] - common), -most, most)
         lifting = lifting + impulse

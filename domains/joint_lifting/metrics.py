@@ -11,7 +11,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import rotate
 
-from .lifting import CLOSING
+from .lifting import GRASPED
 from .places import UP, corner_heights, offset_in_box
 
 CONTROLLED: Mapping[str, tuple[float, float]] = {
@@ -25,9 +25,9 @@ CONTROLLED: Mapping[str, tuple[float, float]] = {
 def metrics(task: Task, recording: Recording) -> Mapping[str, float]:
     """Return the measures of every lift, with the name of its instance before each.
 
-    From when the hands of LIFTING have closed until their HOLDING ends: how high the lowest corner of the box is at the
-    end and how far it is tilted at most; how far a hand slips along its face at most; and with which force a hand presses
-    on the box at most, where the backend measures it.
+    From when the hands of LIFTING bear the box until their HOLDING ends: how high the lowest corner of the box is in
+    the end and how far it is tilted at most; how far a hand slips along its face at most; and with which force a hand
+    presses on the box at most as it is lifted, where the backend measures it.
     """
     found: dict[str, float] = {}
     for instance in recording.instances:
@@ -40,7 +40,7 @@ def _lift(task: Task, recording: Recording, lift: BlockInstance) -> Iterator[tup
     thing = task.token_by_name[lift.slots["object"]]
     hands = [task.token_by_name[name] for slot, name in lift.slots.items() if slot != "object"]
     hold = next((i for i in recording.instances if i.slots.get("object") == thing.name and i.start == lift.end), lift)
-    rows = slice(*(round(time / recording.timestep) for time in (lift.start + CLOSING, hold.end)))
+    rows = slice(*(round(time / recording.timestep) for time in (lift.start + GRASPED, hold.end)))
     run = State(recording.layout, recording.states[rows])
     if not len(run.values):
         return
@@ -59,6 +59,6 @@ def _lift(task: Task, recording: Recording, lift: BlockInstance) -> Iterator[tup
 
 
 def _slip(run: State, hand: Token, thing: Token) -> float:
-    """Return how far a hand goes along its face, across and up, since it has closed on the box [m]."""
+    """Return how far a hand goes along its face, across and up, since it bears the box [m]."""
     along = offset_in_box(run, hand, thing)[..., 1:]
     return float(np.linalg.norm(along - along[0], axis=-1).max())
