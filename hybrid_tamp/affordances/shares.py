@@ -33,10 +33,22 @@ class _Shared:
     slots: tuple[str, ...]
 
 
-def failing(margins: Margins, block: Block, literals: Iterable[Literal], allowed: Choices) -> list[Reason]:
-    """Return a reason for every condition that too few tokens meet, whatever the other conditions are."""
+def failing(
+    margins: Margins, block: Block, literals: Iterable[Literal], allowed: Choices, *, alike: bool = False
+) -> list[Reason]:
+    """Return a reason for every condition that too few tokens meet, whatever the other conditions are.
+
+    Args:
+        margins: the margins of the task's facts.
+        block: the block.
+        literals: its feasibility conditions.
+        allowed: what each role may be.
+        alike: whether only those count that are asked alike of several slots.
+    """
     found = []
     for shared in _grouped(block, literals):
+        if alike and len(shared.slots) < 2:
+            continue
         ranked = _ranked(margins, shared, allowed)
         # As many tokens must meet it as there are slots.
         best = ranked[: max(1, len(shared.slots))]
