@@ -21,7 +21,7 @@ from .lifting import BEARING
 from .metrics import metrics
 from .network import network
 from .places import PLACE, place_at
-from .predicates import ALIGNED, AT_PLACE, FITS, ON_SIDE, PREDICATES, STANDS, WITHIN_REACH
+from .predicates import AT_PLACE, FITS, ON_SIDE, PREDICATES, STANDS, UPRIGHT, WITHIN_REACH
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
@@ -34,7 +34,7 @@ _BESIDE = ReachGoal(
     position=_beside,
     entry=(
         STANDS("object"),
-        ALIGNED("hand", "object"),
+        UPRIGHT("hand"),
         ON_SIDE("hand", "object", "place"),
         WITHIN_REACH("hand", "object", "place"),
         FITS("hand", "object", "place"),

@@ -1,7 +1,7 @@
 """How hands bear a box between them: the policy and the forward model that LIFTING, HOLDING and LOWERING share.
 
 Each hand follows its reference c, which moves with the box: F = K (c - x) + D (c' - v) - S n + W z, n the outward
-normal of its face, along which K is smaller, S the squeeze and W its share of the weight. Nothing but friction joins
+normal of its face, S the squeeze, W its share of the weight, K small in level directions. Nothing but friction joins
 hand and box: in the forward model, too, a hand bears at most mu times the force with which it presses on its face, and
 beyond that the box slips.
 """
@@ -23,7 +23,8 @@ from .places import CREWS, UP, corner_heights, dot, gap_at, outward
 SLOTS = ("first", "second", "third", "fourth")
 """Slots of the hands, in the order of the places of a crew."""
 _SOFTNESS = 0.1
-"""Stiffness of a hand that squeezes along the normal of its face, as a share of its stiffness in other directions."""
+"""Stiffness of a hand that squeezes in level directions, as a share of its stiffness up and down."""
+_LEVEL = np.array([1.0, 1.0, 0.0])
 _TOUCH = 1e-4
 
 
@@ -60,7 +61,8 @@ class Course:
     Attributes:
         closed: how far the hands have come from where they start to the other end of their gap, 0 to 1.
         closing: its rate [1/s].
-        grip: share of the squeeze, and of the weight that hands bear: so the one always suffices for the other.
+        grip: share of the squeeze.
+        loaded: share of the weight that the hands bear, at most as much as of the squeeze.
         rise: how far up the box is to be from where it starts [m].
         rising: its rate [m/s].
     """
@@ -68,6 +70,7 @@ class Course:
     closed: FloatArray
     closing: FloatArray
     grip: FloatArray
+    loaded: FloatArray
     rise: FloatArray
     rising: FloatArray
 
@@ -96,19 +99,20 @@ def bearing(
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         now = course(elapsed)
-        closed, closing, grip, rise, rising = (
-            np.asarray(each)[..., None] for each in (now.closed, now.closing, now.grip, now.rise, now.rising)
+        closed, closing, grip, loaded, rise, rising = (
+            np.asarray(each)[..., None]
+            for each in (now.closed, now.closing, now.grip, now.loaded, now.rise, now.rising)
         )
         commands: Commands = {}
         for hand, begun, normal, gap in references:
             place = begun - normal * (gap * closed) + UP * rise
             velocity = UP * rising - normal * (gap * closing)
             error = place - state[hand, "position"]
-            # A box that was askew turns until it fits between the stiff wrists: hands give way along their normals.
-            given_way = normal * ((1.0 - _SOFTNESS) * grip * dot(error, normal)[..., None])
+            # Several hands reach their places only about: none is to press harder than the others for that.
+            given_way = (1.0 - _SOFTNESS) * grip * (_LEVEL * error)
             push = STIFFNESS * (error - given_way) - normal * (squeeze[..., None] * grip)
             brake = damping(hand["mass"]) * (velocity - state[hand, "velocity"])
-            commands[hand.name, "force"] = push + brake + weight * grip
+            commands[hand.name, "force"] = push + brake + weight * loaded
         return commands
 
     return policy

@@ -1,7 +1,9 @@
 """Where hands bear a box: world frame unless a name says otherwise, batch first.
 
 A box is squeezed along its own x axis: hands are at its left face (-x) and at its right one (+x), one in the middle of
-each, or two side by side on each, in the front half (-y) and in the back half (+y).
+each, or two side by side on each, in the front half (-y) and in the back half (+y). A hand stands upright, its lower
+end above the box's centre. So it touches the face along a line, however the box is turned about the vertical, and the
+box hangs from its hands, wherever on those lines the forces are.
 """
 
 from itertools import product
@@ -31,10 +33,10 @@ CREWS: dict[str, tuple[str, ...]] = {
 """How many hands lift together, and the places where they do."""
 CREW = SymbolSort("crew", tuple(CREWS), "how many hands lift a box together")
 
+ABOVE_CENTRE = 0.01
+"""How far above the centre of a box the lower end of a hand is [m]."""
 STANDBY_GAP = 0.012
 """Gap between hand and face where a hand stands by [m]."""
-FLOOR_CLEARANCE = 0.01
-"""Gap that a hand keeps to the floor [m]."""
 FLOOR_TOLERANCE = 0.01
 """How far from the floor the corners of a box may be that stands on it [m]."""
 UP = np.array([0.0, 0.0, 1.0])
@@ -61,10 +63,10 @@ def outward(state: State, thing: Token, place: str) -> FloatArray:
 
 
 def place_at(state: State, hand: Token, thing: Token, place: str, gap: float = STANDBY_GAP) -> FloatArray:
-    """Return where the centre of a hand is ``(..., 3)`` [m] that stands at a place, as high as the box's centre."""
+    """Return where the centre of a hand is ``(..., 3)`` [m] that stands at a place."""
     side, along = SPOTS[place]
     half_x, half_y, _ = thing["half_extents"]
-    in_body = np.array([side * (half_x + hand["radius"] + gap), along * half_y, 0.0])
+    in_body = np.array([side * (half_x + hand["radius"] + gap), along * half_y, ABOVE_CENTRE + hand["length"] / 2.0])
     return np.asarray(state[thing, "position"] + rotate(state[thing, "orientation"], in_body))
 
 

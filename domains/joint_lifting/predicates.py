@@ -11,15 +11,14 @@ from ..common.classes import StaticEndEffector
 from .classes import Liftable
 from .load import bearable, load
 from .places import (
+    ABOVE_CENTRE,
     CREW,
-    FLOOR_CLEARANCE,
     FLOOR_TOLERANCE,
     PLACE,
     SPOTS,
     UP,
     corner_heights,
     gap_at,
-    in_box,
     offset_in_box,
     place_at,
 )
@@ -35,9 +34,11 @@ LIFT = 0.15
 PLACE_TOLERANCE = 0.03
 """How far from its place at a box a hand may be [m]: hands that squeeze it have closed the gap and may have slipped."""
 _CLEAR = 0.005
-_ALIGNMENT = np.sin(np.radians(6.0))
+_UPRIGHT = np.sin(np.radians(3.0))
 _MIDDLE = 0.02
 """So near to the middle between front and back [m] a hand may go to either half."""
+_TOUCHING = 0.03
+"""Least length of the line along which a hand touches a face [m]."""
 _ABREAST = 0.02
 """Gap between two hands side by side [m]."""
 
@@ -60,18 +61,16 @@ def _clearance(state: State, hand: Token, thing: Token) -> FloatArray:
     return np.asarray(nearer - _CLEAR)
 
 
-def _alignment(state: State, hand: Token, thing: Token) -> FloatArray:
-    """The hand's axis is level and lies in the left and right faces, up to a tolerance."""
+def _uprightness(state: State, hand: Token) -> FloatArray:
     axis = rotate(state[hand, "orientation"], UP)
-    off = np.maximum(np.abs(in_box(state, thing, axis)[..., 0]), np.abs(axis[..., 2]))
-    return np.asarray(_ALIGNMENT - off)
+    return np.asarray(_UPRIGHT - np.linalg.norm(axis[..., :2], axis=-1))
 
 
 def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
     """How far beyond the face of the place, and on its half of the box, a hand starts."""
     side, along = SPOTS[place]
     offset = offset_in_box(state, hand, thing)
-    beyond = side * offset[..., 0] - thing["half_extents"][0]
+    beyond = side * offset[..., 0] - thing["half_extents"][0] - hand["radius"]
     return np.asarray(np.minimum(beyond, np.sign(along) * offset[..., 1] + _MIDDLE) if along else beyond)
 
 
@@ -83,10 +82,10 @@ def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
 
 
 def _room(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """How much wider a face, or its half, is than a hand is long, and how far off the floor its middle is."""
+    """How much wider a face, or its half, is than a hand, and how much longer than it must be the line of contact."""
     _, half_y, half_z = thing["half_extents"]
     wide = half_y - _ABREAST if SPOTS[place][1] else 2.0 * half_y
-    room = min(wide - hand["length"], half_z - hand["radius"] - FLOOR_CLEARANCE)
+    room = min(wide - 2.0 * hand["radius"], min(half_z - ABOVE_CENTRE, hand["length"]) - _TOUCHING)
     return np.full(state.values.shape[:-1], room)
 
 
@@ -136,16 +135,16 @@ CLEAR_OF = Predicate(
     maintained=True,
     description="{hand} has let go of {object}",
 )
-ALIGNED = Predicate(
-    "aligned",
-    (_HAND, _OBJECT),
-    _alignment,
+UPRIGHT = Predicate(
+    "upright",
+    (_HAND,),
+    _uprightness,
     unit="1",
     scale=0.05,
-    reads={"hand": ("orientation",), "object": ("orientation",)},
+    reads={"hand": ("orientation",)},
     static=True,
-    description="the axis of {hand}, whose wrist is stiff, is level and lies in the left and right faces of {object}",
-    denial="the axis of {hand}, whose wrist is stiff, is not level or not along the left and right faces of {object}",
+    description="{hand}, whose wrist is stiff, stands upright",
+    denial="{hand}, whose wrist is stiff, does not stand upright",
 )
 ON_SIDE = Predicate(
     "on_side",
@@ -192,5 +191,5 @@ BEARS = Predicate(
     denial="{object} is too heavy for {hand} to bear its share of it by friction, as one of {crew}",
     share=_share,
 )
-FEASIBLE = (ALIGNED, ON_SIDE, WITHIN_REACH, FITS, BEARS)
+FEASIBLE = (UPRIGHT, ON_SIDE, WITHIN_REACH, FITS, BEARS)
 PREDICATES = (STANDS, RAISED, AT_PLACE, CLEAR_OF, *FEASIBLE)

@@ -22,7 +22,7 @@ _HAND = {
     "workspace_lower": (-2.0, -2.0, 0.0),
     "workspace_upper": (2.0, 2.0, 1.5),
 }
-_WIDTHS = {2: (0.09, 0.25), 4: (0.19, 0.3)}
+_WIDTHS = {2: (0.06, 0.25), 4: (0.12, 0.3)}
 """Half extents along y [m]: on those for four hands there is room for two side by side."""
 _LOADS = {2: (0.3, 0.95), 4: (1.05, 1.9)}
 """Masses as parts of what two hands bear: what is lifted by four is too heavy for two."""
@@ -31,9 +31,9 @@ _LOADS = {2: (0.3, 0.95), 4: (1.05, 1.9)}
 def random_lifting(seed: int, hands: int = 2) -> Task:
     """Return a task in which hands lift a box: two light ones, or four hands of two robots what is too heavy for two.
 
-    Half extents x U(.08, .22), y U(.09, .25) for two hands and U(.19, .3) for four, z U(.06, .2) m; friction U(.4, .9);
+    Half extents x U(.08, .22), y U(.06, .25) for two hands and U(.12, .3) for four, z U(.06, .2) m; friction U(.4, .9);
     mass U(.3, .95) of what two hands can bear, for four hands U(1.05, 1.9); up to 3 cm and 3 degrees off its place.
-    Hands start within 5 cm of places .5 m aside and .4 m high, all along y.
+    Hands start within 5 cm of places .5 m aside and .4 m high, all upright.
     """
     rng = np.random.default_rng(seed)
     halves = [float(rng.uniform(*bounds)) for bounds in ((0.08, 0.22), _WIDTHS[hands], (0.06, 0.2))]
@@ -52,7 +52,6 @@ def random_lifting(seed: int, hands: int = 2) -> Task:
         row = 0.0 if hands == 2 else (-0.3, 0.3)[number // 2]
         place = np.array([(-0.5, 0.5)[number % 2], row, 0.4]) + rng.uniform(-0.05, 0.05, 3)
         given[end.name, "position"] = place
-        given[end.name, "orientation"] = quaternion_from_rpy(np.array([np.pi / 2, 0.0, 0.0]))
     tokens = (*ends, box)
     robots = {f"robot {number + 1}": tuple(e.name for e in ends[2 * number :][:2]) for number in range(hands // 2)}
     return Task(

@@ -90,8 +90,8 @@ def test_hands_on_one_side_are_told_which_place_is_missing() -> None:
 
 
 def test_a_narrow_crate_has_no_room_for_two_hands_side_by_side() -> None:
-    found = explain(problem("lift_four_hands", ("[0.2, 0.25, 0.15]", "[0.2, 0.15, 0.15]")))
+    found = explain(problem("lift_four_hands", ("[0.2, 0.25, 0.15]", "[0.2, 0.08, 0.15]")))
     narrow = [reason for reason in found if reason.block == "LIFTING:four"]
     assert narrow
     assert all("has no room at the place" in reason.message for reason in narrow)
-    assert [reason.margin for reason in narrow] == pytest.approx([0.15 - 0.02 - 0.16] * len(narrow))
+    assert [reason.margin for reason in narrow] == pytest.approx([0.08 - 0.02 - 0.07] * len(narrow))

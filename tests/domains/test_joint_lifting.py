@@ -9,7 +9,7 @@ from hybrid_tamp_domains.joint_lifting.bearing import SLOTS, Roles
 from hybrid_tamp_domains.joint_lifting.classes import Liftable
 from hybrid_tamp_domains.joint_lifting.load import HAND_FRICTION, bearable, largest_squeeze, load, squeeze_for
 from hybrid_tamp_domains.joint_lifting.places import CREWS, SPOTS, corner_heights, gap_at, place_at
-from hybrid_tamp_domains.joint_lifting.predicates import ALIGNED, BEARS, FEASIBLE, FITS, ON_SIDE, PREDICATES
+from hybrid_tamp_domains.joint_lifting.predicates import BEARS, FEASIBLE, FITS, ON_SIDE, PREDICATES, UPRIGHT
 from hybrid_tamp_domains.joint_lifting.trials import random_lifting
 from pydantic import ValidationError
 from validation import val_accepts
@@ -114,12 +114,16 @@ def test_hands_have_the_friction_that_physics_gives_them() -> None:
 
 def test_there_is_room_for_two_hands_side_by_side_on_wide_faces_only() -> None:
     task = lifting("four")
+    narrow = Token.make("box", [Liftable], {**crate(task).properties, "half_extents": (0.2, 0.08, 0.15)})
+    flat = Token.make("box", [Liftable], {**crate(task).properties, "half_extents": (0.2, 0.25, 0.03)})
     for place, (_, along) in SPOTS.items():
-        margin = float(FITS.evaluate(task.state, task.tokens[0], crate(task), place))
-        # Half of .5 m less the gap between hands, or all of it, less a hand's .16 m.
-        assert margin == pytest.approx(0.25 - 0.02 - 0.16 if along else min(0.5 - 0.16, 0.15 - 0.035 - 0.01))
-    two = lifting("two")
-    assert float(FITS.evaluate(two.state, two.tokens[0], crate(two), "left front")) < 0
+        room, less, least = (
+            float(FITS.evaluate(task.state, task.tokens[0], box, place)) for box in (crate(task), narrow, flat)
+        )
+        # From 1 cm above the middle to the top 3 cm are needed; half of .16 m, less 2 cm, is no room for 7 cm.
+        assert room == pytest.approx(0.15 - 0.01 - 0.03)
+        assert less == pytest.approx(0.08 - 0.02 - 0.07 if along else 0.16 - 0.07)
+        assert least == pytest.approx(0.03 - 0.01 - 0.03)
 
 
 def test_each_hand_works_on_the_side_and_the_half_where_it_starts() -> None:
@@ -138,13 +142,13 @@ def test_each_hand_works_on_the_side_and_the_half_where_it_starts() -> None:
     }
 
 
-def test_a_hand_that_is_not_level_along_the_face_is_not_aligned() -> None:
+def test_a_hand_that_leans_is_not_upright() -> None:
     task = lifting("two")
-    hand, thing = task.tokens[0], crate(task)
-    assert float(ALIGNED.evaluate(task.state, hand, thing)) > 0
-    for rpy in ((0.0, 0.0, 0.0), (np.pi / 2, 0.0, np.pi / 2), (np.pi / 2, 0.0, np.radians(7.0))):
-        turned = task.state.replace({(hand.name, "orientation"): quaternion_from_rpy(np.array(rpy))})
-        assert float(ALIGNED.evaluate(turned, hand, thing)) < 0
+    hand = task.tokens[0]
+    for lean, upright in ((0.0, True), (2.0, True), (4.0, False), (90.0, False)):
+        leaning = quaternion_from_rpy(np.array([np.radians(lean), 0.0, 1.0]))
+        state = task.state.replace({(hand.name, "orientation"): leaning})
+        assert (float(UPRIGHT.evaluate(state, hand)) >= 0) == upright
 
 
 def test_margins_take_a_whole_population_at_once() -> None:
@@ -269,7 +273,7 @@ def test_random_tasks_are_feasible_and_those_for_four_hands_too_heavy_for_two(ma
         roles = Roles.of(f"{mode} hands", task.bind(roles_of(task, mode)))
         for hand, place in roles.hands:
             for predicate in FEASIBLE:
-                more = {"place": place, "crew": roles.crew}
-                values = [more[p.name] for p in predicate.parameters if p.name in more]
-                assert float(predicate.evaluate(task.state, hand, roles.thing, *values)) >= 0, predicate
+                every = {"hand": hand, "object": roles.thing, "place": place, "crew": roles.crew}
+                values = [every[parameter.name] for parameter in predicate.parameters]
+                assert float(predicate.evaluate(task.state, *values)) >= 0, predicate
             assert (float(BEARS.evaluate(task.state, hand, roles.thing, "two hands")) >= 0) == (mode == "two")

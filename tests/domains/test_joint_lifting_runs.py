@@ -58,16 +58,16 @@ def test_hands_lift_a_box_and_bear_it_to_the_end(name: str, mode: str) -> None:
 
 
 def test_hands_never_go_through_each_other() -> None:
-    """Hands are cylinders along y of .16 m and radius .035 m: apart along y, or across it."""
+    """Hands are upright, .16 m long, of radius .035 m: one above the other, or apart from it."""
     task = load_task(PROBLEMS / "lift_four_hands.yaml")
     run_of, _ = run(task)
     hands = task.tokens[:4]
     for number, one in enumerate(hands):
         for other in hands[number + 1 :]:
             offset = run_of.trajectory[one, "position"] - run_of.trajectory[other, "position"]
-            beside = np.abs(offset[:, 1]) - 0.16
-            across = np.hypot(offset[:, 0], offset[:, 2]) - 0.07
-            assert np.maximum(beside, across).min() > 0.01
+            above = np.abs(offset[:, 2]) - 0.16
+            beside = np.hypot(offset[:, 0], offset[:, 1]) - 0.07
+            assert np.maximum(above, beside).min() > 0.01
 
 
 def test_the_forward_models_expect_what_happens() -> None:
@@ -80,7 +80,10 @@ def test_the_forward_models_expect_what_happens() -> None:
     assert measured == pytest.approx(predicted, abs=0.003)
 
 
-def test_a_box_askew_and_near_the_limit_is_lifted() -> None:
-    """Seed 10: 1.9 times what two bear, friction .47; with stiff hands it slipped by 2 cm."""
-    _, found = run(random_lifting(10, hands=4))
-    assert found["slip [m]"] < 0.002
+@pytest.mark.parametrize(("seed", "hands"), [(10, 4), (261, 2)])
+def test_a_box_does_not_turn_in_the_hands(seed: int, hands: int) -> None:
+    """Seed 10: 1.9 times what two bear; seed 261 tipped over in two hands that lay along its faces."""
+    _, found = run(random_lifting(seed, hands))
+    assert found["tilt [deg]"] < 0.1
+    assert found["slip [m]"] < 0.001
+    assert found["contact [N]"] < 300.0

@@ -6,10 +6,6 @@
     n1 n2 n3 n4 - how-many
   )
   (:init
-    (aligned a-left crate)
-    (aligned a-right crate)
-    (aligned b-left crate)
-    (aligned b-right crate)
     (at_rest a-left)
     (at_rest a-right)
     (at_rest b-left)
@@ -82,6 +78,10 @@
     (unclaimed b-left)
     (unclaimed b-right)
     (unclaimed crate)
+    (upright a-left)
+    (upright a-right)
+    (upright b-left)
+    (upright b-right)
     (within_reach a-left crate left)
     (within_reach a-left crate left-back)
     (within_reach a-left crate left-front)

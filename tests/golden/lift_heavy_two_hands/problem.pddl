@@ -6,8 +6,6 @@
     n1 n2 - how-many
   )
   (:init
-    (aligned left-hand crate)
-    (aligned right-hand crate)
     (at_rest crate)
     (at_rest left-hand)
     (at_rest right-hand)
@@ -50,6 +48,8 @@
     (unclaimed crate)
     (unclaimed left-hand)
     (unclaimed right-hand)
+    (upright left-hand)
+    (upright right-hand)
     (within_reach left-hand crate left)
     (within_reach left-hand crate left-back)
     (within_reach left-hand crate left-front)
