@@ -1,7 +1,7 @@
 """How hands bear a box between them: the policy and the forward model that LIFTING, HOLDING and LOWERING share.
 
 Each hand follows its reference c, which moves with the box: F = K (c - x) + D (c' - v) - S n + W z, n the outward
-normal of its face, S the squeeze, W its share of the weight, K small in level directions. Nothing but friction joins
+normal of its face, along which K is smaller, S the squeeze and W its share of the weight. Nothing but friction joins
 hand and box: in the forward model, too, a hand bears at most mu times the force with which it presses on its face, and
 beyond that the box slips.
 """
@@ -23,8 +23,11 @@ from .places import CREWS, UP, corner_heights, dot, gap_at, outward
 SLOTS = ("first", "second", "third", "fourth")
 """Slots of the hands, in the order of the places of a crew."""
 _SOFTNESS = 0.1
-"""Stiffness of a hand that squeezes in level directions, as a share of its stiffness up and down."""
-_LEVEL = np.array([1.0, 1.0, 0.0])
+"""Stiffness of a hand that squeezes along the normal of its face, as a share of its stiffness in other directions.
+
+Along the face it has to be stiff: two hands that push against each other with S over a length L buckle, and the box
+turns about the vertical, unless S < K L / 2.
+"""
 _TOUCH = 1e-4
 
 
@@ -109,7 +112,7 @@ def bearing(
             velocity = UP * rising - normal * (gap * closing)
             error = place - state[hand, "position"]
             # Several hands reach their places only about: none is to press harder than the others for that.
-            given_way = (1.0 - _SOFTNESS) * grip * (_LEVEL * error)
+            given_way = normal * ((1.0 - _SOFTNESS) * grip * dot(error, normal)[..., None])
             push = STIFFNESS * (error - given_way) - normal * (squeeze[..., None] * grip)
             brake = damping(hand["mass"]) * (velocity - state[hand, "velocity"])
             commands[hand.name, "force"] = push + brake + weight * loaded
