@@ -100,7 +100,7 @@ class SuggestionEntry(Document):
 class ExplanationEntry(Document):
     """Why there is no plan."""
 
-    kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, time or memory")
+    kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, class_unknown, time or memory")
     message: str
     reasons: list[ReasonEntry]
     suggestions: list[SuggestionEntry] = Field(default_factory=list)

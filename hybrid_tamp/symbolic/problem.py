@@ -203,6 +203,9 @@ class _Writer:
 
     def goal(self) -> Iterator[Fact]:
         """Yield the goal: the user's atoms, and that no reassignment or bounded block is left half done."""
+        for atom, token, sort in self.task.unsettled:
+            wanted = f"'{atom}' asks for a member of {sort.name}, and whether {token.name} is one is not known"
+            raise InputError([Issue("goal", wanted, remedy="hybrid-tamp probe finds out")])
         for atom in self.task.goal:
             if not atom.positive:
                 raise InputError([Issue("goal", f"'{atom}': a goal says what holds", remedy="ask for its opposite")])
