@@ -51,16 +51,15 @@ class Repairs:
     complete: bool
 
 
-def repairs(task: Task, reasons: Sequence[Reason], seconds: float, most: int) -> Repairs:
+def repairs(task: Task, reasons: Sequence[Reason], deadline: float, most: int) -> Repairs:
     """Look for single changes that give a task a plan.
 
     Args:
         task: a task that has no plan.
         reasons: why it has none, as far as is known: what they point to is tried first.
-        seconds: how long to look; what was begun by then is finished.
+        deadline: until when to look, on the monotonic clock [s]; what was begun by then is finished.
         most: how many changes are enough.
     """
-    deadline = time.monotonic() + seconds
     found: list[Suggestion] = []
     kinds: Counter[str] = Counter()
     # Processes answer once; so one starts while the other answers.
