@@ -105,6 +105,9 @@ class ExplanationEntry(Document):
     reasons: list[ReasonEntry]
     suggestions: list[SuggestionEntry] = Field(default_factory=list)
     all_looked_at: bool = Field(False, description="whether no single change beyond the suggestions was left untried")
+    together: list[str] = Field(
+        default_factory=list, description="changes with which there is a plan if all are made; where no single one does"
+    )
 
 
 class PlanDocument(Document):
