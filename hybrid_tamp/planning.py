@@ -79,9 +79,9 @@ def plan(task: Task, planner: Planner | None = None, suggesting: float = SUGGEST
         with PlannerProcess() as process:
             return plan(task, process, suggesting)
     began = time.monotonic()
-    tailoring = Tailoring(task)
     if task.unsettled:
-        return _unsettled(task, _network(tailoring))
+        return _unsettled(task)
+    tailoring = Tailoring(task)
     try:
         planned = tailoring.planned(planner)
     except LimitReached as limit:
@@ -93,7 +93,7 @@ def plan(task: Task, planner: Planner | None = None, suggesting: float = SUGGEST
     return _outcome(task, planned, _network(tailoring), suggesting)
 
 
-def _unsettled(task: Task, network: NetworkEntry) -> PlanOutcome:
+def _unsettled(task: Task) -> PlanOutcome:
     """Return that a plan has to wait until it is known what a token of the goal is."""
     said = "Whether there is a plan is not known: the goal speaks of a token that nobody has tried yet."
     reasons = []
@@ -102,7 +102,7 @@ def _unsettled(task: Task, network: NetworkEntry) -> PlanOutcome:
         message = f"it is unknown whether {token.name} is a member of {sort.name}; '{asking}' finds out"
         reasons.append(ReasonEntry(goal=str(atom), block="", kind=CLASS_UNKNOWN, message=message, lacks=sort.name))
     explanation = ExplanationEntry(kind=CLASS_UNKNOWN, message=said, reasons=reasons)
-    entry = PlannerEntry(name=task.planner, seconds=0.0)
+    entry, network = PlannerEntry(name=task.planner, seconds=0.0), network_entry(task, task, [])
     document = plan_document(task, status="unknown", planner=entry, plan=None, network=network, explanation=explanation)
     return PlanOutcome(task, document, None, NoPlan(_with_reasons(explanation), proven=False, kind=CLASS_UNKNOWN))
 
