@@ -156,6 +156,11 @@ class Task:
             and token.may_be_member(parameter.sort)
         )
 
+    @property
+    def definite(self) -> bool:
+        """Whether the goal makes one planning problem: it leaves no choice, and nothing about it is unknown."""
+        return not self.unsettled and len(self.alternatives()) == 1
+
     def groundings(self, atom: Atom) -> tuple[Atom, ...]:
         """Return the positive ground atoms that an atom leaves to choose from, all tokens different."""
         parameters = self.domain.predicate_by_name[atom.predicate].parameters

@@ -209,7 +209,7 @@ def test_the_written_task_plans_and_runs(task: Task, tumbled: ProbeReport, tmp_p
         assert execute(known, found, physics).success
 
 
-def test_a_goal_that_speaks_of_it_waits_for_a_probe(command: Command) -> None:
+def test_a_goal_that_speaks_of_it_waits_for_a_probe(command: Command, tmp_path: Path) -> None:
     done = command("plan", TO_TUMBLE, "--json")
     assert done.returncode == 11
     document = json.loads(done.stdout)
@@ -217,6 +217,14 @@ def test_a_goal_that_speaks_of_it_waits_for_a_probe(command: Command) -> None:
     (reason,) = document["explanation"]["reasons"]
     assert (reason["goal"], reason["lacks"]) == ("posture(P5, flat right)", "TUMBLABLE")
     assert "hybrid-tamp probe" in reason["message"]
+    done = command("run", TO_TUMBLE, "-o", tmp_path / "out")
+    assert (done.returncode, "--token P5" in done.stderr) == (11, True)
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == [
+        "mesh-01.obj",
+        "plan.json",
+        "report.html",
+        "task.yaml",
+    ]
     with pytest.raises(InputError, match="whether P5 is one is not known"):
         compile_task(load_task(TO_TUMBLE))
 
