@@ -41,7 +41,7 @@ class Trying(ExitStack):
 
     def excluded(self, task: Task) -> bool:
         """Say whether it is proven, in a short time, that there is no plan."""
-        if not may_be_solvable(compile_task(task).problem):
+        if not any(may_be_solvable(compile_task(each).problem) for each in task.alternatives()):
             return True
         try:
             return self._tried(task, PROVING) is None
