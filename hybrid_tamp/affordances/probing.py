@@ -112,6 +112,16 @@ class Prober:
             plan = self.find_plan(recipe.task(task, member, None))
         except NoPlan as error:
             return replace(known, obstacle=str(error))
+        return self.tried(known, recipe, task, member, plan, seed)
+
+    def tried(
+        self, known: Verdict, recipe: TrialRecipe, task: Task, member: Token, plan: TaskPlan, seed: int
+    ) -> Verdict:
+        """Return what is known of a class with the trials of a member, until they are enough.
+
+        Raises:
+            LimitReached: the deadline passed.
+        """
         for number, rng in enumerate(_draws(seed, max(self.starts, self.most_starts))):
             if number >= self.starts and known.verdict != "unsure":
                 break
