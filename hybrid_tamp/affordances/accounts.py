@@ -15,6 +15,7 @@ import numpy as np
 
 from hybrid_tamp.affordances.guesses import Guess, Guesser, Roles
 from hybrid_tamp.affordances.observation import Observation, Truth
+from hybrid_tamp.affordances.purposes import Purposes
 from hybrid_tamp.model.task import Task
 
 BEAM = 48
@@ -78,6 +79,7 @@ class _Search:
         self.task = task
         self.seen = observation
         self.guesser = Guesser(task, observation)
+        self.purposes = Purposes(self.guesser)
 
     def best(self) -> Account:
         """Return the cheapest account of all that was seen."""
@@ -159,7 +161,8 @@ class _Search:
             if guess is None:
                 return None
             started.append(guess)
-        return _after(account, passage.ending, started, row)
+        idle = self.purposes.cost(passage.ending, passage.starting)
+        return _after(replace(account, cost=account.cost + idle), passage.ending, started, row)
 
     def _instant(self, passage: _Passage) -> int | None:
         """Return the row of a reassignment: as late as movements allow, else as early as conditions do."""

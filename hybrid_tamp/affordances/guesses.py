@@ -219,16 +219,16 @@ class Guesser:
 
     def _misfit(self, block: Block, slots: Roles, targets: Roles, start: int, reached: int) -> float | None:
         """Return how far its tokens come to rest from where the block would bring them [m]; None if too far."""
-        seen, total = self.observation, 0.0
-        before = seen.state(start)
+        seen = self.observation
+        tokens = [token for _, token in slots]
+        before = seen.likely(start)
         after = before if block.outcome is None else block.outcome(self.task.bind(dict(slots + targets)), before)
-        for _, token in slots:
-            off = float(np.linalg.norm(after[token, "position"] - seen.place(token, reached)))
-            way = float(np.linalg.norm(seen.place(token, start) - seen.place(token, reached)))
-            if block.outcome is not None and off > _MISFIT_BOUND[0] + _MISFIT_BOUND[1] * way:
-                return None
-            total += off
-        return total
+        places = np.array([seen.place(token, reached) for token in tokens])
+        off = np.stack([np.linalg.norm(after[t, "position"] - p, axis=-1) for t, p in zip(tokens, places, strict=True)])
+        way = np.linalg.norm(places - [seen.place(token, start) for token in tokens], axis=-1)
+        if block.outcome is not None:
+            off = off[:, (off <= (_MISFIT_BOUND[0] + _MISFIT_BOUND[1] * way)[:, None]).all(axis=0)]
+        return float(off.sum(axis=0).min()) if off.size else None
 
     def _from(self, row: int) -> Truth:
         return np.arange(len(self.observation.times)) >= row
