@@ -81,19 +81,21 @@ class Guesser:
         self.observation = observation
         self.static = StaticFacts(task)
         self._targets: dict[tuple[str, Roles], tuple[Roles, ...]] = {}
-        self._guesses: dict[tuple[str, Roles, Roles, int], Guess | None] = {}
+        self._guesses: dict[tuple[str, Roles, Roles, int], tuple[Guess, ...]] = {}
         self._over_symbols: dict[str, tuple[Roles, ...]] = {}
 
     def block(self, name: str) -> Block:
         """Return the block of that name."""
         return self.task.domain.block_by_name[name]
 
-    def truth(self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False) -> Truth:
-        """Return where all conditions hold: about, or strictly and as measured."""
+    def truth(
+        self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False, exact: bool = False
+    ) -> Truth:
+        """Return where all conditions hold; arguments as of `Observation.truth`."""
         binding = self.task.bind(dict(roles))
         found = np.ones(len(self.observation.times), dtype=bool)
         for literal in literals:
-            found &= self.observation.truth(literal, binding, strict)
+            found &= self.observation.truth(literal, binding, strict, exact)
             if not found.any():
                 break
         return found
@@ -109,22 +111,30 @@ class Guesser:
         """Return where the entry conditions hold that are measured."""
         return self.truth(self.block(name).measured_entries, roles, strict)
 
-    def guess(self, name: str, slots: Roles, targets: Roles, start: int) -> Guess | None:
-        """Return the instance that begins in a row, or None if what is seen contradicts it."""
+    def guesses(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Guess, ...]:
+        """Return the instances that begin in a row, as far as what is seen does not contradict them.
+
+        There are two where noise leaves open when the exit conditions hold first.
+        """
         key = (name, slots, targets, start)
         if key not in self._guesses:
-            self._guesses[key] = self._made(name, slots, targets, start)
+            rows = self._reached(self.block(name), slots + targets, start)
+            made = [self._made(name, slots, targets, start, row) for row in rows]
+            self._guesses[key] = tuple(guess for guess in made if guess is not None)
         return self._guesses[key]
 
-    def _made(self, name: str, slots: Roles, targets: Roles, start: int) -> Guess | None:
-        block, seen = self.block(name), self.observation
+    def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
+        """Return the rows at which the exit conditions may hold first: but for noise, and without making allowance."""
+        seen = self.observation
         earliest = seen.times[start] + block.duration.minimum
         if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:
-            return None
-        ready = np.flatnonzero(self.truth(block.measured_exits, slots + targets) & self._from(seen.row(earliest)))
-        if not len(ready):
-            return None
-        reached = int(ready[0])
+            return []
+        since = self._from(seen.row(earliest))
+        found = [np.flatnonzero(self.truth(block.measured_exits, roles, exact=e) & since)[:1] for e in (False, True)]
+        return sorted({int(row) for rows in found for row in rows})
+
+    def _made(self, name: str, slots: Roles, targets: Roles, start: int, reached: int) -> Guess | None:
+        block, seen = self.block(name), self.observation
         departs = min(self._departure(block, slot, token, start, reached) for slot, token in slots)
         if departs <= reached or self._disturbed(block, targets, start, reached):
             return None

@@ -94,18 +94,25 @@ class Observation:
         draws *= np.linspace(0.0, _SURE, _DRAWS)[:, None]
         return State(self.trajectory.layout, self.trajectory.values[row] + draws * self.deviation.values)
 
-    def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False) -> Truth:
-        """Return where a condition holds as measured, row by row; unless `strict`, also where it about holds."""
+    def truth(
+        self, literal: Literal, binding: dict[str, Value], strict: bool = False, exact: bool = False
+    ) -> Truth:
+        """Return where a condition holds as measured, row by row.
+
+        Unless `strict`, also where it about holds; and unless `exact`, where it does but for noise.
+        """
 
         def find() -> Truth:
             holds = np.asarray(literal.margin(self.measured, binding) >= 0)
             if strict:
                 return holds
             margin = literal.margin(self.trajectory, binding)
+            if exact:
+                return np.asarray(holds | (margin >= -self.allowance * literal.predicate.scale))
             noise = np.median(np.abs(literal.margin(self._shaken, binding) - margin)) / _MEDIAN
             return np.asarray(holds | (margin >= -self.allowance * literal.predicate.scale - _SURE * noise))
 
-        return self._known((literal.ground(binding), strict), find)
+        return self._known((literal.ground(binding), strict, exact), find)
 
     def departure(self, token: str, row: int) -> int:
         """Return the row at which a token is no longer where it was in a row; beyond the last one if it stays."""
