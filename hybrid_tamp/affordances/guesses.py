@@ -14,7 +14,7 @@ from typing import cast
 import numpy as np
 
 from hybrid_tamp.affordances.manners import unexpected_pauses
-from hybrid_tamp.affordances.observation import Observation, Truth
+from hybrid_tamp.affordances.observation import SURE, Observation, Truth
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts
@@ -35,6 +35,8 @@ PAUSE_COST = 4.0
 """What a pause costs that the block's own policy does not make."""
 _MISFIT_BOUND = (0.08, 0.25)
 """How far off at most [m], and how much further per distance that was moved."""
+_OPEN = 0.2
+"""How long exit conditions may come and go by noise until they hold [s]."""
 _PAUSE = 0.2
 """A token that is still for so long has come to an end of its movement [s]."""
 
@@ -89,13 +91,13 @@ class Guesser:
         return self.task.domain.block_by_name[name]
 
     def truth(
-        self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False, exact: bool = False
+        self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False, sure: float = SURE
     ) -> Truth:
         """Return where all conditions hold; arguments as of `Observation.truth`."""
         binding = self.task.bind(dict(roles))
         found = np.ones(len(self.observation.times), dtype=bool)
         for literal in literals:
-            found &= self.observation.truth(literal, binding, strict, exact)
+            found &= self.observation.truth(literal, binding, strict, sure)
             if not found.any():
                 break
         return found
@@ -114,7 +116,7 @@ class Guesser:
     def guesses(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Guess, ...]:
         """Return the instances that begin in a row, as far as what is seen does not contradict them.
 
-        There are two where noise leaves open when the exit conditions hold first.
+        There are several where noise leaves open when the exit conditions hold first.
         """
         key = (name, slots, targets, start)
         if key not in self._guesses:
@@ -124,14 +126,18 @@ class Guesser:
         return self._guesses[key]
 
     def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
-        """Return the rows at which the exit conditions may hold first: but for noise, and without making allowance."""
+        """Return the rows at which the exit conditions may hold first, with more and less allowance for noise."""
         seen = self.observation
         earliest = seen.times[start] + block.duration.minimum
         if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:
             return []
         since = self._from(seen.row(earliest))
-        found = [np.flatnonzero(self.truth(block.measured_exits, roles, exact=e) & since)[:1] for e in (False, True)]
-        return sorted({int(row) for rows in found for row in rows})
+        loose, exact = (np.flatnonzero(self.truth(block.measured_exits, roles, sure=s) & since) for s in (SURE, 0.0))
+        if not len(loose) or (len(exact) and exact[0] == loose[0]):
+            return [int(row) for row in loose[:1]]
+        near = loose[seen.times[loose] <= seen.times[loose[0]] + _OPEN]
+        again = near[np.flatnonzero(np.diff(near, prepend=near[0] - 2) > 1)[-1]]
+        return sorted({int(loose[0]), int(again), *map(int, exact[:1])})
 
     def _made(self, name: str, slots: Roles, targets: Roles, start: int, reached: int) -> Guess | None:
         block, seen = self.block(name), self.observation

@@ -18,7 +18,7 @@ SMOOTHING = 0.02
 """Over how long poses and velocities are averaged [s]: much less than any block lasts."""
 ALLOWANCE = 0.25
 """How inexact what is measured is, in scales of predicates."""
-_SURE = 3.0
+SURE = 3.0
 """So many standard deviations of a margin are put down to noise."""
 _MEDIAN = 0.6745
 """Median of the absolute value of noise, in standard deviations."""
@@ -91,15 +91,15 @@ class Observation:
     def likely(self, row: int) -> State:
         """Return what the state of a row may have been, as far as noise tells, batch shape ``(n,)``, likely ones first."""
         draws = np.random.default_rng(row).standard_normal((_DRAWS, self.trajectory.layout.size))
-        draws *= np.linspace(0.0, _SURE, _DRAWS)[:, None]
+        draws *= np.linspace(0.0, SURE, _DRAWS)[:, None]
         return State(self.trajectory.layout, self.trajectory.values[row] + draws * self.deviation.values)
 
     def truth(
-        self, literal: Literal, binding: dict[str, Value], strict: bool = False, exact: bool = False
+        self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE
     ) -> Truth:
         """Return where a condition holds as measured, row by row.
 
-        Unless `strict`, also where it about holds; and unless `exact`, where it does but for noise.
+        Unless `strict`, also where it about holds but for noise of so many standard deviations (`sure`).
         """
 
         def find() -> Truth:
@@ -107,12 +107,10 @@ class Observation:
             if strict:
                 return holds
             margin = literal.margin(self.trajectory, binding)
-            if exact:
-                return np.asarray(holds | (margin >= -self.allowance * literal.predicate.scale))
             noise = np.median(np.abs(literal.margin(self._shaken, binding) - margin)) / _MEDIAN
-            return np.asarray(holds | (margin >= -self.allowance * literal.predicate.scale - _SURE * noise))
+            return np.asarray(holds | (margin >= -self.allowance * literal.predicate.scale - sure * noise))
 
-        return self._known((literal.ground(binding), strict, exact), find)
+        return self._known((literal.ground(binding), strict, sure), find)
 
     def departure(self, token: str, row: int) -> int:
         """Return the row at which a token is no longer where it was in a row; beyond the last one if it stays."""
