@@ -90,9 +90,7 @@ class Guesser:
         """Return the block of that name."""
         return self.task.domain.block_by_name[name]
 
-    def truth(
-        self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False, sure: float = SURE
-    ) -> Truth:
+    def truth(self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False, sure: float = SURE) -> Truth:
         """Return where all conditions hold; arguments as of `Observation.truth`."""
         binding = self.task.bind(dict(roles))
         found = np.ones(len(self.observation.times), dtype=bool)

@@ -89,14 +89,12 @@ class Observation:
         return State(self.trajectory.layout, self.trajectory.values[row])
 
     def likely(self, row: int) -> State:
-        """Return what the state of a row may have been, as far as noise tells, batch shape ``(n,)``, likely ones first."""
+        """Return what the state of a row may have been but for noise, batch shape ``(n,)``, likely ones first."""
         draws = np.random.default_rng(row).standard_normal((_DRAWS, self.trajectory.layout.size))
         draws *= np.linspace(0.0, SURE, _DRAWS)[:, None]
         return State(self.trajectory.layout, self.trajectory.values[row] + draws * self.deviation.values)
 
-    def truth(
-        self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE
-    ) -> Truth:
+    def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE) -> Truth:
         """Return where a condition holds as measured, row by row.
 
         Unless `strict`, also where it about holds but for noise of so many standard deviations (`sure`).

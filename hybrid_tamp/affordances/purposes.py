@@ -1,6 +1,6 @@
 """What an instance was for: its exit conditions are what something that begins when it ends asks for.
 
-Where an account leaves a choice, e.g. behind which of two regions in one line a hand reached, it is what was made use of.
+Where there is a choice, e.g. for which of two regions in one line a hand reached behind a thing, use was made of it.
 """
 
 from hybrid_tamp.affordances.guesses import Guess, Guesser, Roles

@@ -272,9 +272,9 @@ class _Population:
 
 
 def _steady(commanded: Sequence[Commands]) -> BoolArray:
-    """Return for which candidates the commands of a chunk do not change; a policy may still be about to do something."""
+    """Return for which candidates a chunk's commands do not change; else a policy is about to do something."""
     changes = [np.abs(commanded[-1][key] - first).max(axis=-1) for key, first in commanded[0].items()]
-    return np.logical_and.reduce([np.asarray(change < _STEADY) for change in changes], initial=True)
+    return np.asarray(np.logical_and.reduce([change < _STEADY for change in changes], initial=True), dtype=bool)
 
 
 def _limited(command: FloatArray, limit: float) -> FloatArray:
