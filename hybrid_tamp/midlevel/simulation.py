@@ -2,7 +2,7 @@
 
 The candidates of a population are rows of one array. A candidate has come to its exit at the first control step at
 which its minimum duration has passed and all exit conditions hold, as in a real run; else it ends at the block's bound,
-or where it has come to rest short of its exit.
+or where it has come to rest short of its exit and its commands do, too.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
