@@ -83,7 +83,7 @@ class NoPlan(HybridTampError):
 
     Attributes:
         proven: True if no plan can exist, False if the planner merely found none.
-        kind: ``unsolvable``, ``not_found``, ``planner_crashed`` or ``plan_refused``.
+        kind: ``unsolvable``, ``not_found``, ``planner_crashed``, ``plan_refused`` or ``class_unknown``.
     """
 
     def __init__(self, message: str, *, proven: bool, kind: str) -> None:

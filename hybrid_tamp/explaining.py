@@ -35,4 +35,5 @@ def explained(task: Task, kind: str, said: str, proven: bool, suggesting: float,
         reasons=[ReasonEntry(**reason.__dict__) for reason in found.reasons],
         suggestions=suggestions,
         all_looked_at=found.complete,
+        together=list(found.together),
     )

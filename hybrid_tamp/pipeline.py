@@ -117,7 +117,7 @@ def _export_temporal(task: Task, folder: RunFolder, plan: TaskPlan | None) -> li
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
     """Write a plan's document, convergence curve and PDDL, the task file and what it names, in place of another run's.
 
-    A goal with a choice of which none was made has no PDDL.
+    A goal with a choice of which none was made has no PDDL, nor has one about a token of which too little is known.
     """
     # The task may be another run's, in this very folder.
     text, named = (None, {}) if outcome.task.source is None else portable(outcome.task.source)
@@ -129,7 +129,7 @@ def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
     curve = None if refinement is None else convergence_picture(refinement)
     if curve is not None:
         folder.write_bytes("convergence.png", curve)
-    if outcome.plan is not None or len(outcome.task.alternatives()) == 1:
+    if outcome.plan is not None or outcome.task.definite:
         export(outcome.chosen or outcome.task, folder, outcome.plan)
 
 

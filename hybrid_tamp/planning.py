@@ -1,5 +1,6 @@
 """A task to a checked plan, or to the reason why there is none."""
 
+import shlex
 import time
 from dataclasses import dataclass
 from typing import Literal
@@ -15,6 +16,7 @@ from hybrid_tamp.report.documents import (
     NetworkEntry,
     PlanDocument,
     PlannerEntry,
+    ReasonEntry,
     network_entry,
     plan_document,
 )
@@ -27,6 +29,9 @@ _SAID = {
     "planner_crashed": "The planner crashed.",
     "plan_refused": "The planner returned a plan that is wrong; it was refused.",
 }
+
+CLASS_UNKNOWN = "class_unknown"
+"""The kind of explanation where the goal speaks of a token that is unknown in the class that it asks for."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,8 @@ def plan(task: Task, planner: Planner | None = None, suggesting: float = SUGGEST
         with PlannerProcess() as process:
             return plan(task, process, suggesting)
     began = time.monotonic()
+    if task.unsettled:
+        return _unsettled(task)
     tailoring = Tailoring(task)
     try:
         planned = tailoring.planned(planner)
@@ -84,6 +91,24 @@ def plan(task: Task, planner: Planner | None = None, suggesting: float = SUGGEST
         document = plan_document(task, status="limit", planner=entry, plan=None, network=network, explanation=said)
         return PlanOutcome(task, document, None, limit)
     return _outcome(task, planned, _network(tailoring), suggesting)
+
+
+def _unsettled(task: Task) -> PlanOutcome:
+    """Return that a plan has to wait until it is known what a token of the goal is."""
+    said = "Whether there is a plan is not known: the goal speaks of a token that nobody has tried yet."
+    reasons = []
+    for atom, token, sort in task.unsettled:
+        asking = f"hybrid-tamp probe {task.source or task.name} --token {shlex.quote(token.name)} --write NEW.yaml"
+        message = f"it is unknown whether {token.name} is a member of {sort.name}; '{asking}' finds out"
+        reasons.append(ReasonEntry(goal=str(atom), block="", kind=CLASS_UNKNOWN, message=message, lacks=sort.name))
+    explanation = ExplanationEntry(kind=CLASS_UNKNOWN, message=said, reasons=reasons)
+    entry, network = PlannerEntry(name=task.planner, seconds=0.0), network_entry(task, task, [])
+    document = plan_document(task, status="unknown", planner=entry, plan=None, network=network, explanation=explanation)
+    return PlanOutcome(task, document, None, NoPlan(_with_reasons(explanation), proven=False, kind=CLASS_UNKNOWN))
+
+
+def _with_reasons(explanation: ExplanationEntry) -> str:
+    return "\n".join([explanation.message, *(f"  {each.goal}: {each.message}" for each in explanation.reasons)])
 
 
 def _network(tailoring: Tailoring) -> NetworkEntry:
@@ -117,5 +142,4 @@ def _outcome(task: Task, planned: Planned, network: NetworkEntry, suggesting: fl
         explanation = explained(task, planned.status, said, proven, suggesting)
     status: Literal["unsolvable", "unknown"] = "unsolvable" if proven else "unknown"
     document = plan_document(task, status=status, planner=entry, plan=None, network=network, explanation=explanation)
-    message = "\n".join([said, *(f"  {reason.goal}: {reason.message}" for reason in explanation.reasons)])
-    return PlanOutcome(task, document, None, NoPlan(message, proven=proven, kind=planned.status))
+    return PlanOutcome(task, document, None, NoPlan(_with_reasons(explanation), proven=proven, kind=planned.status))

@@ -8,7 +8,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
-from hybrid_tamp.affordances.probing import STARTS, Prober, Tell
+from hybrid_tamp.affordances.probing import MOST_STARTS, STARTS, Prober, Tell
 from hybrid_tamp.affordances.verdicts import ProbeReport, Verdict
 from hybrid_tamp.errors import ExecutionFailed, InputError, Issue
 from hybrid_tamp.model.task import Task
@@ -27,6 +27,7 @@ def probe(
     classes: Sequence[str] = (),
     *,
     starts: int = STARTS,
+    most_starts: int = MOST_STARTS,
     seconds: float | None = None,
     backend: str = "pybullet",
     planner: Planner | None = None,
@@ -38,7 +39,8 @@ def probe(
         task: the task; its other tokens lend hands and labelled members.
         token: name of the token.
         classes: names of the classes to try; all that the token is unknown in by default.
-        starts: from how many starts each class is tried; the task's seed draws them.
+        starts: from how many starts each class is tried at first; the task's seed draws them.
+        most_starts: from how many at most, where fewer leave the verdict unsure.
         seconds: wall-clock time for everything [s]; unlimited by default.
         backend: name of the physics backend.
         planner: a running planner process; without one, one is started for each plan.
@@ -52,7 +54,8 @@ def probe(
 
     deadline = float("inf") if seconds is None else time.monotonic() + seconds
     with open_backend(backend) as physics:
-        prober = Prober(lambda tried: plan(tried, planner).required(), physics, starts, deadline=deadline, tell=tell)
+        find_plan = lambda tried: plan(tried, planner).required()  # noqa: E731
+        prober = Prober(find_plan, physics, starts, most_starts, deadline=deadline, tell=tell)
         return prober.probe(task, token, classes, task.seed)
 
 

@@ -35,6 +35,11 @@ def candidates(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
             yield change
 
 
+def answers(task: Task, reason: Reason) -> Iterator[Change]:
+    """Yield the single changes that take away what a reason complains of."""
+    return _Space(task).pointed(reason)
+
+
 def together(task: Task, changes: list[Change]) -> Task:
     """Return the task with several edges or several facts, or with any single change or none."""
     if len(changes) == 1:

@@ -7,13 +7,16 @@ are short, or where its feasibility facts hold for no choice of tokens; then the
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hybrid_tamp.affordances.backwards import Backwards
 from hybrid_tamp.affordances.bindings import TooMany
 from hybrid_tamp.affordances.candidates import points_to
 from hybrid_tamp.affordances.reasons import TOGETHER, Reason, merged
+from hybrid_tamp.affordances.relevance import relevant_part
 from hybrid_tamp.affordances.repairs import Repairs, Suggestion, but_for, repairs
+from hybrid_tamp.affordances.smallest import needed, together
+from hybrid_tamp.affordances.trying import Trying
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 
@@ -31,11 +34,13 @@ class Explanation:
         reasons: the reasons; those first that a suggestion takes away.
         suggestions: single changes with which there is a plan; each was planned.
         complete: whether every single change was looked at, or as many were found as were asked for.
+        together: changes that give a plan together, where no single one was found.
     """
 
     reasons: tuple[Reason, ...]
     suggestions: tuple[Suggestion, ...]
     complete: bool
+    together: tuple[str, ...] = ()
 
 
 def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
@@ -47,13 +52,26 @@ def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
         task: the task.
         seconds: how long changes are looked for.
         most: how many changes are enough.
+
+    Returns:
+        The suggestions, and the smallest set of reasons that was found in the time (see `smallest`).
     """
-    reasons = explain_alternatives(task, proven=True)
-    found = _repairs(task, seconds, most)
-    told = [*reasons, *but_for(task, reasons, found.suggestions)]
-    pointed = [r for r in told if any(points_to(task, r, each.change) for each in found.suggestions)]
-    others = [r for r in told if r not in pointed and not (pointed and r.kind == TOGETHER)]
-    return Explanation((*pointed, *others), found.suggestions, found.complete)
+    part = relevant_part(task)
+    reasons = explain_alternatives(part, proven=True)
+    with Trying(time.monotonic() + seconds) as trying:
+        found = _repairs(part, reasons, trying, most)
+        if part is not task and not found.suggestions:
+            # A change may make use of what nobody needs as things are: an edge through another block.
+            found = _repairs(task, reasons, trying, most)
+        elif part is not task:
+            found = replace(found, complete=len(found.suggestions) >= most)
+        told = [*reasons, *but_for(task, reasons, found.suggestions)]
+        pointed = [r for r in told if any(points_to(task, r, each.change) for each in found.suggestions)]
+        others = [r for r in told if r not in pointed and not (pointed and r.kind == TOGETHER)]
+        if found.suggestions:
+            return Explanation((*pointed, *needed(part, others, trying)), found.suggestions, found.complete)
+        kept, changes = together(part, others, trying)
+        return Explanation(tuple(kept), (), found.complete, tuple(each.what for each in changes))
 
 
 def explain(task: Task, proven: bool = False) -> list[Reason]:
@@ -77,13 +95,11 @@ def explain_alternatives(task: Task, proven: bool = False) -> list[Reason]:
     return list(dict.fromkeys(r for each in task.alternatives()[:MOST_EXPLAINED] for r in explain(each, proven)))
 
 
-def _repairs(task: Task, seconds: float, most: int) -> Repairs:
+def _repairs(task: Task, reasons: list[Reason], trying: Trying, most: int) -> Repairs:
     """Look for changes with which one of the nearest alternatives can be reached."""
-    deadline = time.monotonic() + seconds
     found, complete = list[Suggestion](), True
     for each in task.alternatives()[:MOST_EXPLAINED]:
-        left = deadline - time.monotonic()
-        more = repairs(each, explain(each, proven=True), left, most - len(found))
+        more = repairs(each, reasons, trying, most - len(found))
         found += more.suggestions
         complete = complete and more.complete
         if len(found) >= most:

@@ -28,7 +28,9 @@ from hybrid_tamp.physics.backend import Backend
 from hybrid_tamp.physics.execution import execute
 
 STARTS = 4
-"""From so many starts a class is tried, unless said otherwise: of all or none of them the interval leaves out 1/2."""
+"""From so many starts a class is tried at first: of all or none of them the interval leaves out 1/2."""
+MOST_STARTS = 16
+"""From no more starts a class is tried that stays unsure: one that succeeds in 9 of 10 is told from 1/2 by then."""
 BLOCK_SECONDS = 8.0
 """Whatever a block may take in a task, in a trial it is given up after so long [s]."""
 MOST_SECONDS = 60.0
@@ -49,7 +51,9 @@ class Prober:
     Attributes:
         find_plan: how tasks are planned.
         backend: where plans are run.
-        starts: from how many starts a class is tried.
+        starts: from how many starts a class is tried at first.
+        most_starts: up to so many further ones are tried while the verdict is unsure. Looking at the interval after
+            each makes it less sure than it says: a token that succeeds in half of the trials gets a verdict more often.
         most_seconds: simulated time of a trial [s].
         deadline: when all must be done, on the monotonic clock [s].
         tell: told how far the work is.
@@ -58,6 +62,7 @@ class Prober:
     find_plan: FindPlan
     backend: Backend
     starts: int = STARTS
+    most_starts: int = MOST_STARTS
     most_seconds: float = MOST_SECONDS
     deadline: float = float("inf")
     tell: Tell = lambda share, what: None
@@ -107,8 +112,21 @@ class Prober:
             plan = self.find_plan(recipe.task(task, member, None))
         except NoPlan as error:
             return replace(known, obstacle=str(error))
-        trials = tuple(self.trial(recipe, recipe.task(task, member, rng), plan) for rng in _draws(seed, self.starts))
-        return replace(known, trials=trials)
+        return self.tried(known, recipe, task, member, plan, seed)
+
+    def tried(
+        self, known: Verdict, recipe: TrialRecipe, task: Task, member: Token, plan: TaskPlan, seed: int
+    ) -> Verdict:
+        """Return what is known of a class with the trials of a member, until they are enough.
+
+        Raises:
+            LimitReached: the deadline passed.
+        """
+        for number, rng in enumerate(_draws(seed, max(self.starts, self.most_starts))):
+            if number >= self.starts and known.verdict != "unsure":
+                break
+            known = replace(known, trials=(*known.trials, self.trial(recipe, recipe.task(task, member, rng), plan)))
+        return known
 
     def trial(self, recipe: TrialRecipe, task: Task, plan: TaskPlan) -> Trial:
         """Run one of a recipe's tasks.

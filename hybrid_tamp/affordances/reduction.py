@@ -5,16 +5,16 @@ the objects that need to be manipulated." Before: a task of a domain that may ha
 a smaller task of a smaller domain, and from a plan of it a plan of the whole.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Set
+from collections.abc import Collection, Mapping, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from hybrid_tamp.affordances.filling import Members
-from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.affordances.parts import domain_part
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import ANY, Predicate, SymbolSort
+from hybrid_tamp.model.predicate import ANY
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
@@ -44,7 +44,7 @@ class Reduction:
     def task(self) -> Task:
         """What is left of the task, of a domain with what is left of the network."""
         kept = [token for token in self.whole.tokens if token.name in self.tokens]
-        return self.whole.part(self.tokens, domain=_part(self.whole, self.blocks, kept))
+        return self.whole.part(self.tokens, domain=domain_part(self.whole, self.blocks, kept))
 
     @cached_property
     def blocks_left_out(self) -> tuple[str, ...]:
@@ -172,35 +172,3 @@ def _entered(domain: Domain, blocks: Mapping[str, Block], started: Collection[st
 
 def _left(domain: Domain, block: Block, blocks: Collection[str]) -> bool:
     return all(any(b in blocks for b, _ in domain.network.destinations((block.name, s.name))) for s in block.slots)
-
-
-def _part(task: Task, blocks: Collection[Block], tokens: Iterable[Token]) -> Domain:
-    """Return the part of the domain with these blocks, and with what they and these tokens and the goal mention."""
-    domain = task.domain
-    mentioned = {literal.predicate.name for block in blocks for literal in (*block.entry, *block.exit)}
-    mentioned |= {atom.predicate for atom in task.goal}
-    predicates = tuple(predicate for predicate in domain.predicates if predicate.name in mentioned)
-    classes = set(_classes(blocks, predicates, tokens))
-    above = {each for member in classes for each in member.__mro__}
-    return replace(
-        domain,
-        classes=tuple(each for each in domain.classes if each in classes),
-        predicates=predicates,
-        blocks=tuple(blocks),
-        network=domain.network.part({block.name for block in blocks}),
-        sorts=(),
-        disjoint=tuple(tuple(member for member in group if member in above) for group in domain.disjoint),
-        reduced=True,
-    )
-
-
-def _classes(
-    blocks: Collection[Block], predicates: Iterable[Predicate], tokens: Iterable[Token]
-) -> Iterator[type[ObjectClass]]:
-    """Yield the classes that are mentioned, and those above them."""
-    sorts = [sort for block in blocks for sort in block.roles.values()]
-    sorts += [parameter.sort for predicate in predicates for parameter in predicate.parameters]
-    mentioned = [sort for sort in sorts if not isinstance(sort, SymbolSort)]
-    mentioned += [member for token in tokens for member in token.classes]
-    for each in dict.fromkeys(mentioned):
-        yield from (above for above in each.__mro__ if issubclass(above, ObjectClass))

@@ -1,25 +1,24 @@
 """Which single change of a task gives it a plan, found by planning the changed task.
 
 A change is first looked at without what blocks delete, which takes some hundredths of a second and can only prove that
-it is of no use; what remains is put to the planner, and its plan is judged by the law as any other.
+it is of no use; what remains is put to the planner, and its plan is judged by the law as any other. Where that look
+proves nothing, because the task has no plan only by what blocks delete, many edges or facts are put to the planner
+together: if all of them are of no use, none is.
 """
 
-import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import cycle, groupby
+from itertools import groupby
 
 from hybrid_tamp.affordances.candidates import candidates, parsed, points_to, together
 from hybrid_tamp.affordances.changes import Change
 from hybrid_tamp.affordances.reasons import TOGETHER, Reason
-from hybrid_tamp.errors import LimitReached
+from hybrid_tamp.affordances.trying import Trying
 from hybrid_tamp.model.facts import StaticFacts
-from hybrid_tamp.model.task import DEFAULT_PLANNER, Task
-from hybrid_tamp.symbolic.planner import PlannerProcess
+from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.problem import compile_task
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
-from hybrid_tamp.symbolic.stage import plan_task
 
 OF_A_KIND = 2
 """So many changes of one kind are suggested: a third hand says nothing new."""
@@ -51,32 +50,28 @@ class Repairs:
     complete: bool
 
 
-def repairs(task: Task, reasons: Sequence[Reason], seconds: float, most: int) -> Repairs:
+def repairs(task: Task, reasons: Sequence[Reason], trying: Trying, most: int) -> Repairs:
     """Look for single changes that give a task a plan.
 
     Args:
         task: a task that has no plan.
         reasons: why it has none, as far as is known: what they point to is tried first.
-        seconds: how long to look; what was begun by then is finished.
+        trying: plans changed tasks; when its time is over, what was begun is finished.
         most: how many changes are enough.
     """
-    deadline = time.monotonic() + seconds
     found: list[Suggestion] = []
     kinds: Counter[str] = Counter()
-    # Processes answer once; so one starts while the other answers.
-    with PlannerProcess() as one, PlannerProcess() as other:
-        processes = cycle((one, other))
-        for change in _Sieve(task, reasons).promising(candidates(task, reasons)):
-            if time.monotonic() > deadline:
-                return Repairs(tuple(found), complete=False)
-            if change is None or kinds[change.kind] == OF_A_KIND or _is_known(change, found):
-                continue
-            length = _length(change.made(), next(processes), deadline)
-            if length is not None:
-                found.append(Suggestion(change, length))
-                kinds[change.kind] += 1
-            if len(found) == most:
-                break
+    for change in _Sieve(task, reasons, trying).promising(candidates(task, reasons)):
+        if trying.over:
+            return Repairs(tuple(found), complete=False)
+        if change is None or kinds[change.kind] == OF_A_KIND or _is_known(change, found):
+            continue
+        length = trying.length(change.made())
+        if length is not None:
+            found.append(Suggestion(change, length))
+            kinds[change.kind] += 1
+        if len(found) == most:
+            break
     return Repairs(tuple(found), complete=True)
 
 
@@ -90,32 +85,38 @@ def _is_known(change: Change, found: Iterable[Suggestion]) -> bool:
 class _Sieve:
     """Tells changes that may be of use from those that are proven to be of none."""
 
-    def __init__(self, task: Task, reasons: Iterable[Reason]) -> None:
+    def __init__(self, task: Task, reasons: Iterable[Reason], trying: Trying) -> None:
         self._task = task
         self._known = StaticFacts(task)
+        self._trying = trying
         # Reasons of other kinds are found without deletes, too.
         self._hopeless = any(reason.kind != TOGETHER for reason in reasons) or not self._possible([])
 
     def promising(self, changes: Iterable[Change]) -> Iterator[Change | None]:
         """Yield the changes that may be of use, and now and then None: looking takes time, too."""
         for kind, group in groupby(changes, key=lambda change: change.kind):
-            if kind in ("edge", "fact"):
-                yield from self._split(list(group))
-            else:
+            if kind not in ("edge", "fact"):
                 yield from (change if self._possible([change]) else None for change in group)
+            elif self._hopeless:
+                yield from self._split(list(group), self._possible)
+            else:
+                # Planning takes longer: the first are tried alone, the later ones more and more together.
+                rest, size = list(group), 1
+                while rest:
+                    yield from self._split(rest[:size], self._may_be_planned)
+                    rest, size = rest[size:], 2 * size
 
-    def _split(self, group: list[Change]) -> Iterator[Change | None]:
+    def _split(self, group: list[Change], of_use: Callable[[list[Change]], bool]) -> Iterator[Change | None]:
         """Yield of many changes those that may be of use: where all together are of none, no single one is."""
-        if not self._hopeless:
-            yield from group
-        elif not self._possible(group):
+        if not of_use(group):
             yield None
         elif len(group) == 1:
             yield from group
         else:
             middle = len(group) // 2
-            yield from self._split(group[:middle])
-            yield from self._split(group[middle:])
+            yield None
+            yield from self._split(group[:middle], of_use)
+            yield from self._split(group[middle:], of_use)
 
     def _possible(self, group: list[Change]) -> bool:
         compilation = compile_task(together(self._task, group))
@@ -124,19 +125,9 @@ class _Sieve:
             compilation = replace(compilation, feasible=self._known)
         return may_be_solvable(compilation.problem)
 
-
-def _length(task: Task, process: PlannerProcess, deadline: float) -> int | None:
-    """Return the number of actions of a plan, or None if none is found in time."""
-    limits = replace(task.limits, time=min(task.limits.time, max(2.0, deadline - time.monotonic())))
-    # Any plan will do, so the engine is the one that ends where there is none.
-    simple = task.replaced(objective="length", planner=DEFAULT_PLANNER, limits=limits)
-    try:
-        planned = plan_task(simple, process)
-    except LimitReached:
-        return None
-    finally:
-        process.prepare()
-    return len(planned.plan.actions) if planned.plan else None
+    def _may_be_planned(self, group: list[Change]) -> bool:
+        # One alone is planned by whoever asks for it.
+        return len(group) == 1 or not self._trying.excluded(together(self._task, group))
 
 
 def but_for(task: Task, reasons: Iterable[Reason], suggestions: Iterable[Suggestion]) -> list[Reason]:

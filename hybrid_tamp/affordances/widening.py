@@ -17,6 +17,7 @@ import numpy as np
 from hybrid_tamp.affordances.backwards import Backwards
 from hybrid_tamp.affordances.bindings import TooMany
 from hybrid_tamp.affordances.reduction import Reducer, Reduction
+from hybrid_tamp.affordances.relevance import relevant_blocks
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort
 from hybrid_tamp.model.task import Task
@@ -60,8 +61,8 @@ class Widening:
 
     @cached_property
     def all(self) -> Reduction:
-        """The network with every object brought in: what it leaves out is in no plan, so it has one if the full has."""
-        return self.reduced(self.task.token_by_name)
+        """The relevant network with every object brought in: it has a plan if the full network has one."""
+        return self._reducer.reduced(self.task.token_by_name, relevant_blocks(self.task))
 
     def outside(self, reduction: Reduction, brought: Collection[str]) -> list[Token]:
         """Return the objects that were not brought in yet and fit somewhere in the network, in the task's order."""

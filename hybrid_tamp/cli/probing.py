@@ -24,6 +24,9 @@ def probe(
         Path | None, typer.Option("--write", metavar="NEW.yaml", help="write a task in which the token is a member")
     ] = None,
     starts: Annotated[int, typer.Option("--seeds", min=1, max=1000, help="from how many starts a class is tried")] = 4,
+    most_starts: Annotated[
+        int, typer.Option("--most-seeds", min=1, max=1000, help="from how many at most, while the verdict is unsure")
+    ] = 16,
     domain: DomainOption = None,
     force: ForceOption = False,
     seed: SeedOption = None,
@@ -42,7 +45,14 @@ def probe(
 
         with progress_bar() as tell:
             report = find_out(
-                loaded, token, classes or (), starts=starts, seconds=time_limit, planner=process, tell=tell
+                loaded,
+                token,
+                classes or (),
+                starts=starts,
+                most_starts=most_starts,
+                seconds=time_limit,
+                planner=process,
+                tell=tell,
             )
     if as_json:
         print_json(probe_document(report))

@@ -142,6 +142,25 @@ class Task:
         literal = Literal(self.domain.predicate_by_name[atom.predicate], atom.arguments, atom.positive)
         return float(literal.margin(state or self.state, self.token_by_name))
 
+    @cached_property
+    def unsettled(self) -> tuple[tuple[Atom, Token, type[ObjectClass]], ...]:
+        """The goal atoms that ask of a token to be a member of a class in which it is unknown."""
+        return tuple(
+            (atom, token, parameter.sort)
+            for atom in self.goal
+            for name, parameter in zip(
+                atom.arguments, self.domain.predicate_by_name[atom.predicate].parameters, strict=True
+            )
+            if not isinstance(parameter.sort, SymbolSort)
+            and (token := self.token_by_name.get(name)) is not None
+            and token.may_be_member(parameter.sort)
+        )
+
+    @property
+    def definite(self) -> bool:
+        """Whether the goal makes one planning problem: it leaves no choice, and nothing about it is unknown."""
+        return not self.unsettled and len(self.alternatives()) == 1
+
     def groundings(self, atom: Atom) -> tuple[Atom, ...]:
         """Return the positive ground atoms that an atom leaves to choose from, all tokens different."""
         parameters = self.domain.predicate_by_name[atom.predicate].parameters

@@ -150,6 +150,10 @@ class Token:
         """Say whether the token is a member of the class."""
         return any(issubclass(member, object_class) for member in self.classes)
 
+    def may_be_member(self, object_class: type[ObjectClass]) -> bool:
+        """Say whether it is unknown whether the token is a member of the class."""
+        return not self.is_member(object_class) and any(issubclass(each, object_class) for each in self.unknown)
+
     @property
     def place(self) -> bool:
         """Whether the token is a place: a target that is never in a slot."""

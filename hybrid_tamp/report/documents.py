@@ -100,11 +100,14 @@ class SuggestionEntry(Document):
 class ExplanationEntry(Document):
     """Why there is no plan."""
 
-    kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, time or memory")
+    kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, class_unknown, time or memory")
     message: str
     reasons: list[ReasonEntry]
     suggestions: list[SuggestionEntry] = Field(default_factory=list)
     all_looked_at: bool = Field(False, description="whether no single change beyond the suggestions was left untried")
+    together: list[str] = Field(
+        default_factory=list, description="changes with which there is a plan if all are made; where no single one does"
+    )
 
 
 class PlanDocument(Document):

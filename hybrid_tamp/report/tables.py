@@ -122,6 +122,8 @@ def reasons(entry: ExplanationEntry) -> list[str]:
     lines += [f"There is a plan of {each.length} actions with {each.what}." for each in entry.suggestions]
     if entry.kind == "unsolvable" and not entry.suggestions:
         lines.append(_NO_SINGLE_CHANGE if entry.all_looked_at else _NONE_FOUND)
+    if entry.together:
+        lines.append(f"There is a plan with all of these changes together: {'; '.join(entry.together)}.")
     return lines
 
 

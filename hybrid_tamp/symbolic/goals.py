@@ -5,16 +5,22 @@ from hybrid_tamp.model.predicate import ANY
 from hybrid_tamp.model.task import Task
 
 
-def sole_alternative(task: Task) -> Task:
+def with_one_goal(task: Task) -> Task:
     """Return the task with its one ground goal.
 
     Raises:
-        InputError: the goal leaves a choice.
+        InputError: the goal leaves a choice, says what does not hold, or asks of a token what is not known of it.
     """
+    for atom, token, sort in task.unsettled:
+        wanted = f"'{atom}' asks for a member of {sort.name}, and whether {token.name} is one is not known"
+        raise InputError([Issue("goal", wanted, remedy="'hybrid-tamp probe' finds out")])
     first, *others = task.alternatives()
     if others:
         wanted = "a goal that names every token: the goal of a planning problem says that all of it holds"
         named = ", ".join(map(str, first.goal))
         remedy = f"name tokens instead of {ANY!r}; the nearest choice is {named}"
         raise InputError([Issue("goal", wanted, f"one with {len(others) + 1} choices", remedy=remedy)])
+    denied = [atom for atom in first.goal if not atom.positive]
+    if denied:
+        raise InputError([Issue("goal", f"'{denied[0]}': a goal says what holds", remedy="ask for its opposite")])
     return first

@@ -5,14 +5,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise, permutations
 
-from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.facts import StaticFacts, facts, static_facts
 from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.encoding.encoder import EncodedDomain, encode_domain, encode_task
-from hybrid_tamp.symbolic.goals import sole_alternative
+from hybrid_tamp.symbolic.goals import with_one_goal
 from hybrid_tamp.symbolic.naming import Naming, legal
 from hybrid_tamp.symbolic.operators import Fact, PlanningProblem
 from hybrid_tamp.symbolic.vocabulary import COUNT, NONE, locked_targets, no_value, opposite
@@ -98,7 +97,7 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
     Raises:
         InputError: the goal denies a predicate that changes or leaves a choice, which STRIPS goals cannot.
     """
-    task = sole_alternative(task)
+    task = with_one_goal(task)
     encoded = whole.encoded if whole else encode_task(task) if chains else encode_domain(task.domain)
     own = {name for name, _ in encoded.planning.predicates}
     counts = _counts(task)
@@ -203,10 +202,7 @@ class _Writer:
 
     def goal(self) -> Iterator[Fact]:
         """Yield the goal: the user's atoms, and that no reassignment or bounded block is left half done."""
-        for atom in self.task.goal:
-            if not atom.positive:
-                raise InputError([Issue("goal", f"'{atom}': a goal says what holds", remedy="ask for its opposite")])
-            yield self.fact(atom)
+        yield from map(self.fact, self.task.goal)
         yield ("idle",)
         for token in self.task.assigned:
             yield from self._at_ease(token)

@@ -116,14 +116,13 @@ def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) ->
 
 def _check_class(argument: str, atom: Atom, parameter: Parameter, path: KeyPath, faults: Faults, scene: Scene) -> None:
     sort, outline = parameter.sort, scene.outlines[argument]
-    if isinstance(sort, SymbolSort) or outline.is_member(sort):
+    # Whether a token that is unknown in the class is a member, a probe finds out; until then there is no plan.
+    if isinstance(sort, SymbolSort) or outline.is_member(sort) or outline.may_be_member(sort):
         return
     members = ", ".join(member.name for member in outline.classes)
     fitting = [name for name, token in scene.outlines.items() if token.is_member(sort)]
     wanted = f"{parameter.name} of {atom.predicate} must be a member of {sort.name}"
     remedy = "" if fitting else f"no token is a member of {sort.name}"
-    if sort in outline.unknown:
-        remedy = f"'hybrid-tamp probe --token {argument}' finds out whether it is one"
     faults.at(path, wanted, f"token {shown(argument)}, a member of {members}", fitting, remedy)
 
 

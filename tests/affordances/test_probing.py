@@ -31,11 +31,13 @@ from hybrid_tamp.motion.poses import quaternion_from_rpy, quaternion_of_rotation
 from hybrid_tamp.physics.backend import open_backend
 from hybrid_tamp.planning import plan
 from hybrid_tamp.probing import probe, save_members
+from hybrid_tamp.symbolic.problem import compile_task
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
 from hybrid_tamp.taskfile.meshfile import read_mesh
 
 ROOT = Path(__file__).parents[2]
 UNKNOWN = ROOT / "problems" / "unknown_box.yaml"
+TO_TUMBLE = ROOT / "problems" / "tumble_unknown_box.yaml"
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
@@ -152,8 +154,21 @@ def test_p5_is_tumblable(tumbled: ProbeReport) -> None:
     assert verdict.contacts["right upper"] == pytest.approx((0.1258, 0.0, 0.066), abs=0.004)
 
 
+@pytest.mark.parametrize(
+    ("drawn", "verdict", "trials"),
+    [("1111", "yes", 4), ("0000", "no", 4), ("11101111", "yes", 8), ("1010101010", "unsure", 10), ("01", "unsure", 10)],
+)
+def test_it_goes_on_while_the_verdict_is_unsure(
+    task: Task, monkeypatch: pytest.MonkeyPatch, drawn: str, verdict: str, trials: int
+) -> None:
+    won = iter(drawn * 10)
+    monkeypatch.setattr(Prober, "trial", lambda *_: Trial(next(won) == "1", "", {}))
+    (found,) = probe(task, "P5", ["TUMBLABLE"], most_starts=10).verdicts
+    assert (found.verdict, len(found.trials)) == (verdict, trials)
+
+
 def test_p5_slides_and_does_not_roll(task: Task) -> None:
-    (verdict,) = probe(task, "P5", ["ROLLABLE"], starts=1).verdicts
+    (verdict,) = probe(task, "P5", ["ROLLABLE"], starts=1, most_starts=1).verdicts
     assert verdict.successes == 0
     assert verdict.labelled == "P4"
     assert verdict.trials[0].measures["ROLLING-1.roll_ratio"] < 0.1
@@ -164,7 +179,7 @@ def test_a_cylinder_never_seen_rolls(task: Task) -> None:
     """Its mass is that of its volume at the density of the cylinder that is known."""
     drum = Token.make("P5", [], {}, CYLINDER, task.token_by_name["P5"].unknown)
     tokens = tuple(drum if token.name == "P5" else token for token in task.tokens)
-    (verdict,) = probe(task.replaced(tokens=tokens), "P5", ["ROLLABLE"], starts=1).verdicts
+    (verdict,) = probe(task.replaced(tokens=tokens), "P5", ["ROLLABLE"], starts=1, most_starts=1).verdicts
     assert verdict.successes == 1, verdict.trials[0].why
     density = 5.0 / volume_of(Cylinder(kind="cylinder", radius=0.1, length=0.3))
     assert verdict.properties["mass"] == pytest.approx(density * volume_of(CYLINDER), rel=1e-3)
@@ -179,14 +194,39 @@ def test_the_written_task_plans_and_runs(task: Task, tumbled: ProbeReport, tmp_p
     assert "# P5 has never been seen before" in text
     assert "unknown: [ROLLABLE]" in text
     assert [file.name for file in tmp_path.iterdir()] == ["known.yaml"]
-    target.write_text(text.replace("inside: [P4, goal]", "posture: [P5, flat right]"), encoding="utf-8")
+    # The same box in the task whose goal speaks of it.
+    wanted = load_task(TO_TUMBLE)
+    save_members(wanted, tumbled, target, force=True)
     known = load_task(target)
+    tumblable = known.domain.class_by_name["TUMBLABLE"]
+    assert (wanted.unsettled, known.unsettled) == (((*wanted.goal, wanted.token_by_name["P5"], tumblable),), ())
     assert [member.name for member in known.token_by_name["P5"].classes] == ["TOKEN", "TUMBLABLE"]
+    assert known.token_by_name["P5"].unknown == ()
     found = plan(known).required()
     from hybrid_tamp.physics.execution import execute
 
     with open_backend("pybullet") as physics:
         assert execute(known, found, physics).success
+
+
+def test_a_goal_that_speaks_of_it_waits_for_a_probe(command: Command, tmp_path: Path) -> None:
+    done = command("plan", TO_TUMBLE, "--json")
+    assert done.returncode == 11
+    document = json.loads(done.stdout)
+    assert (document["status"], document["explanation"]["kind"]) == ("unknown", "class_unknown")
+    (reason,) = document["explanation"]["reasons"]
+    assert (reason["goal"], reason["lacks"]) == ("posture(P5, flat right)", "TUMBLABLE")
+    assert "hybrid-tamp probe" in reason["message"]
+    done = command("run", TO_TUMBLE, "-o", tmp_path / "out")
+    assert (done.returncode, "--token P5" in done.stderr) == (11, True)
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == [
+        "mesh-01.obj",
+        "plan.json",
+        "report.html",
+        "task.yaml",
+    ]
+    with pytest.raises(InputError, match="whether P5 is one is not known"):
+        compile_task(load_task(TO_TUMBLE))
 
 
 def test_what_is_there_is_not_written_over(task: Task, tumbled: ProbeReport, tmp_path: Path) -> None:
@@ -243,7 +283,7 @@ def test_wrong_questions_are_refused(command: Command, words: tuple[str, ...], s
 
 
 def test_the_command_prints_one_document(command: Command) -> None:
-    done = command("probe", UNKNOWN, "--token", "P5", "--class", "TUMBLABLE", "--seeds", "1", "--json")
+    done = command("probe", UNKNOWN, "--token", "P5", "--class", "TUMBLABLE", "--seeds=1", "--most-seeds=1", "--json")
     assert done.returncode == 0, done.stderr
     document = json.loads(done.stdout)
     assert document["schema"] == "hybrid-tamp/probe/1"

@@ -201,11 +201,11 @@ def test_tools_that_are_of_no_use_alone_are_brought_in_once_each() -> None:
     assert brought(outcome) == ["tool 0", "tool 1", "tool 2"]
 
 
-def test_without_any_tool_it_is_proven_on_the_whole_network() -> None:
+def test_without_any_tool_it_is_proven_on_all_that_is_relevant() -> None:
     planner = Exhaustive()
     outcome = pipeline.plan(task({"a light hammer": HAMMER, "ball": [Ball]}), planner)
     assert outcome.document.status == "unsolvable"
-    assert set(brought(outcome)) == {"a light hammer", "ball"}
+    assert brought(outcome) == ["a light hammer"]
     assert len(planner.asked) == 1
 
 

@@ -14,6 +14,7 @@ from hybrid_tamp.affordances.candidates import candidates
 from hybrid_tamp.affordances.changes import with_edges
 from hybrid_tamp.affordances.explanation import explain, explain_wholly
 from hybrid_tamp.affordances.properties import property_changes
+from hybrid_tamp.affordances.trying import Trying
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 
@@ -47,6 +48,39 @@ def test_what_only_a_change_shows_is_a_reason_too() -> None:
     assert "together" not in {reason.kind for reason in found.reasons}
     assert [(each.change.kind, *each.change.key) for each in found.suggestions] == [("token", "CUTTER")]
     assert [(reason.kind, reason.lacks) for reason in found.reasons] == [("no_token", "CUTTER")]
+
+
+def test_reasons_are_a_smallest_set() -> None:
+    """That nothing leads to CUTTING is true, too, but with a way there and none to SETTING there would be no plan."""
+    task = without_edge(workshop_task((cut(),)), ("RESTING.token", "SETTING.tool"))
+    assert {reason.lacks for reason in explain(task, proven=True)} == {"CUTTING.tool"}
+    found = explain_wholly(task, 60.0, most=3)
+    assert [each.change.key for each in found.suggestions] == [("RESTING.token", "SETTING.tool")]
+    assert [reason.lacks for reason in found.reasons] == ["SETTING.tool"]
+
+
+def test_what_only_several_changes_mend_is_mended_by_all_of_them_and_by_no_fewer() -> None:
+    """Part 0 is too heavy for the station, part 1 too hard for the cutter."""
+    task = workshop_task((at(0), cut(1)), parts=((60.0, 3.0), (90.0, 4.0)), loads=(50.0,), edges=(2.0,))
+    found = explain_wholly(task, 60.0, most=3)
+    assert (found.suggestions, found.complete) == ((), True)
+    assert [reason.atom.partition("(")[0] for reason in found.reasons] == ["sound", "sharp"]
+    assert found.together == ("load of station 0 at 60 N instead of 50", "edge of cutter 0 at 4 instead of 2")
+
+
+def test_where_only_deletes_exclude_a_plan_changes_are_planned_many_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    task = without_edge(workshop_task((at(),), edges=()), ("CARRYING.first", "RESTING.token"))
+    tried: list[Task] = []
+    plan = Trying._tried
+    monkeypatch.setattr(
+        Trying, "_tried", lambda self, each, seconds: (tried.append(each), plan(self, each, seconds))[1]
+    )
+    found = explain_wholly(task, 60.0, most=9)
+    assert found.complete
+    assert {each.change.kind for each in found.suggestions} == {"token", "edge"}
+    alone = [each for each in tried if len(each.domain.network.edges) <= len(task.domain.network.edges) + 1]
+    together = [each for each in tried if each not in alone]
+    assert together
 
 
 def test_no_edge_leads_there_and_the_reason_says_from_where() -> None:

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import permutations, product
 
-from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.predicate import Atom, Predicate, name_of
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.goals import sole_alternative
+from hybrid_tamp.symbolic.goals import with_one_goal
 from hybrid_tamp.symbolic.naming import Naming, legal
 from hybrid_tamp.symbolic.operators import Fact
 from hybrid_tamp.symbolic.temporal.encoder import TemporalEncoding, encode_durative
@@ -61,7 +60,7 @@ def compile_durative(task: Task) -> TemporalCompilation:
     Raises:
         InputError: the goal denies a predicate that changes, or leaves a choice.
     """
-    task = sole_alternative(task)
+    task = with_one_goal(task)
     encoding = encode_durative(task.domain)
     fluents = {fluent.name for fluent in encoding.planning.fluents}
     taken = encoding.vocabulary.names.all | encoding.names.all | fluents
@@ -99,10 +98,7 @@ class _Writer:
 
     def goal(self) -> Iterator[tuple[Fact, Value]]:
         """Yield the user's goal, and that every bounded block has ended."""
-        for atom in self.task.goal:
-            if not atom.positive:
-                raise InputError([Issue("goal", f"'{atom}': a goal says what holds", remedy="ask for its opposite")])
-            yield self.stated(atom)
+        yield from map(self.stated, self.task.goal)
         for token in self.task.assigned:
             bounded = [s for b in self.task.domain.blocks if not b.hold for s in b.slots]
             if any(token.is_member(slot.object_class) for slot in bounded):

@@ -1,0 +1,73 @@
+"""The smallest set of reasons: of what is true about a task without a plan, what it is that counts.
+
+Where single changes give a plan, a reason is left out if there is no plan even with what it complains of taken away.
+Where none does, those count that have to be taken away together.
+"""
+
+from collections.abc import Iterable, Sequence
+from itertools import islice
+
+from hybrid_tamp.affordances.candidates import answers
+from hybrid_tamp.affordances.changes import Change
+from hybrid_tamp.affordances.reasons import Reason
+from hybrid_tamp.affordances.trying import Trying
+from hybrid_tamp.model.task import Task
+
+MOST_ANSWERS = 4
+"""So many ways of taking a reason away are tried before it is left out."""
+
+
+def needed(task: Task, reasons: Sequence[Reason], trying: Trying) -> list[Reason]:
+    """Return the reasons but for which there would be a plan, those left out before being taken away, too.
+
+    Args:
+        task: the task.
+        reasons: to none of which a suggestion points; there are others to which one does.
+        trying: plans changed tasks; when its time is over, the rest is left as it is.
+    """
+    kept = list(reasons)
+    for reason in reversed(reasons):
+        without = [change.made() for change in islice(answers(task, reason), MOST_ANSWERS)]
+        if without and not trying.over and all(map(trying.excluded, without)):
+            kept.remove(reason)
+            task = without[0]
+    return kept
+
+
+def together(task: Task, reasons: Sequence[Reason], trying: Trying) -> tuple[list[Reason], list[Change]]:
+    """Return reasons that, all taken away, leave a plan, and of which none may stay; and the changes that do it.
+
+    Each is taken away by the first change that answers it; where that leaves no plan, all reasons are returned.
+
+    Args:
+        task: a task to which no single change gives a plan, as far as is known.
+        reasons: why it has none.
+        trying: plans changed tasks; when its time is over, the rest is left as it is.
+    """
+    kept, changes = list(reasons), _answered(task, reasons)
+    if len(kept) < 2 or trying.over or not _solved(changes, len(kept), trying):
+        return kept, []
+    for reason in reversed(reasons):
+        fewer = [each for each in kept if each is not reason]
+        if trying.over or len(fewer) < 2:
+            break
+        found = _answered(task, fewer)
+        if _solved(found, len(fewer), trying):
+            kept, changes = fewer, found
+    return kept, changes
+
+
+def _answered(task: Task, reasons: Iterable[Reason]) -> list[Change]:
+    """Return a change for each reason, each of the task that the one before made; fewer where one has no answer."""
+    changes: list[Change] = []
+    for reason in reasons:
+        change = next(iter(answers(task, reason)), None)
+        if change is None:
+            break
+        changes.append(change)
+        task = change.made()
+    return changes
+
+
+def _solved(changes: Sequence[Change], wanted: int, trying: Trying) -> bool:
+    return len(changes) == wanted and trying.length(changes[-1].made()) is not None
