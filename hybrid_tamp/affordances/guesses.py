@@ -135,7 +135,7 @@ class Guesser:
             return [int(row) for row in loose[:1]]
         near = loose[seen.times[loose] <= seen.times[loose[0]] + _OPEN]
         again = near[np.flatnonzero(np.diff(near, prepend=near[0] - 2) > 1)[-1]]
-        return sorted({int(loose[0]), int(again), *map(int, exact[:1])})
+        return sorted({int(loose[0]), int(again), int(near[-1]), *map(int, exact[:1])})
 
     def _made(self, name: str, slots: Roles, targets: Roles, start: int, reached: int) -> Guess | None:
         block, seen = self.block(name), self.observation
