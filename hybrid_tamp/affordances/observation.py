@@ -22,6 +22,8 @@ SURE = 3.0
 """So many standard deviations of a margin are put down to noise."""
 _MEDIAN = 0.6745
 """Median of the absolute value of noise, in standard deviations."""
+_LEAST = 1e-4
+"""Noise of places below this is the movement itself [m]."""
 _DRAWS = 16
 """So many states are looked at where noise leaves open which one it was."""
 STILL = (0.01, 0.04)
@@ -68,7 +70,7 @@ class Observation:
             State(trajectory.layout, _smoothed(trajectory.layout, trajectory.values, window)),
             trajectory,
             allowance,
-            deviation or State(trajectory.layout, measured_noise(trajectory.values, period) / np.sqrt(window)),
+            deviation or State(trajectory.layout, _noise(trajectory, period) / np.sqrt(window)),
         )
 
     @property
@@ -148,6 +150,13 @@ class Observation:
         if key not in self._truths:
             self._truths[key] = np.broadcast_to(np.asarray(find(), dtype=bool), self.times.shape)
         return self._truths[key]
+
+
+def _noise(trajectory: State, period: float) -> FloatArray:
+    """Return the standard deviation of the noise of each column; none where places are exact."""
+    found = measured_noise(trajectory.values, period)
+    places = [found[part] for (_, name), part in trajectory.layout.slices.items() if name == "position"]
+    return found if places and max(place.max() for place in places) > _LEAST else np.zeros_like(found)
 
 
 def measured_noise(values: FloatArray, period: float) -> FloatArray:
