@@ -112,10 +112,7 @@ class Guesser:
         return self.truth(self.block(name).measured_entries, roles, strict)
 
     def guesses(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Guess, ...]:
-        """Return the instances that begin in a row, as far as what is seen does not contradict them.
-
-        There are several where noise leaves open when the exit conditions hold first.
-        """
+        """What may begin in a row: nothing if what is seen contradicts it, several if noise leaves it open."""
         key = (name, slots, targets, start)
         if key not in self._guesses:
             rows = self._reached(self.block(name), slots + targets, start)
