@@ -81,10 +81,10 @@ def read_shown(
     Raises:
         InputError: the folder holds no run, or the file is wrong.
     """
-    allowance = ALLOWANCE
+    allowance, noise = ALLOWANCE, None
     if not path.is_dir():
         actor, allowance = actor or task, _ALLOWANCE_OF_POSES
-        times, states = read_poses(path, actor)
+        times, states, noise = read_poses(path, actor)
     else:
         from hybrid_tamp.physics.storage import load
 
@@ -94,7 +94,7 @@ def read_shown(
         if recording.layout != layout:
             raise InputError([Issue(str(path), "a recording of the tokens of its task.yaml", "one of other tokens")])
         times, states = recording.times, State(layout, recording.states)
-    observation = Observation.of(times, states, allowance)
+    observation = Observation.of(times, states, allowance, noise)
     return Shown(path.name, actor.replaced(state=observation.at(0.0)), observation)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from hybrid_tamp.affordances.guesses import Guess, Guesser, Roles
 from hybrid_tamp.affordances.observation import Observation, Truth
+from hybrid_tamp.affordances.purposes import Purposes
 from hybrid_tamp.model.task import Task
 
 BEAM = 48
@@ -78,6 +79,7 @@ class _Search:
         self.task = task
         self.seen = observation
         self.guesser = Guesser(task, observation)
+        self.purposes = Purposes(self.guesser)
 
     def best(self) -> Account:
         """Return the cheapest account of all that was seen."""
@@ -93,14 +95,13 @@ class _Search:
         for token in self.task.assigned:
             name = self.task.assignment.get(token.name, self.task.domain.resting)
             slots = ((self.guesser.block(name).slots[0].name, token.name),)
-            guess = self.guesser.guess(name, slots, (), 0)
-            yield guess if guess is not None else self.guesser.unexplained(token.name, 0)
+            yield next(iter(self.guesser.guesses(name, slots, (), 0)), None) or self.guesser.unexplained(token.name, 0)
 
     def _continued(self, account: Account) -> list[Account]:
         """Return what may come next: how the instance that is due first ends."""
         due = min(account.running, key=lambda guess: guess.due)
         passages = self._passages(account, _Passage((due,), (), due.tokens))
-        found = [each for passage in passages if (each := self._carried_out(account, passage)) is not None]
+        found = [each for passage in passages for each in self._carried_out(account, passage)]
         return found or [self._unexplained(account, due)]
 
     def _passages(self, account: Account, passage: _Passage) -> Iterator[_Passage]:
@@ -149,17 +150,14 @@ class _Search:
             if len({other for _, other in slots}) == len(slots):
                 yield slots
 
-    def _carried_out(self, account: Account, passage: _Passage) -> Account | None:
+    def _carried_out(self, account: Account, passage: _Passage) -> Iterator[Account]:
         row = self._instant(passage)
         if row is None:
-            return None
-        started = []
-        for name, slots, targets in passage.starting:
-            guess = self.guesser.guess(name, slots, targets, row)
-            if guess is None:
-                return None
-            started.append(guess)
-        return _after(account, passage.ending, started, row)
+            return
+        paid = replace(account, cost=account.cost + self.purposes.cost(passage.ending, passage.starting))
+        choices = [self.guesser.guesses(name, slots, targets, row) for name, slots, targets in passage.starting]
+        for started in product(*choices):
+            yield _after(paid, passage.ending, list(started), row)
 
     def _instant(self, passage: _Passage) -> int | None:
         """Return the row of a reassignment: as late as movements allow, else as early as conditions do."""
@@ -196,8 +194,8 @@ class _Search:
         first, *others = sorted(due.tokens, key=lambda token: self.seen.departure(token, due.reached))
         started = [self.guesser.unexplained(first, row)]
         for token in others:
-            rest = self.guesser.guess(resting, ((anchor, token),), (), row)
-            started.append(rest or self.guesser.unexplained(token, row))
+            rest = self.guesser.guesses(resting, ((anchor, token),), (), row)
+            started.append(next(iter(rest), None) or self.guesser.unexplained(token, row))
         return _after(account, (due,), started, row)
 
 

@@ -14,7 +14,7 @@ from typing import cast
 import numpy as np
 
 from hybrid_tamp.affordances.manners import unexpected_pauses
-from hybrid_tamp.affordances.observation import Observation, Truth
+from hybrid_tamp.affordances.observation import SURE, Observation, Truth
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts
@@ -35,6 +35,8 @@ PAUSE_COST = 4.0
 """What a pause costs that the block's own policy does not make."""
 _MISFIT_BOUND = (0.08, 0.25)
 """How far off at most [m], and how much further per distance that was moved."""
+_OPEN = 0.2
+"""How long exit conditions may come and go by noise until they hold [s]."""
 _PAUSE = 0.2
 """A token that is still for so long has come to an end of its movement [s]."""
 
@@ -81,19 +83,19 @@ class Guesser:
         self.observation = observation
         self.static = StaticFacts(task)
         self._targets: dict[tuple[str, Roles], tuple[Roles, ...]] = {}
-        self._guesses: dict[tuple[str, Roles, Roles, int], Guess | None] = {}
+        self._guesses: dict[tuple[str, Roles, Roles, int], tuple[Guess, ...]] = {}
         self._over_symbols: dict[str, tuple[Roles, ...]] = {}
 
     def block(self, name: str) -> Block:
         """Return the block of that name."""
         return self.task.domain.block_by_name[name]
 
-    def truth(self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False) -> Truth:
-        """Return where all conditions hold: about, or strictly and as measured."""
+    def truth(self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False, sure: float = SURE) -> Truth:
+        """Return where all conditions hold; arguments as of `Observation.truth`."""
         binding = self.task.bind(dict(roles))
         found = np.ones(len(self.observation.times), dtype=bool)
         for literal in literals:
-            found &= self.observation.truth(literal, binding, strict)
+            found &= self.observation.truth(literal, binding, strict, sure)
             if not found.any():
                 break
         return found
@@ -109,22 +111,31 @@ class Guesser:
         """Return where the entry conditions hold that are measured."""
         return self.truth(self.block(name).measured_entries, roles, strict)
 
-    def guess(self, name: str, slots: Roles, targets: Roles, start: int) -> Guess | None:
-        """Return the instance that begins in a row, or None if what is seen contradicts it."""
+    def guesses(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Guess, ...]:
+        """What may begin in a row: nothing if what is seen contradicts it, several if noise leaves it open."""
         key = (name, slots, targets, start)
         if key not in self._guesses:
-            self._guesses[key] = self._made(name, slots, targets, start)
+            rows = self._reached(self.block(name), slots + targets, start)
+            made = [self._made(name, slots, targets, start, row) for row in rows]
+            self._guesses[key] = tuple(guess for guess in made if guess is not None)
         return self._guesses[key]
 
-    def _made(self, name: str, slots: Roles, targets: Roles, start: int) -> Guess | None:
-        block, seen = self.block(name), self.observation
+    def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
+        """Return the rows at which the exit conditions may hold first, with more and less allowance for noise."""
+        seen = self.observation
         earliest = seen.times[start] + block.duration.minimum
         if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:
-            return None
-        ready = np.flatnonzero(self.truth(block.measured_exits, slots + targets) & self._from(seen.row(earliest)))
-        if not len(ready):
-            return None
-        reached = int(ready[0])
+            return []
+        since = self._from(seen.row(earliest))
+        loose, exact = (np.flatnonzero(self.truth(block.measured_exits, roles, sure=s) & since) for s in (SURE, 0.0))
+        if not len(loose) or (len(exact) and exact[0] == loose[0]):
+            return [int(row) for row in loose[:1]]
+        near = loose[seen.times[loose] <= seen.times[loose[0]] + _OPEN]
+        again = near[np.flatnonzero(np.diff(near, prepend=near[0] - 2) > 1)[-1]]
+        return sorted({int(loose[0]), int(again), int(near[-1]), *map(int, exact[:1])})
+
+    def _made(self, name: str, slots: Roles, targets: Roles, start: int, reached: int) -> Guess | None:
+        block, seen = self.block(name), self.observation
         departs = min(self._departure(block, slot, token, start, reached) for slot, token in slots)
         if departs <= reached or self._disturbed(block, targets, start, reached):
             return None
@@ -219,16 +230,16 @@ class Guesser:
 
     def _misfit(self, block: Block, slots: Roles, targets: Roles, start: int, reached: int) -> float | None:
         """Return how far its tokens come to rest from where the block would bring them [m]; None if too far."""
-        seen, total = self.observation, 0.0
-        before = seen.state(start)
+        seen = self.observation
+        tokens = [token for _, token in slots]
+        before = seen.likely(start)
         after = before if block.outcome is None else block.outcome(self.task.bind(dict(slots + targets)), before)
-        for _, token in slots:
-            off = float(np.linalg.norm(after[token, "position"] - seen.place(token, reached)))
-            way = float(np.linalg.norm(seen.place(token, start) - seen.place(token, reached)))
-            if block.outcome is not None and off > _MISFIT_BOUND[0] + _MISFIT_BOUND[1] * way:
-                return None
-            total += off
-        return total
+        places = np.array([seen.place(token, reached) for token in tokens])
+        off = np.stack([np.linalg.norm(after[t, "position"] - p, axis=-1) for t, p in zip(tokens, places, strict=True)])
+        way = np.linalg.norm(places - [seen.place(token, start) for token in tokens], axis=-1)
+        if block.outcome is not None:
+            off = off[:, (off <= (_MISFIT_BOUND[0] + _MISFIT_BOUND[1] * way)[:, None]).all(axis=0)]
+        return float(off.sum(axis=0).min()) if off.size else None
 
     def _from(self, row: int) -> Truth:
         return np.arange(len(self.observation.times)) >= row

@@ -16,7 +16,7 @@ _SLOW = 0.03
 _SHORTEST = 0.12
 """A pause lasts at least so long [s]."""
 _SPAN = 0.05
-"""Over how long a speed is taken [s]."""
+"""Between how many looks at it a way is measured [s]."""
 _LONGER = (1.5, 0.1)
 """A way is too long if it is so many times as long as expected, and so much longer [m]."""
 _LOOKS = 12
@@ -25,26 +25,27 @@ _PATIENCE = 2.0
 """So many times as long as expected a block may take in its own forward model."""
 
 
-def pauses(positions: FloatArray, period: float) -> int:
-    """Return how often all tokens pause between two movements.
+def pauses(speeds: FloatArray, period: float, slow: float = _SLOW) -> int:
+    """Return how often tokens pause between two movements.
+
+    Args:
+        speeds: of the fastest token at a constant rate, shape ``(t,)`` [m/s].
+        period: between two rows [s].
+        slow: slower than this it pauses [m/s].
+    """
+    still: Truth = speeds < slow
+    ends = [0, *(np.flatnonzero(np.diff(still.astype(int))) + 1).tolist(), len(still)]
+    inner = [(a, b) for a, b in pairwise(ends) if still[a] and a > 0 and b < len(still)]
+    return sum((b - a) * period >= _SHORTEST for a, b in inner)
+
+
+def length(positions: FloatArray, period: float) -> float:
+    """Return the longest way that one of the tokens goes [m].
 
     Args:
         positions: of the tokens at a constant rate, shape ``(t, tokens, 3)`` [m].
         period: between two rows [s].
     """
-    half = max(1, round(_SPAN / (2.0 * period)))
-    if len(positions) <= 2 * half:
-        return 0
-    way = np.linalg.norm(positions[2 * half :] - positions[: -2 * half], axis=-1).max(axis=-1)
-    slow: Truth = way < _SLOW * 2.0 * half * period
-    changes = np.flatnonzero(np.diff(slow.astype(int)))
-    ends = [0, *(changes + 1).tolist(), len(slow)]
-    inner = [(a, b) for a, b in pairwise(ends) if slow[a] and a > 0 and b < len(slow)]
-    return sum((b - a) * period >= _SHORTEST for a, b in inner)
-
-
-def length(positions: FloatArray, period: float) -> float:
-    """Return the longest way that one of the tokens goes [m]; arguments as of `pauses`."""
     stride = max(1, round(_SPAN / period))
     corners = np.concatenate([positions[::stride], positions[-1:]])
     return float(np.linalg.norm(np.diff(corners, axis=0), axis=-1).sum(axis=0).max())
@@ -57,15 +58,22 @@ def unexpected_pauses(block: Block, binding: Binding, seen: Observation, start: 
         return 0
     positions = np.stack([seen.trajectory[token, "position"][start : reached + 1] for token in moved], axis=1)
     period = float(seen.times[1] - seen.times[0])
-    found, way = pauses(positions, period), length(positions, period)
+    velocities = np.stack([seen.trajectory[token, "velocity"][start : reached + 1] for token in moved], axis=1)
+    noise = max(float(np.linalg.norm(seen.deviation[token, "velocity"])) for token in moved)
+    found, way = pauses(_fastest(velocities), period, _SLOW + noise), length(positions, period)
     straight = float(np.linalg.norm(positions[-1] - positions[0], axis=-1).max())
     if not found and way <= _too_long(straight):
         return 0
     states = _rollout(block, binding, seen.state(start))
-    own = np.stack([np.array([state[token, "position"] for state in states]) for token in moved], axis=1)
+    own, speeds = (np.stack([[state[t, name] for t in moved] for state in states]) for name in ("position", "velocity"))
     if way > _too_long(length(own, CONTROL_PERIOD)):
         return None
-    return max(0, found - pauses(own, CONTROL_PERIOD))
+    return max(0, found - pauses(_fastest(speeds), CONTROL_PERIOD))
+
+
+def _fastest(velocities: FloatArray) -> FloatArray:
+    """Return the speed of the fastest of some tokens ``(t,)`` from their velocities ``(t, tokens, 3)``."""
+    return np.asarray(np.linalg.norm(velocities, axis=-1).max(axis=-1))
 
 
 def _too_long(way: float) -> float:

@@ -18,6 +18,14 @@ SMOOTHING = 0.02
 """Over how long poses and velocities are averaged [s]: much less than any block lasts."""
 ALLOWANCE = 0.25
 """How inexact what is measured is, in scales of predicates."""
+SURE = 3.0
+"""So many standard deviations of a margin are put down to noise."""
+_MEDIAN = 0.6745
+"""Median of the absolute value of noise, in standard deviations."""
+_LEAST = 1e-4
+"""Noise of places below this is the movement itself [m]."""
+_DRAWS = 16
+"""So many states are looked at where noise leaves open which one it was."""
 STILL = (0.01, 0.04)
 """A token whose place [m] and orientation [rad] change by no more than this rests or is held."""
 _ONSET = (0.003, 0.01)
@@ -33,22 +41,27 @@ class Observation:
         trajectory: state of each row, batch shape ``(t,)``.
         measured: the same before it was smoothed.
         allowance: a condition is seen to hold from this much of its predicate's scale before it does.
+        deviation: standard deviation of the noise of everything that varies, after smoothing, a state without batch.
     """
 
     times: FloatArray
     trajectory: State
     measured: State
     allowance: float
+    deviation: State
     _truths: dict[object, Truth] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(cls, times: FloatArray, trajectory: State, allowance: float = ALLOWANCE) -> "Observation":
+    def of(
+        cls, times: FloatArray, trajectory: State, allowance: float = ALLOWANCE, deviation: State | None = None
+    ) -> "Observation":
         """Smooth what was measured at a constant rate.
 
         Args:
             times: instants [s], shape ``(t,)``, evenly spaced.
             trajectory: measured states, batch shape ``(t,)``.
             allowance: how inexact they are, in scales of predicates.
+            deviation: standard deviation of the noise, a state without batch; by default it is measured.
         """
         period = float(times[1] - times[0]) if len(times) > 1 else 1.0
         window = max(1, round(SMOOTHING / period)) | 1
@@ -57,6 +70,7 @@ class Observation:
             State(trajectory.layout, _smoothed(trajectory.layout, trajectory.values, window)),
             trajectory,
             allowance,
+            deviation or State(trajectory.layout, _noise(trajectory, period) / np.sqrt(window)),
         )
 
     @property
@@ -76,15 +90,27 @@ class Observation:
         """Return the state of one row."""
         return State(self.trajectory.layout, self.trajectory.values[row])
 
-    def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False) -> Truth:
-        """Return where a condition holds as measured, row by row; unless `strict`, also where it about holds."""
+    def likely(self, row: int) -> State:
+        """Return what the state of a row may have been but for noise, batch shape ``(n,)``, likely ones first."""
+        draws = np.random.default_rng(row).standard_normal((_DRAWS, self.trajectory.layout.size))
+        draws *= np.linspace(0.0, SURE, _DRAWS)[:, None]
+        return State(self.trajectory.layout, self.trajectory.values[row] + draws * self.deviation.values)
+
+    def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE) -> Truth:
+        """Return where a condition holds as measured, row by row.
+
+        Unless `strict`, also where it about holds but for noise of so many standard deviations (`sure`).
+        """
 
         def find() -> Truth:
             holds = np.asarray(literal.margin(self.measured, binding) >= 0)
-            least = -self.allowance * literal.predicate.scale
-            return holds if strict else np.asarray(holds | (literal.margin(self.trajectory, binding) >= least))
+            if strict:
+                return holds
+            margin = literal.margin(self.trajectory, binding)
+            noise = np.median(np.abs(literal.margin(self._shaken, binding) - margin)) / _MEDIAN
+            return np.asarray(holds | (margin >= -self.allowance * literal.predicate.scale - sure * noise))
 
-        return self._known((literal.ground(binding), strict), find)
+        return self._known((literal.ground(binding), strict, sure), find)
 
     def departure(self, token: str, row: int) -> int:
         """Return the row at which a token is no longer where it was in a row; beyond the last one if it stays."""
@@ -100,6 +126,12 @@ class Observation:
     def place(self, token: str, row: int) -> FloatArray:
         """Return where a token is in a row, ``(3,)`` [m]."""
         return np.asarray(self.trajectory[token, "position"][row])
+
+    @cached_property
+    def _shaken(self) -> State:
+        """What was seen with as much noise once more: what becomes of a margin tells how exact that is."""
+        draws = np.random.default_rng(0).standard_normal(self.trajectory.values.shape)
+        return State(self.trajectory.layout, self.trajectory.values + draws * self.deviation.values)
 
     def _moved(self, token: str, row: int, tolerances: tuple[float, float]) -> Truth:
         position = self.trajectory[token, "position"]
@@ -118,6 +150,25 @@ class Observation:
         if key not in self._truths:
             self._truths[key] = np.broadcast_to(np.asarray(find(), dtype=bool), self.times.shape)
         return self._truths[key]
+
+
+def _noise(trajectory: State, period: float) -> FloatArray:
+    """Return the standard deviation of the noise of each column; none where places are exact."""
+    found = measured_noise(trajectory.values, period)
+    places = [found[part] for (_, name), part in trajectory.layout.slices.items() if name == "position"]
+    return found if places and max(place.max() for place in places) > _LEAST else np.zeros_like(found)
+
+
+def measured_noise(values: FloatArray, period: float) -> FloatArray:
+    """Return the standard deviation of the noise of each column of values ``(t, c)``, from their third differences.
+
+    They are taken over some hundredths of a second, in which movements are all but smooth.
+    """
+    step = max(1, round(SMOOTHING / period))
+    if len(values) <= 3 * step:
+        return np.zeros(values.shape[1:])
+    bends = values[3 * step :] - 3.0 * values[2 * step : -step] + 3.0 * values[step : -2 * step] - values[: -3 * step]
+    return np.asarray(np.median(np.abs(bends), axis=0) / (_MEDIAN * np.sqrt(20.0)))
 
 
 def _smoothed(layout: StateLayout, values: FloatArray, window: int) -> FloatArray:

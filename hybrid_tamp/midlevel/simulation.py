@@ -2,7 +2,7 @@
 
 The candidates of a population are rows of one array. A candidate has come to its exit at the first control step at
 which its minimum duration has passed and all exit conditions hold, as in a real run; else it ends at the block's bound,
-or where it has come to rest short of its exit.
+or where it has come to rest short of its exit and its commands do, too.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -28,6 +28,8 @@ _STILL = 1e-7
 """What changes by less than this within a chunk has come to rest [SI units]."""
 _HUGE = 1e300
 """Squares above this are as good as infinite."""
+_STEADY = 1e-3
+"""A command that changes by less than this within a chunk does not change [SI units]."""
 _AWAKE = 0.5
 """How long nothing is taken to be at rest [s]: movements begin slowly."""
 
@@ -224,6 +226,8 @@ class _Population:
         self.done += count
         ends = self.done >= self.simulation._longest
         still = (np.abs(chunk[-1] - values[0]).max(axis=-1) < _STILL) & (self.done * CONTROL_PERIOD > _AWAKE)
+        if still.any():
+            still &= _steady(commanded)
         last = np.where(reached.any(axis=0), reached.argmax(axis=0), count - 1)
         over = np.asarray(reached.any(axis=0) | ~finite | still | ends)
         self._measure(run, commanded, np.arange(count)[:, None] <= last)
@@ -265,6 +269,12 @@ class _Population:
                 self.figures[:, column] = measure.end(self.simulation.binding, before, after, self.chosen)
         finite = self.finite & np.isfinite(self.figures).all(axis=1) & np.isfinite(self.exits).all(axis=1)
         return Stretch(self.after, self.steps, self.exits, self.figures, finite)
+
+
+def _steady(commanded: Sequence[Commands]) -> BoolArray:
+    """Return for which candidates a chunk's commands do not change; else a policy is about to do something."""
+    changes = [np.abs(commanded[-1][key] - first).max(axis=-1) for key, first in commanded[0].items()]
+    return np.asarray(np.logical_and.reduce([change < _STEADY for change in changes], initial=True), dtype=bool)
 
 
 def _limited(command: FloatArray, limit: float) -> FloatArray:

@@ -27,7 +27,7 @@ from hybrid_tamp.taskfile.yaml_nodes import read_text
 LONGEST = 600.0
 """Longest demonstration [s]."""
 _PARTS = {"position": ("x", "y", "z"), "orientation": ("qx", "qy", "qz", "qw")}
-_RATES = ("velocity", "angular_velocity")
+_RATE_OF = {"position": "velocity", "orientation": "angular_velocity"}
 _NAME = re.compile(r"^(.*?)\s*(\[[^]]*\])?$")
 _SPANS = (0.03, 0.15)
 """Over how long velocities are taken at least and at most [s]; the less exact poses are, the longer."""
@@ -37,7 +37,7 @@ Columns = Mapping[tuple[str, str], list[int]]
 """(token, property) to the columns of its components."""
 
 
-def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State]:
+def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State, State]:
     """Read a demonstration of a whole scene.
 
     Args:
@@ -45,7 +45,8 @@ def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State]:
         task: whose tokens it shows; where they are is read from the file.
 
     Returns:
-        Instants at the control period [s], shape ``(t,)``, and the states then, batch shape ``(t,)``, with velocities.
+        Instants at the control period [s], shape ``(t,)``; the states then, batch shape ``(t,)``, with velocities; and
+        the standard deviation of the noise of everything that varies, a state without batch.
 
     Raises:
         InputError: everything that is wrong with the file, each fault with its line and column.
@@ -94,7 +95,7 @@ def _available(task: Task) -> dict[str, tuple[str, str]]:
     found: dict[str, tuple[str, str]] = {}
     for token in task.assigned:
         for varying in token.varying:
-            if varying.name in _RATES:
+            if varying.name in _RATE_OF.values():
                 continue
             parts = _PARTS.get(varying.name, (varying.name,) if varying.size == 1 else ())
             found |= {f"{token.name}.{part}": (token.name, varying.name) for part in parts}
@@ -117,27 +118,34 @@ def _complete(
     return columns
 
 
-def _states(table: FloatArray, columns: Columns, task: Task) -> tuple[FloatArray, State]:
+def _states(table: FloatArray, columns: Columns, task: Task) -> tuple[FloatArray, State, State]:
     given = table[:, 0] - table[0, 0]
     times = np.arange(int(np.floor(given[-1] / CONTROL_PERIOD)) + 1, dtype=np.float64) * CONTROL_PERIOD
-    states = task.state.repeated(len(times))
     changes: dict[tuple[str, str], FloatArray] = {}
+    noise: dict[tuple[str, str], FloatArray] = {}
     for (token, name), places in columns.items():
-        column = table[:, places]
-        if name == "orientation":
-            column = _steady(column)
+        column = _steady(table[:, places]) if name == "orientation" else table[:, places]
         values = np.stack([np.interp(times, given, part) for part in column.T], axis=-1)
-        changes[token, name] = (
-            values / np.linalg.norm(values, axis=-1, keepdims=True) if name == "orientation" else values
-        )
-    for (token, name), values in list(changes.items()):
-        if name == "position":
-            changes[token, "velocity"] = _rates(values, _deviation(table[:, columns[token, name]]))
-        elif name == "orientation":
-            turns = rotation_vector(quaternion_multiply(values[1:], quaternion_conjugate(values[:-1])))
-            turned = np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
-            changes[token, "angular_velocity"] = _rates(turned, _deviation(turned))
-    return times, states.replace(changes)
+        if name == "orientation":
+            values /= np.linalg.norm(values, axis=-1, keepdims=True)
+        changes[token, name] = values
+        if name in _RATE_OF:
+            noise[token, name] = np.full(values.shape[-1], _deviation(column))
+            # Half the angle is in a quaternion.
+            way, deviation = (_turned(values), 2.0) if name == "orientation" else (values, 1.0)
+            deviation *= noise[token, name][0]
+            span = float(np.clip(_SPAN_PER_DEVIATION * deviation, *_SPANS))
+            changes[token, _RATE_OF[name]] = _rates(way, span)
+            samples = max(2.0, span * (len(given) - 1) / given[-1])
+            noise[token, _RATE_OF[name]] = np.full(3, deviation * np.sqrt(12.0 / samples) / span)
+    blank = State(task.state.layout, np.zeros_like(task.state.values))
+    return times, task.state.repeated(len(times)).replace(changes), blank.replace(noise)
+
+
+def _turned(quaternions: FloatArray) -> FloatArray:
+    """Return rotation vectors ``(t, 3)`` [rad] that change as the orientations ``(t, 4)`` turn."""
+    turns = rotation_vector(quaternion_multiply(quaternions[1:], quaternion_conjugate(quaternions[:-1])))
+    return np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
 
 
 def _steady(quaternions: FloatArray) -> FloatArray:
@@ -152,12 +160,11 @@ def _deviation(values: FloatArray) -> float:
     return float(np.median(bends) / (0.6745 * np.sqrt(6.0)))
 
 
-def _rates(values: FloatArray, deviation: float) -> FloatArray:
-    """Return how fast values ``(t, c)`` change [1/s]: of the time before and the time after, the slower counts.
+def _rates(values: FloatArray, span: float) -> FloatArray:
+    """Return how fast values ``(t, c)`` change [1/s]: of a span [s] before and one after, the slower counts.
 
     Where one movement ends and the next one begins at once, a mean over both would never be at rest.
     """
-    span = float(np.clip(_SPAN_PER_DEVIATION * deviation, *_SPANS))
     count = max(2, min(round(span / CONTROL_PERIOD), len(values) - 1))
     offsets = np.arange(count + 1) - count / 2.0
     kernel = (offsets / (offsets @ offsets) / CONTROL_PERIOD)[::-1]

@@ -46,14 +46,17 @@ def run_folder(tmp_path: Path) -> Path:
     return folder
 
 
-def poses(every: int = 4) -> list[str]:
-    """Return the lines of a table of what was seen, at 60 Hz."""
+def poses(every: int = 4, noise: float = 0.0) -> list[str]:
+    """Return the lines of a table of what was seen, by default at 60 Hz, with noise [m, or of quaternions]."""
     task, _, recording = rolled()
     names, columns = ["time [s]"], [recording.times[:, None]]
     for token in task.assigned:
         names += [f"{token.name}.{part}" for part in ("x [m]", "y [m]", "z [m]", "qx", "qy", "qz", "qw")]
         columns += [recording.trajectory[token, "position"], recording.trajectory[token, "orientation"]]
     rows = np.concatenate(columns, axis=-1)[::every]
+    rows[:, 1:] += noise * np.random.default_rng(0).standard_normal(rows[:, 1:].shape)
+    for part in range(4, rows.shape[1], 7):
+        rows[:, part : part + 4] /= np.linalg.norm(rows[:, part : part + 4], axis=-1, keepdims=True)
     return [", ".join(names), *(", ".join(f"{value:.6f}" for value in row) for row in rows)]
 
 
@@ -85,6 +88,19 @@ def test_a_table_of_poses_shows_as_much(tmp_path: Path) -> None:
     moved = transfer(task, found.plan, other)
     assert not check_law(other, moved.plan)
     assert moved.roles == {"hand": "paddle", "drum": "barrel", "goal": "yard"}
+
+
+def test_a_table_of_poses_tells_how_noisy_it_is(tmp_path: Path) -> None:
+    task, _, recording = rolled()
+    (tmp_path / "shown.csv").write_text("\n".join(poses(2, 0.001)))
+    times, states, deviation = read_poses(tmp_path / "shown.csv", task)
+    np.testing.assert_allclose(deviation["hand", "position"], 0.001, rtol=0.25)
+    assert not deviation["goal", "position"].any()
+    still = states["drum", "velocity"][(times > 0.5) & (times < 2.0)]
+    assert np.sqrt(np.mean(still**2)) == pytest.approx(deviation["drum", "velocity"][0], rel=0.5)
+    found = segmented(read_shown(tmp_path / "shown.csv", task))
+    assert sorted(i.block for i in found.plan.instances) == sorted(i.block for i in recording.instances)
+    assert not found.unexplained
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,8 @@ from hybrid_tamp.midlevel.measured import measured_rollout
 from hybrid_tamp.midlevel.rollout import GOAL, Rollouts
 from hybrid_tamp.model.block import Measure
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.dmp import DMP
+from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 from hybrid_tamp.physics.prediction import predict
 
 
@@ -132,3 +134,15 @@ def test_hands_that_hold_while_others_come_are_as_in_the_executor() -> None:
         assert (begin[0], end[0]) == pytest.approx((instance.start, instance.end))
     # Hands reach for a box as it is when the others have tipped it; it settles by less than this while they come.
     np.testing.assert_allclose(rollout.final.values[0], run.states[-1], atol=1e-3)
+
+
+def test_a_movement_that_begins_slowly_is_not_given_up() -> None:
+    """A box that was shown to lie for half of the time, as hands close on it, is tipped all the same."""
+    task = hybrid_tamp.load_task("problems/tumble_two_hands.yaml")
+    time = np.linspace(0.0, 1.0, 201)
+    late = DMP.imitate(time, minimum_jerk(np.clip(2.0 * time - 1.0, 0.0, 1.0))[:, None])
+    tipping = task.domain.block_by_name["TIPPING:opposite"]
+    assert tipping.taught is not None
+    taught = task.replaced(domain=task.domain.with_blocks([tipping.taught(late)]))
+    rollout = Rollouts(taught, hybrid_tamp.plan(taught).required())({}, until="TIPPING-1")
+    assert rollout.violation[0] == 0.0
