@@ -1,11 +1,23 @@
 """Object classes that several domains use."""
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
+
+from pydantic import AfterValidator
 
 from hybrid_tamp.model.affordance import BasicAction, CapabilityClass, PlaceClass, Vector3, quantity
 from hybrid_tamp.model.shape import Cylinder, Shape
 from hybrid_tamp.model.token import Token
+
+
+def _all_positive(vector: Vector3) -> Vector3:
+    if min(vector) <= 0:
+        raise ValueError("all three must be greater than 0")
+    return vector
+
+
+Extents = Annotated[Vector3, AfterValidator(_all_positive)]
+"""Half of the edge lengths of a box."""
 
 
 class StaticEndEffector(CapabilityClass):

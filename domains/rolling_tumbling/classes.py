@@ -12,6 +12,7 @@ from hybrid_tamp.model.shape import Box, Cylinder, Shape
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 
+from ..common.classes import Extents
 from .standing import start_complaint
 
 
@@ -50,12 +51,6 @@ class Rollable(AffordanceClass):
         return None
 
 
-def _all_positive(vector: Vector3) -> Vector3:
-    if min(vector) <= 0:
-        raise ValueError("all three must be greater than 0")
-    return vector
-
-
 def _none_negative(vector: Vector3) -> Vector3:
     if min(vector) < 0:
         raise ValueError("none of the three may be less than 0")
@@ -67,9 +62,7 @@ class Tumblable(AffordanceClass):
 
     name: ClassVar[str] = "TUMBLABLE"
 
-    half_extents: Annotated[Vector3, AfterValidator(_all_positive)] = quantity(
-        "m", "half of the edge lengths along x, y, z"
-    )
+    half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
     hollow: Annotated[Vector3, AfterValidator(_none_negative)] = quantity(
         "m", "how far behind the planes of the faces across x, y, z hands touch it", default=(0.0, 0.0, 0.0)
     )

@@ -1,9 +1,7 @@
 """What grasps, what is grasped, what strikes and pushes, and what is struck and pushed."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
-
-from pydantic import AfterValidator
+from typing import Any, ClassVar
 
 from hybrid_tamp.model.affordance import (
     BODY_STATE,
@@ -17,20 +15,11 @@ from hybrid_tamp.model.grasp import aperture_property
 from hybrid_tamp.model.shape import Box, Shape
 from hybrid_tamp.model.token import Token
 
-from ..common.classes import StaticEndEffector
+from ..common.classes import Extents, StaticEndEffector
 
 _OPEN = 0.08
 """Gap between open fingers [m]."""
 IMPULSE = VaryingProperty("impulse", 1, "N s", (0.0,), "hardest blow that it has taken so far")
-
-
-def _all_positive(vector: Vector3) -> Vector3:
-    if min(vector) <= 0:
-        raise ValueError("all three must be greater than 0")
-    return vector
-
-
-_Extents = Annotated[Vector3, AfterValidator(_all_positive)]
 
 
 class DexterousHand(StaticEndEffector):
@@ -85,7 +74,7 @@ class Graspable(AffordanceClass):
 
     mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
     friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
-    inertia: _Extents = quantity("kg m^2", "principal moments of inertia about the body's axes")
+    inertia: Extents = quantity("kg m^2", "principal moments of inertia about the body's axes")
     handle_from: Vector3 = quantity("m", "end of the graspable segment that is far from the head, in the body frame")
     handle_to: Vector3 = quantity("m", "end of the graspable segment that is near the head, in the body frame")
     handle_width: float = quantity("m", "width of the handle", gt=0, le=1, strict=True, allow_inf_nan=False)
@@ -134,7 +123,7 @@ class Strikable(AffordanceClass):
     name: ClassVar[str] = "STRIKABLE"
     varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, IMPULSE)
 
-    half_extents: _Extents = quantity("m", "half of the edge lengths along x, y, z")
+    half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
     impulse_needed: float = quantity(
         "N s", "blow from which on it counts as struck", gt=0, le=1e6, strict=True, allow_inf_nan=False
     )
@@ -156,7 +145,7 @@ class Pushable(AffordanceClass):
     name: ClassVar[str] = "PUSHABLE"
 
     # Declared exactly as in STRIKABLE, so that a token may be a member of both.
-    half_extents: _Extents = quantity("m", "half of the edge lengths along x, y, z")
+    half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
     mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
     friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
 

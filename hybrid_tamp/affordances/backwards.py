@@ -22,7 +22,7 @@ from hybrid_tamp.affordances.bindings import (
 from hybrid_tamp.affordances.passages import Passages
 from hybrid_tamp.affordances.reasons import BLOCK, Reason, about
 from hybrid_tamp.affordances.shares import amount, best_choice, failing
-from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.block import Block, Slot
 from hybrid_tamp.model.facts import StaticFacts, facts
 from hybrid_tamp.model.predicate import Atom, Literal
 from hybrid_tamp.model.task import Task
@@ -106,7 +106,7 @@ class Backwards:
             elif not feasible(self._margins, filter(symbolic, literals), allowed):
                 outcome = ", ".join(value for value in fixed.values() if isinstance(value, str))
                 never.append(about(block, "no_block", f"{BLOCK} never brings about {outcome or atom.predicate}"))
-            elif missing := _missing(self.task, block):
+            elif missing := self._missing(block, literals, allowed):
                 ways.reasons.extend(missing)
             elif bounds := feasible(self._margins, literals, allowed):
                 ways.waits.update(self._waits(block, bounds, allowed))
@@ -170,6 +170,23 @@ class Backwards:
             atoms = (literal.ground(bound) for literal in literals)
             yield tuple(atom for atom in atoms if not self.holds(atom)), None
 
+    def _missing(self, block: Block, literals: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
+        """Slots of one class need as many different tokens; what cannot be filled is named.
+
+        That more tokens would do is said only if those that are there meet what is asked alike of all of them.
+        """
+        found: list[Reason] = []
+        for slot, wanted, have in _short_slots(self.task, block):
+            unable = failing(self._margins, block, literals, allowed, alike=True)
+            message = (
+                f"slot {slot.name} of {BLOCK} can be filled by no token: {BLOCK} needs {wanted} of class "
+                f"{slot.object_class.name}, the task has {have}; {wanted - have} more "
+                f"{'like these would not do' if unable else 'would do'}"
+            )
+            kind = "too_few_tokens" if have else "no_token"
+            found += [about(block, kind, message, lacks=slot.object_class.name), *unable]
+        return found
+
     def _infeasible(self, block: Block, literals: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
         found = failing(self._margins, block, literals, allowed)
         if found:
@@ -193,20 +210,10 @@ def _no_member(task: Task, block: Block, fixed: Bound) -> Reason | None:
     return None
 
 
-def _missing(task: Task, block: Block) -> list[Reason]:
-    """Slots of one class need as many different tokens; what cannot be filled is named."""
-    found: list[Reason] = []
-    by_class: dict[str, list[str]] = {}
-    for slot in block.slots:
-        by_class.setdefault(slot.object_class.name, []).append(slot.name)
-    for slot in block.slots:
-        wanted = by_class[slot.object_class.name]
+def _short_slots(task: Task, block: Block) -> Iterator[tuple[Slot, int, int]]:
+    """Yield the last slot of each class of which there are too few tokens, how many it takes and how many there are."""
+    for slot in {each.object_class: each for each in block.slots}.values():
+        wanted = sum(each.object_class is slot.object_class for each in block.slots)
         have = len(task.values_of(slot.object_class))
-        if slot.name == wanted[-1] and have < len(wanted):
-            message = (
-                f"slot {slot.name} of {BLOCK} can be filled by no token: {BLOCK} needs {len(wanted)} of "
-                f"class {slot.object_class.name}, the task has {have}; {len(wanted) - have} more would do"
-            )
-            kind = "too_few_tokens" if have else "no_token"
-            found.append(about(block, kind, message, lacks=slot.object_class.name))
-    return found
+        if have < wanted:
+            yield slot, wanted, have

@@ -33,10 +33,22 @@ class _Shared:
     slots: tuple[str, ...]
 
 
-def failing(margins: Margins, block: Block, literals: Iterable[Literal], allowed: Choices) -> list[Reason]:
-    """Return a reason for every condition that too few tokens meet, whatever the other conditions are."""
+def failing(
+    margins: Margins, block: Block, literals: Iterable[Literal], allowed: Choices, *, alike: bool = False
+) -> list[Reason]:
+    """Return a reason for every condition that too few tokens meet, whatever the other conditions are.
+
+    Args:
+        margins: the margins of the task's facts.
+        block: the block.
+        literals: its feasibility conditions.
+        allowed: what each role may be.
+        alike: whether only those count that are asked alike of several slots.
+    """
     found = []
     for shared in _grouped(block, literals):
+        if alike and len(shared.slots) < 2:
+            continue
         ranked = _ranked(margins, shared, allowed)
         # As many tokens must meet it as there are slots.
         best = ranked[: max(1, len(shared.slots))]
@@ -139,7 +151,8 @@ def _pooled(task: Task, shared: _Shared, ranked: list[tuple[float, Bound]], cand
 
 def _literals(shared: _Shared, ranked: list[tuple[float, Bound]]) -> Iterator[Literal]:
     for _, bound in ranked:
-        yield next(one for one in shared.literals if all(role in bound for role in one.arguments))
+        # Arguments that are no roles are symbols, so the slot tells which literal it is.
+        yield next(one for one in shared.literals if not shared.slots or _slot(shared, bound) in one.arguments)
 
 
 def _slot(shared: _Shared, bound: Bound) -> str:

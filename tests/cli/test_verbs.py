@@ -222,7 +222,7 @@ def test_unknown_backend(command: Command, tmp_path: Path) -> None:
 
 def test_domains_and_schemas(command: Command) -> None:
     listed = json.loads(command("domains", "--json").stdout)
-    assert [domain["name"] for domain in listed["domains"]] == ["rolling_tumbling", "tool_use"]
+    assert [domain["name"] for domain in listed["domains"]] == ["joint_lifting", "rolling_tumbling", "tool_use"]
     for document in ("task", "plan", "result"):
         Draft202012Validator.check_schema(json.loads(command("schema", document).stdout))
     assert command("schema", "--reference").stdout == (ROOT / "docs" / "taskfile.md").read_text()

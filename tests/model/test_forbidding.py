@@ -4,11 +4,13 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import pytest
+from hybrid_tamp_domains.joint_lifting.trials import random_lifting
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 from scenes import rolling_task
 from serial import COLOURS, Part, block, changing, domain, in_series, predicate, task
 
 from hybrid_tamp import pipeline
+from hybrid_tamp.affordances.changes import with_copy
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model import forbidding
 from hybrid_tamp.model.block import Block
@@ -87,6 +89,18 @@ def test_only_the_mode_is_forbidden_and_the_box_is_turned_in_another_way() -> No
     assert check_law(given, other) == []
     changed = [b.name for b in again.domain.blocks if b is not given.domain.block_by_name[b.name]]
     assert changed == [bad.block]
+
+
+def test_of_a_block_with_many_slots_those_who_are_in_them_count() -> None:
+    """Who is in a slot is known where the last one is filled; any other hand of the task would do else."""
+    given = random_lifting(0, hands=4)
+    plan = solved(given)
+    assert pipeline.plan(forbid(given, used(plan, "LIFTING")), suggesting=0.0).document.status == "unsolvable"
+    first = given.token_by_name["hand 1"]
+    fifth = with_copy(given, first, given.state[first, "position"] + [-0.3, 0.0, 0.0])
+    other = solved(forbid(fifth, used(solved(fifth), "LIFTING")))
+    assert used(other, "LIFTING").slots != used(solved(fifth), "LIFTING").slots
+    assert check_law(fifth, other) == []
 
 
 def test_symbols_that_follow_from_others_are_left_out() -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.symbolic.encoding.action_builder import ActionBuilder
 from hybrid_tamp.symbolic.encoding.passing import Meaning, Passing
 from hybrid_tamp.symbolic.naming import legal
@@ -28,8 +29,10 @@ class Filling(Passing):
         self._claim(action, new, slot)
         for literal in self.conditions.entry_at_fill(new, slot):
             action.require_literal(literal)
+            self._know_earlier(action, new, slot, literal)
         for literal in self.conditions.exit_at_fill(new, slot):
             action.apply_literal(literal)
+            self._know_earlier(action, new, slot, literal)
         kept = [action.role(target) for target in remembered(self.domain, new, slot)]
         action.add((f"in-{legal(new.name)}-{legal(slot)}", token, anchor, *kept))
         self._bind_targets(action, new, slot)
@@ -37,6 +40,14 @@ class Filling(Passing):
         if len(old.slots) == 1 and not old.hold:
             action.add(("completed", token))
         yield action.build(), self._meaning("fill", action, new, slot, old, slot_before)
+
+    def _know_earlier(self, action: ActionBuilder, new: Block, slot: str, literal: Literal) -> None:
+        """Require that tokens of which a condition speaks are those in the slots that were filled before."""
+        for other in new.others:
+            if other.name in literal.arguments and other.name != slot:
+                kept = [action.role(target) for target in remembered(self.domain, new, other.name)]
+                fluent = f"in-{legal(new.name)}-{legal(other.name)}"
+                action.require((fluent, action.role(other.name), action.role(new.anchor), *kept))
 
     def _claim(self, action: ActionBuilder, new: Block, slot: str) -> None:
         """Move the anchor's claim on: unclaimed, then claimed up to each slot in turn."""

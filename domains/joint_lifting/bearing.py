@@ -1,0 +1,179 @@
+"""How hands bear a box between them: the policy and the forward model that LIFTING, HOLDING and LOWERING share.
+
+Each hand follows its reference c, which moves with the box: F = K (c - x) + D (c' - v) - S n + W z, n the outward
+normal of its face, along which K is smaller, S the squeeze and W its share of the weight. Nothing but friction joins
+hand and box: in the forward model, too, a hand bears at most mu times the force with which it presses on its face, and
+beyond that the box slips.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.block import Binding, Commands, Hyperparameter, Policy
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+
+from ..common.servos import STIFFNESS, damping, force_on
+from .load import GRAVITY, friction, largest_squeeze, load, squeeze_for
+from .places import CREWS, UP, corner_heights, dot, gap_at, outward
+
+SLOTS = ("first", "second", "third", "fourth")
+"""Slots of the hands, in the order of the places of a crew."""
+_SOFTNESS = 0.1
+"""Stiffness of a hand that squeezes along the normal of its face, as a share of its stiffness in other directions.
+
+Along the face it has to be stiff: two hands that push against each other with S over a length L buckle, and the box
+turns about the vertical, unless S < K L / 2.
+"""
+_TOUCH = 1e-4
+
+
+@dataclass(frozen=True)
+class Roles:
+    """What an instance is bound to.
+
+    Attributes:
+        crew: how many hands there are.
+        hands: the hands with their places.
+        thing: the box.
+    """
+
+    crew: str
+    hands: tuple[tuple[Token, str], ...]
+    thing: Token
+
+    @classmethod
+    def of(cls, crew: str, binding: Binding) -> "Roles":
+        """Read the roles of a binding."""
+        hands = tuple((cast(Token, binding[slot]), place) for slot, place in places_of(crew))
+        return cls(crew, hands, cast(Token, binding["object"]))
+
+
+def places_of(crew: str) -> tuple[tuple[str, str], ...]:
+    """Return the slots of the hands of a crew, each with its place at the box."""
+    return tuple(zip(SLOTS, CREWS[crew], strict=False))
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """How far a movement has come at a time, each of shape ``(...)``.
+
+    Attributes:
+        closed: how far the hands have come from where they start to the other end of their gap, 0 to 1.
+        closing: its rate [1/s].
+        grip: share of the squeeze.
+        loaded: share of the weight that the hands bear, at most as much as of the squeeze.
+        rise: how far up the box is to be from where it starts [m].
+        rising: its rate [m/s].
+    """
+
+    closed: FloatArray
+    closing: FloatArray
+    grip: FloatArray
+    loaded: FloatArray
+    rise: FloatArray
+    rising: FloatArray
+
+
+def bearing(
+    roles: Roles,
+    start: State,
+    squeeze: FloatArray,
+    gaps: tuple[FloatArray, ...],
+    course: Callable[[FloatArray], Course],
+) -> Policy:
+    """Return the impedance policy of all hands.
+
+    Args:
+        roles: hands and box.
+        start: state at the beginning.
+        squeeze: force with which each hand presses on its face, ``(...)`` [N].
+        gaps: how far each hand moves towards its face in the course, ``(...)`` [m]; away from it if negative.
+        course: the course by the elapsed time ``(...)`` [s].
+    """
+    weight = load(roles.thing, roles.crew) * UP
+    references = [
+        (hand, start[hand, "position"].copy(), outward(start, roles.thing, place), gap[..., None])
+        for (hand, place), gap in zip(roles.hands, gaps, strict=True)
+    ]
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        now = course(elapsed)
+        closed, closing, grip, loaded, rise, rising = (
+            np.asarray(each)[..., None]
+            for each in (now.closed, now.closing, now.grip, now.loaded, now.rise, now.rising)
+        )
+        commands: Commands = {}
+        for hand, begun, normal, gap in references:
+            place = begun - normal * (gap * closed) + UP * rise
+            velocity = UP * rising - normal * (gap * closing)
+            error = place - state[hand, "position"]
+            # Several hands reach their places only about: none is to press harder than the others for that.
+            given_way = normal * ((1.0 - _SOFTNESS) * grip * dot(error, normal)[..., None])
+            push = STIFFNESS * (error - given_way) - normal * (squeeze[..., None] * grip)
+            brake = damping(hand["mass"]) * (velocity - state[hand, "velocity"])
+            commands[hand.name, "force"] = push + brake + weight * loaded
+        return commands
+
+    return policy
+
+
+def squeezing(crew: str) -> Hyperparameter:
+    """Return the hyperparameter of how hard hands squeeze; at most so that they can bear the box besides."""
+
+    def guess(binding: Binding, state: State) -> FloatArray:
+        return np.asarray(squeeze_for(cast(Token, binding["object"]), crew))
+
+    def within(binding: Binding) -> tuple[float, float]:
+        roles = Roles.of(crew, binding)
+        return 0.0, min(largest_squeeze(hand, roles.thing, crew) for hand, _ in roles.hands)
+
+    return Hyperparameter("squeeze", "N", 0.0, 1e5, guess, "force with which each hand squeezes the box", within)
+
+
+def bearing_system(crew: str, binding: Binding, state: State, commands: Commands, dt: float) -> State:
+    """Move hands and box by Coulomb friction: upwards they go as one, as far as the hands press hard enough.
+
+    The box keeps its orientation and moves up and down only; the floor stops it. A hand that touches is stopped by its
+    face, which the hands on the other side hold.
+    """
+    roles = Roles.of(crew, binding)
+    thing, mass = roles.thing, roles.thing["mass"]
+    lowest = -corner_heights(state, thing).min(axis=-1) / dt
+    """Vertical speed with which the box comes to the floor [m/s]."""
+    sinking = state[thing, "velocity"][..., 2] - GRAVITY * dt
+    moved = [(hand, *_pressed(state, hand, thing, place, commands, dt)) for hand, place in roles.hands]
+    momentum, total = mass * sinking, mass * np.ones_like(sinking)
+    for hand, velocity, press in moved:
+        joined = np.where(press > 0.0, hand["mass"], 0.0)
+        momentum, total = momentum + joined * velocity[..., 2], total + joined
+    common = np.maximum(momentum / total, lowest)
+    changes: dict[tuple[str, str], FloatArray] = {}
+    lifting = np.zeros_like(common)
+    for hand, velocity, press in moved:
+        most = friction(thing) * press * dt
+        impulse = np.clip(hand["mass"] * (velocity[..., 2] - common), -most, most)
+        lifting = lifting + impulse
+        after = velocity - UP * (impulse / hand["mass"])[..., None]
+        changes[hand.name, "velocity"] = after
+        changes[hand.name, "position"] = state[hand, "position"] + after * dt
+    speed = np.maximum(sinking + lifting / mass, lowest)
+    changes[thing.name, "position"] = state[thing, "position"] + UP * (speed * dt)[..., None]
+    # On the floor it is at rest, whatever way it had to go there.
+    changes[thing.name, "velocity"] = UP * np.where(speed > lowest, speed, 0.0)[..., None]
+    changes[thing.name, "angular_velocity"] = np.zeros_like(state[thing, "angular_velocity"])
+    return state.replace(changes)
+
+
+def _pressed(
+    state: State, hand: Token, thing: Token, place: str, commands: Commands, dt: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the velocity ``(..., 3)`` [m/s] of a hand that its face stops, and how hard it presses ``(...)`` [N]."""
+    force, normal = force_on(hand, state, commands), outward(state, thing, place)
+    velocity = state[hand, "velocity"] + force / hand["mass"] * dt
+    gap = np.maximum(gap_at(state, hand, thing, place), 0.0)
+    stopped = velocity + normal * np.maximum(-dot(velocity, normal) - gap / dt, 0.0)[..., None]
+    return stopped, np.where(gap <= _TOUCH, np.maximum(-dot(force, normal), 0.0), 0.0)

@@ -1,0 +1,235 @@
+"""LIFTING, HOLDING and LOWERING (paper, Sec. II-E): hands on opposite sides of a box lift it, keep it up, set it down.
+
+Each comes in two modes: ``two``, with one hand on either side, and ``four``, with two on either side. A box that is too
+heavy for two hands can be lifted by four, which may be those of two robots. No hand is joined to the box: LIFTING and
+LOWERING end by themselves, and HOLDING keeps the box in the air as long as the hands squeeze it.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from hybrid_tamp.model.block import (
+    Binding,
+    Block,
+    Duration,
+    Hyperparameter,
+    Hyperparameters,
+    Movement,
+    Policy,
+    Slot,
+)
+from hybrid_tamp.model.predicate import Literal
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.motion.dmp import DMP
+from hybrid_tamp.motion.profile import Profile
+
+from ..common.classes import StaticEndEffector
+from ..common.predicates import AT_REST, REST_SPEED
+from ..common.primitives import straight_profile
+from .bearing import Course, Roles, bearing, bearing_system, places_of, squeezing
+from .classes import Liftable
+from .places import FLOOR_TOLERANCE, STANDBY_GAP, UP, corner_heights, gap_at, place_at
+from .predicates import (
+    AT_PLACE,
+    BEARS,
+    CLEAR_OF,
+    FEASIBLE,
+    FITS,
+    LIFT,
+    ON_SIDE,
+    RAISED,
+    RAISED_HEIGHT,
+    STANDS,
+    UPRIGHT,
+    WITHIN_REACH,
+)
+
+MODES = {"two": "two hands", "four": "four hands"}
+"""Mode to the crew that lifts."""
+_CLOSING = 0.3
+"""How long hands take to close on a box, and to come away from it [s]."""
+GRASPED = 0.5
+"""How long they take until they squeeze it with all their force and bear its weight [s]."""
+_HELD = 1.0
+"""How long a box is held up at least [s]."""
+_BODY = ("position", "orientation", "velocity", "angular_velocity")
+_SPEED = Hyperparameter("speed", "m/s", 0.03, 0.2, lambda b, s: np.asarray(0.1), "mean speed up or down")
+_HEIGHT = Hyperparameter("height", "m", 0.11, 0.3, lambda b, s: np.asarray(LIFT), "how high the box is lifted")
+
+
+def _lift(crew: str, profile: Profile, binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    roles = Roles.of(crew, binding)
+    speed, height, squeeze = (np.asarray(hyperparameters[name]) for name in ("speed", "height", "squeeze"))
+    duration = height / speed
+
+    def course(elapsed: FloatArray) -> Course:
+        closing, rising = elapsed / _CLOSING, (elapsed - GRASPED) / duration
+        closed, rate = straight_profile().share(closing), straight_profile().rate(closing) / _CLOSING
+        grip = straight_profile().share(elapsed / GRASPED)
+        # A hand that bore weight before it touches would rise.
+        loaded = straight_profile().share((elapsed - _CLOSING) / (GRASPED - _CLOSING))
+        rise, climb = height * profile.share(rising), height * profile.rate(rising) / duration
+        return Course(closed, rate, grip, loaded, rise, climb)
+
+    gaps = tuple(gap_at(start, hand, roles.thing, place) for hand, place in roles.hands)
+    return bearing(roles, start, squeeze, gaps, course)
+
+
+def _hold(crew: str, profile: Profile, binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    roles = Roles.of(crew, binding)
+    still, whole = np.asarray(0.0), np.asarray(1.0)
+    gaps = (still,) * len(roles.hands)
+    squeeze = np.asarray(hyperparameters["squeeze"])
+    return bearing(roles, start, squeeze, gaps, lambda elapsed: Course(still, still, whole, whole, still, still))
+
+
+def _lower(crew: str, profile: Profile, binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    roles = Roles.of(crew, binding)
+    speed, squeeze = (np.asarray(hyperparameters[name]) for name in ("speed", "squeeze"))
+    drop = corner_heights(start, roles.thing).min(axis=-1)
+    duration = _falling(drop, speed)
+
+    def course(elapsed: FloatArray) -> Course:
+        sinking, opening = elapsed / duration, (elapsed - duration) / _CLOSING
+        opened, rate = straight_profile().share(opening), straight_profile().rate(opening) / _CLOSING
+        grip = 1.0 - opened
+        rise, climb = -drop * profile.share(sinking), -drop * profile.rate(sinking) / duration
+        return Course(opened, rate, grip, grip, rise, climb)
+
+    # Away from the face, to where hands stand by.
+    gaps = (np.asarray(-STANDBY_GAP),) * len(roles.hands)
+    return bearing(roles, start, squeeze, gaps, course)
+
+
+def _falling(drop: FloatArray, speed: FloatArray) -> FloatArray:
+    return np.asarray(np.maximum(drop, FLOOR_TOLERANCE) / speed)
+
+
+def _lifted(crew: str, profile: Profile, binding: Binding, state: State, chosen: Hyperparameters) -> float:
+    height, speed = float(chosen["height"]), float(chosen["speed"])
+    arrival = float(profile.arrival(height, height / speed, height - RAISED_HEIGHT, REST_SPEED))
+    return _whole(GRASPED + arrival)
+
+
+def _held(binding: Binding, state: State, chosen: Hyperparameters) -> float:
+    return _HELD
+
+
+def _lowered(crew: str, binding: Binding, state: State, chosen: Hyperparameters) -> float:
+    drop = corner_heights(state, Roles.of(crew, binding).thing).min(axis=-1)
+    return _whole(float(_falling(drop, np.asarray(chosen["speed"]))) + _CLOSING)
+
+
+def _whole(seconds: float) -> float:
+    """Schedules count in milliseconds."""
+    return float(np.ceil(1e3 * seconds) / 1e3)
+
+
+def _up(crew: str, binding: Binding, state: State) -> State:
+    """The box is lifted, the hands at its faces."""
+    return _at(Roles.of(crew, binding), state, LIFT * UP, 0.0)
+
+
+def _down(crew: str, binding: Binding, state: State) -> State:
+    """The box stands on the floor, the hands beside it."""
+    roles = Roles.of(crew, binding)
+    return _at(roles, state, -UP * corner_heights(state, roles.thing).min(axis=-1)[..., None], STANDBY_GAP)
+
+
+def _at(roles: Roles, state: State, way: FloatArray, gap: float) -> State:
+    after = state.replace({(roles.thing.name, "position"): state[roles.thing, "position"] + way})
+    return after.replace(
+        {(hand.name, "position"): place_at(after, hand, roles.thing, place, gap) for hand, place in roles.hands}
+    )
+
+
+def _able(crew: str) -> tuple[Literal, ...]:
+    """Return what has to be so of the hands of a crew, each at its place, before any search."""
+    return tuple(
+        literal
+        for slot, place in places_of(crew)
+        for literal in (
+            BEARS(slot, "object", crew),
+            ON_SIDE(slot, "object", place),
+            WITHIN_REACH(slot, "object", place),
+            FITS(slot, "object", place),
+            UPRIGHT(slot),
+        )
+    )
+
+
+def _at_places(crew: str) -> tuple[Literal, ...]:
+    return tuple(AT_PLACE(slot, "object", place) for slot, place in places_of(crew))
+
+
+def _together(action: str, mode: str, duration: Duration, policy: Callable[..., Policy], profile: Profile) -> Block:
+    """Return what the three actions have in common in a mode: hands at their places, which can bear the box."""
+    crew = MODES[mode]
+    slots = [slot for slot, _ in places_of(crew)]
+    return Block(
+        name=f"{action}:{mode}",
+        slots=(*(Slot(slot, StaticEndEffector) for slot in slots), Slot("object", Liftable)),
+        anchor="object",
+        entry=(*_at_places(crew), *_able(crew)),
+        exit=(AT_REST("object"), *(AT_REST(slot) for slot in slots)),
+        writes={**{slot: ("position", "velocity") for slot in slots}, "object": _BODY},
+        # A box goes straight up and down, so what was feasible stays so.
+        keeps=FEASIBLE,
+        hyperparameters=(squeezing(crew),),
+        duration=duration,
+        policy=partial(policy, crew, profile),
+        system=partial(bearing_system, crew),
+    )
+
+
+def lifting(mode: str, primitive: DMP | None = None) -> Block:
+    """Return one mode of LIFTING; its primitive is the course of the rise, by default a straight movement."""
+    profile, crew = straight_profile() if primitive is None else Profile(primitive), MODES[mode]
+    block = _together("LIFTING", mode, Duration(GRASPED, 12.0, partial(_lifted, crew, profile)), _lift, profile)
+    return replace(
+        block,
+        entry=(STANDS("object"), *block.entry),
+        exit=(RAISED("object"), ~STANDS("object"), *_at_places(crew), *block.exit),
+        hyperparameters=(*block.hyperparameters, _HEIGHT, _SPEED),
+        taught=partial(lifting, mode),
+        movement=Movement("object", "position", 1),
+        outcome=partial(_up, crew),
+        description=f"{crew} close on a box, squeeze it from opposite sides and lift it by friction",
+    )
+
+
+def holding(mode: str) -> Block:
+    """Return one mode of HOLDING."""
+    crew = MODES[mode]
+    block = _together("HOLDING", mode, Duration(_HELD, 60.0, _held), _hold, straight_profile())
+    return replace(
+        block,
+        entry=(RAISED("object"), *block.entry),
+        exit=(RAISED("object"), *_at_places(crew), *block.exit),
+        keeps=(*block.keeps, STANDS),
+        hold=True,
+        description=f"{crew} keep a box in the air",
+    )
+
+
+def lowering(mode: str, primitive: DMP | None = None) -> Block:
+    """Return one mode of LOWERING; its primitive is the course of the way down, by default a straight movement."""
+    profile, crew = straight_profile() if primitive is None else Profile(primitive), MODES[mode]
+    block = _together("LOWERING", mode, Duration(_CLOSING, 15.0, partial(_lowered, crew)), _lower, profile)
+    clear = (CLEAR_OF(slot, "object") for slot, _ in places_of(crew))
+    return replace(
+        block,
+        entry=(RAISED("object"), *block.entry),
+        exit=(STANDS("object"), ~RAISED("object"), *clear, *block.exit),
+        hyperparameters=(*block.hyperparameters, _SPEED),
+        taught=partial(lowering, mode),
+        movement=Movement("object", "position", 1),
+        outcome=partial(_down, crew),
+        description=f"{crew} set a box down and let go of it",
+    )
+
+
+BEARING = tuple(make(mode) for make in (lifting, holding, lowering) for mode in MODES)

@@ -1,0 +1,195 @@
+"""What the conditions of lifting speak of."""
+
+import numpy as np
+
+from hybrid_tamp.model.predicate import Parameter, Predicate
+from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import rotate
+
+from ..common.classes import StaticEndEffector
+from .classes import Liftable
+from .load import bearable, load
+from .places import (
+    ABOVE_CENTRE,
+    CREW,
+    FLOOR_TOLERANCE,
+    PLACE,
+    SPOTS,
+    UP,
+    corner_heights,
+    gap_at,
+    offset_in_box,
+    place_at,
+)
+
+_HAND = Parameter("hand", StaticEndEffector)
+_OBJECT = Parameter("object", Liftable)
+_PLACE = Parameter("place", PLACE)
+_CREW = Parameter("crew", CREW)
+RAISED_HEIGHT = 0.1
+"""A box is raised if all of it is at least so far above the floor [m]."""
+LIFT = 0.15
+"""How high a box is lifted if nothing else is said [m]."""
+PLACE_TOLERANCE = 0.03
+"""How far from its place at a box a hand may be [m]: hands that squeeze it have closed the gap and may have slipped."""
+_CLEAR = 0.005
+_UPRIGHT = np.sin(np.radians(3.0))
+_MIDDLE = 0.02
+"""So near to the middle between front and back [m] a hand may go to either half."""
+_TOUCHING = 0.03
+"""Least length of the line along which a hand touches a face [m]."""
+_ABREAST = 0.02
+"""Gap between two hands side by side [m]."""
+
+
+def _rise(state: State, thing: Token) -> FloatArray:
+    return np.asarray(corner_heights(state, thing).min(axis=-1) - RAISED_HEIGHT)
+
+
+def _footing(state: State, thing: Token) -> FloatArray:
+    return np.asarray(FLOOR_TOLERANCE - np.abs(corner_heights(state, thing)).max(axis=-1))
+
+
+def _close(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
+    offset = state[hand, "position"] - place_at(state, hand, thing, place)
+    return np.asarray(PLACE_TOLERANCE - np.linalg.norm(offset, axis=-1))
+
+
+def _clearance(state: State, hand: Token, thing: Token) -> FloatArray:
+    nearer = np.maximum(gap_at(state, hand, thing, "left"), gap_at(state, hand, thing, "right"))
+    return np.asarray(nearer - _CLEAR)
+
+
+def _uprightness(state: State, hand: Token) -> FloatArray:
+    axis = rotate(state[hand, "orientation"], UP)
+    return np.asarray(_UPRIGHT - np.linalg.norm(axis[..., :2], axis=-1))
+
+
+def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
+    """How far beyond the face of the place, and on its half of the box, a hand starts."""
+    side, along = SPOTS[place]
+    offset = offset_in_box(state, hand, thing)
+    beyond = side * offset[..., 0] - thing["half_extents"][0] - hand["radius"]
+    return np.asarray(np.minimum(beyond, np.sign(along) * offset[..., 1] + _MIDDLE) if along else beyond)
+
+
+def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
+    """Least distance inside the workspace of the hand's place beside the box that stands and that is lifted."""
+    lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
+    beside = place_at(state, hand, thing, place)
+    return np.asarray(np.minimum(beside - lower, upper - beside - LIFT * UP).min(axis=-1))
+
+
+def _room(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
+    """How much wider a face, or its half, is than a hand, and how much longer than it must be the line of contact."""
+    _, half_y, half_z = thing["half_extents"]
+    wide = half_y - _ABREAST if SPOTS[place][1] else 2.0 * half_y
+    room = min(wide - 2.0 * hand["radius"], min(half_z - ABOVE_CENTRE, hand["length"]) - _TOUCHING)
+    return np.full(state.values.shape[:-1], room)
+
+
+def _share(state: State, hand: Token, thing: Token, crew: str) -> tuple[float, float]:
+    return load(thing, crew), bearable(hand, thing)
+
+
+def _strength(state: State, hand: Token, thing: Token, crew: str) -> FloatArray:
+    return np.full(state.values.shape[:-1], bearable(hand, thing) - load(thing, crew))
+
+
+STANDS = Predicate(
+    "stands",
+    (_OBJECT,),
+    _footing,
+    unit="m",
+    scale=0.01,
+    reads={"object": ("position", "orientation")},
+    description="{object} stands on the floor",
+)
+RAISED = Predicate(
+    "raised",
+    (_OBJECT,),
+    _rise,
+    unit="m",
+    scale=0.01,
+    reads={"object": ("position", "orientation")},
+    description=f"{{object}} is all of it at least {RAISED_HEIGHT} m above the floor",
+)
+AT_PLACE = Predicate(
+    "at_place",
+    (_HAND, _OBJECT, _PLACE),
+    _close,
+    unit="m",
+    scale=0.01,
+    reads={"hand": ("position",), "object": ("position", "orientation")},
+    maintained=True,
+    description="{hand} is at the place {place} of {object}",
+)
+CLEAR_OF = Predicate(
+    "clear_of",
+    (_HAND, _OBJECT),
+    _clearance,
+    unit="m",
+    scale=0.01,
+    reads={"hand": ("position",), "object": ("position", "orientation")},
+    maintained=True,
+    description="{hand} has let go of {object}",
+)
+UPRIGHT = Predicate(
+    "upright",
+    (_HAND,),
+    _uprightness,
+    unit="1",
+    scale=0.05,
+    reads={"hand": ("orientation",)},
+    static=True,
+    description="{hand}, whose wrist is stiff, stands upright",
+    denial="{hand}, whose wrist is stiff, does not stand upright",
+)
+ON_SIDE = Predicate(
+    "on_side",
+    (_HAND, _OBJECT, _PLACE),
+    _outlook,
+    unit="m",
+    scale=0.1,
+    # Of the hand it takes the side where it starts, which no block changes.
+    reads={"object": ("position", "orientation")},
+    static=True,
+    description="{hand} starts on the side of {object} where its place {place} is",
+    denial="{hand} does not start on the side of {object} where its place {place} is",
+)
+"""Hands stay on their side and half of a box: two that changed over at once would meet."""
+WITHIN_REACH = Predicate(
+    "within_reach",
+    (_HAND, _OBJECT, _PLACE),
+    _reach,
+    unit="m",
+    scale=0.01,
+    reads={"object": ("position", "orientation")},
+    static=True,
+    description="{hand} reaches the place {place} of {object}, and that place when {object} is lifted",
+    denial="the place {place} of {object}, or that place when {object} is lifted, is not in the workspace of {hand}",
+)
+FITS = Predicate(
+    "fits",
+    (_HAND, _OBJECT, _PLACE),
+    _room,
+    unit="m",
+    scale=0.01,
+    static=True,
+    description="{hand} has room at the place {place} of {object}",
+    denial="{hand} has no room at the place {place} of {object}",
+)
+BEARS = Predicate(
+    "bears",
+    (_HAND, _OBJECT, _CREW),
+    _strength,
+    unit="N",
+    scale=10.0,
+    static=True,
+    description="{hand} bears its share of the weight of {object} by friction, as one of {crew}",
+    denial="{object} is too heavy for {hand} to bear its share of it by friction, as one of {crew}",
+    share=_share,
+)
+FEASIBLE = (UPRIGHT, ON_SIDE, WITHIN_REACH, FITS, BEARS)
+PREDICATES = (STANDS, RAISED, AT_PLACE, CLEAR_OF, *FEASIBLE)
