@@ -4,13 +4,15 @@ Where single changes give a plan, a reason is left out if there is no plan even 
 Where none does, those count that have to be taken away together.
 """
 
-from collections.abc import Iterable, Sequence
-from itertools import islice
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import islice, product
 
-from hybrid_tamp.affordances.candidates import answers
-from hybrid_tamp.affordances.changes import Change
+from hybrid_tamp.affordances.candidates import answers, parsed
+from hybrid_tamp.affordances.changes import Change, with_facts
 from hybrid_tamp.affordances.reasons import Reason
 from hybrid_tamp.affordances.trying import Trying
+from hybrid_tamp.model.predicate import Atom, SymbolSort
 from hybrid_tamp.model.task import Task
 
 MOST_ANSWERS = 4
@@ -27,11 +29,30 @@ def needed(task: Task, reasons: Sequence[Reason], trying: Trying) -> list[Reason
     """
     kept = list(reasons)
     for reason in reversed(reasons):
-        without = [change.made() for change in islice(answers(task, reason), MOST_ANSWERS)]
+        without = list(_taken_away(task, reason))
         if without and not trying.over and all(map(trying.excluded, without)):
             kept.remove(reason)
             task = without[0]
     return kept
+
+
+def _taken_away(task: Task, reason: Reason) -> Iterator[Task]:
+    """Yield tasks in which there is nothing to complain of any more."""
+    for change in islice(answers(task, reason), MOST_ANSWERS):
+        yield change.made()
+    if reason.atom:
+        # That a hand is on the wrong side of one face is told of one face, and true of others.
+        yield with_facts(task, _alike(task, parsed(reason.atom)))
+
+
+def _alike(task: Task, atom: Atom) -> list[Atom]:
+    """Return the atoms that say of the same tokens what an atom says, whatever its symbols."""
+    parameters = task.domain.predicate_by_name[atom.predicate].parameters
+    choices = [
+        parameter.sort.symbols if isinstance(parameter.sort, SymbolSort) else (name,)
+        for name, parameter in zip(atom.arguments, parameters, strict=True)
+    ]
+    return [replace(atom, arguments=names) for names in product(*choices)]
 
 
 def together(task: Task, reasons: Sequence[Reason], trying: Trying) -> tuple[list[Reason], list[Change]]:
