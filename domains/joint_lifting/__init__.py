@@ -41,7 +41,7 @@ _BESIDE = ReachGoal(
     ),
     arrived=(AT_PLACE("hand", "object", "place"),),
 )
-_BLOCKS = (reaching(_BESIDE), *BEARING, RESTING)
+_BLOCKS = (reaching(_BESIDE, "place"), *BEARING, RESTING)
 
 DOMAIN = Domain(
     name="joint_lifting",

@@ -258,7 +258,7 @@ def test_problems_are_solved_by_lawful_plans_that_val_accepts(mode: str, tmp_pat
     plan = pipeline.plan(task).required()
     assert not check_law(task, plan)
     blocks = [instance.block for instance in plan.instances if instance.block != "RESTING"]
-    assert blocks == ["REACHING"] * (len(task.tokens) - 1) + [f"LIFTING:{mode}", f"HOLDING:{mode}"]
+    assert blocks == ["REACHING:place"] * (len(task.tokens) - 1) + [f"LIFTING:{mode}", f"HOLDING:{mode}"]
     assert next(i.slots for i in plan.instances if i.block == f"LIFTING:{mode}") == roles_of(task, mode)
     actions = [tuple(action.strip("()").split()) for action in plan.actions]
     assert val_accepts(tmp_path, compile_task(task).problem, actions)

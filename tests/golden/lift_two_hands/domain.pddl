@@ -40,7 +40,7 @@
     (completed ?token - token)
     (readers ?token - token ?count - how-many)
     (next ?count - how-many ?more - how-many)
-    (in-reaching ?anchor - static-end-effector ?object - liftable ?place - place)
+    (in-reaching-place ?anchor - static-end-effector ?object - liftable ?place - place)
     (in-lifting-two-to-holding-two ?anchor - liftable)
     (in-lifting-two-to-holding-two-first ?token - static-end-effector ?anchor - liftable)
     (claimed-lifting-two-to-holding-two-first ?anchor - liftable)
@@ -973,7 +973,7 @@
       (in-lowering-two-second ?second ?object)
     )
   )
-  (:action leave-lowering-four-first-to-reaching
+  (:action leave-lowering-four-first-to-reaching-place
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-first ?old-object)
@@ -993,13 +993,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (idle)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-first-to-reaching-before-second
+  (:action leave-lowering-four-first-to-reaching-place-before-second
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-first-second ?old-object)
@@ -1019,13 +1019,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-second ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-first-to-reaching-before-third
+  (:action leave-lowering-four-first-to-reaching-place-before-third
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-first-third ?old-object)
@@ -1045,13 +1045,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-third ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-first-to-reaching-before-second-before-third
+  (:action leave-lowering-four-first-to-reaching-place-before-second-before-third
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-first-second-third ?old-object)
@@ -1071,13 +1071,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-second-third ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-first-to-reaching-before-fourth
+  (:action leave-lowering-four-first-to-reaching-place-before-fourth
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-first-fourth ?old-object)
@@ -1097,13 +1097,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-fourth ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-first-to-reaching-before-second-before-fourth
+  (:action leave-lowering-four-first-to-reaching-place-before-second-before-fourth
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-first-second-fourth ?old-object)
@@ -1123,13 +1123,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-second-fourth ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-first-to-reaching-before-third-before-fourth
+  (:action leave-lowering-four-first-to-reaching-place-before-third-before-fourth
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-first-third-fourth ?old-object)
@@ -1149,13 +1149,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-third-fourth ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-first-to-reaching-before-second-before-third-before-fourth
+  (:action leave-lowering-four-first-to-reaching-place-before-second-before-third-before-fourth
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-first-second-third-fourth ?old-object)
@@ -1175,7 +1175,7 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-second-third-fourth ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
@@ -1301,7 +1301,7 @@
       (in-resting ?token)
     )
   )
-  (:action leave-lowering-four-fourth-to-reaching
+  (:action leave-lowering-four-fourth-to-reaching-place
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-fourth ?old-object)
@@ -1321,7 +1321,7 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (idle)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
@@ -1367,7 +1367,7 @@
       (completed ?token)
     )
   )
-  (:action leave-lowering-four-second-to-reaching
+  (:action leave-lowering-four-second-to-reaching-place
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-second ?old-object)
@@ -1387,13 +1387,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (idle)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-second-to-reaching-before-third
+  (:action leave-lowering-four-second-to-reaching-place-before-third
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-second-third ?old-object)
@@ -1413,13 +1413,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-third ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-second-to-reaching-before-fourth
+  (:action leave-lowering-four-second-to-reaching-place-before-fourth
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-second-fourth ?old-object)
@@ -1439,13 +1439,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-fourth ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-second-to-reaching-before-third-before-fourth
+  (:action leave-lowering-four-second-to-reaching-place-before-third-before-fourth
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-second-third-fourth ?old-object)
@@ -1465,7 +1465,7 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-third-fourth ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
@@ -1531,7 +1531,7 @@
       (in-resting ?token)
     )
   )
-  (:action leave-lowering-four-third-to-reaching
+  (:action leave-lowering-four-third-to-reaching-place
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-third ?old-object)
@@ -1551,13 +1551,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (idle)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-four-third-to-reaching-before-fourth
+  (:action leave-lowering-four-third-to-reaching-place-before-fourth
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-four-third-fourth ?old-object)
@@ -1577,7 +1577,7 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-four-fourth ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
@@ -1613,7 +1613,7 @@
       (in-resting ?token)
     )
   )
-  (:action leave-lowering-two-first-to-reaching
+  (:action leave-lowering-two-first-to-reaching-place
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-two-first ?old-object)
@@ -1633,13 +1633,13 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (idle)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
     )
   )
-  (:action leave-lowering-two-first-to-reaching-before-second
+  (:action leave-lowering-two-first-to-reaching-place-before-second
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-two-first-second ?old-object)
@@ -1659,7 +1659,7 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (leaving-lowering-two-second ?old-object)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
@@ -1716,7 +1716,7 @@
       (completed ?token)
     )
   )
-  (:action leave-lowering-two-second-to-reaching
+  (:action leave-lowering-two-second-to-reaching-place
     :parameters (?hand - static-end-effector ?old-object - liftable ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (leaving-lowering-two-second ?old-object)
@@ -1736,7 +1736,7 @@
       (not (clear_of ?hand ?old-object))
       (not (readers ?object ?readers))
       (idle)
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
@@ -1757,11 +1757,11 @@
       (in-resting ?token)
     )
   )
-  (:action fill-lifting-four-to-holding-four-first-from-reaching
+  (:action fill-lifting-four-to-holding-four-first-from-reaching-place
     :parameters (?first - static-end-effector ?object - liftable ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (idle)
-      (in-reaching ?first ?object left-front)
+      (in-reaching-place ?first ?object left-front)
       (next ?readers-2 ?readers)
       (readers ?object ?readers)
       (unclaimed ?object)
@@ -1773,7 +1773,7 @@
       (upright ?first)
     )
     :effect (and
-      (not (in-reaching ?first ?object left-front))
+      (not (in-reaching-place ?first ?object left-front))
       (not (readers ?object ?readers))
       (not (unclaimed ?object))
       (readers ?object ?readers-2)
@@ -1783,11 +1783,11 @@
       (in-lifting-four-to-holding-four-first ?first ?object)
     )
   )
-  (:action fill-lifting-four-to-holding-four-fourth-from-reaching
+  (:action fill-lifting-four-to-holding-four-fourth-from-reaching-place
     :parameters (?fourth - static-end-effector ?object - liftable ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (idle)
-      (in-reaching ?fourth ?object right-back)
+      (in-reaching-place ?fourth ?object right-back)
       (next ?readers-2 ?readers)
       (readers ?object ?readers)
       (claimed-lifting-four-to-holding-four-third ?object)
@@ -1799,7 +1799,7 @@
       (upright ?fourth)
     )
     :effect (and
-      (not (in-reaching ?fourth ?object right-back))
+      (not (in-reaching-place ?fourth ?object right-back))
       (not (readers ?object ?readers))
       (not (claimed-lifting-four-to-holding-four-third ?object))
       (readers ?object ?readers-2)
@@ -1809,11 +1809,11 @@
       (in-lifting-four-to-holding-four-fourth ?fourth ?object)
     )
   )
-  (:action fill-lifting-four-to-holding-four-second-from-reaching
+  (:action fill-lifting-four-to-holding-four-second-from-reaching-place
     :parameters (?second - static-end-effector ?object - liftable ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (idle)
-      (in-reaching ?second ?object left-back)
+      (in-reaching-place ?second ?object left-back)
       (next ?readers-2 ?readers)
       (readers ?object ?readers)
       (claimed-lifting-four-to-holding-four-first ?object)
@@ -1825,7 +1825,7 @@
       (upright ?second)
     )
     :effect (and
-      (not (in-reaching ?second ?object left-back))
+      (not (in-reaching-place ?second ?object left-back))
       (not (readers ?object ?readers))
       (not (claimed-lifting-four-to-holding-four-first ?object))
       (readers ?object ?readers-2)
@@ -1835,11 +1835,11 @@
       (in-lifting-four-to-holding-four-second ?second ?object)
     )
   )
-  (:action fill-lifting-four-to-holding-four-third-from-reaching
+  (:action fill-lifting-four-to-holding-four-third-from-reaching-place
     :parameters (?third - static-end-effector ?object - liftable ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (idle)
-      (in-reaching ?third ?object right-front)
+      (in-reaching-place ?third ?object right-front)
       (next ?readers-2 ?readers)
       (readers ?object ?readers)
       (claimed-lifting-four-to-holding-four-second ?object)
@@ -1851,7 +1851,7 @@
       (upright ?third)
     )
     :effect (and
-      (not (in-reaching ?third ?object right-front))
+      (not (in-reaching-place ?third ?object right-front))
       (not (readers ?object ?readers))
       (not (claimed-lifting-four-to-holding-four-second ?object))
       (readers ?object ?readers-2)
@@ -1861,11 +1861,11 @@
       (in-lifting-four-to-holding-four-third ?third ?object)
     )
   )
-  (:action fill-lifting-two-to-holding-two-first-from-reaching
+  (:action fill-lifting-two-to-holding-two-first-from-reaching-place
     :parameters (?first - static-end-effector ?object - liftable ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (idle)
-      (in-reaching ?first ?object left)
+      (in-reaching-place ?first ?object left)
       (next ?readers-2 ?readers)
       (readers ?object ?readers)
       (unclaimed ?object)
@@ -1877,7 +1877,7 @@
       (upright ?first)
     )
     :effect (and
-      (not (in-reaching ?first ?object left))
+      (not (in-reaching-place ?first ?object left))
       (not (readers ?object ?readers))
       (not (unclaimed ?object))
       (readers ?object ?readers-2)
@@ -1887,11 +1887,11 @@
       (in-lifting-two-to-holding-two-first ?first ?object)
     )
   )
-  (:action fill-lifting-two-to-holding-two-second-from-reaching
+  (:action fill-lifting-two-to-holding-two-second-from-reaching-place
     :parameters (?second - static-end-effector ?object - liftable ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (idle)
-      (in-reaching ?second ?object right)
+      (in-reaching-place ?second ?object right)
       (next ?readers-2 ?readers)
       (readers ?object ?readers)
       (claimed-lifting-two-to-holding-two-first ?object)
@@ -1903,7 +1903,7 @@
       (upright ?second)
     )
     :effect (and
-      (not (in-reaching ?second ?object right))
+      (not (in-reaching-place ?second ?object right))
       (not (readers ?object ?readers))
       (not (claimed-lifting-two-to-holding-two-first ?object))
       (readers ?object ?readers-2)
@@ -1913,18 +1913,18 @@
       (in-lifting-two-to-holding-two-second ?second ?object)
     )
   )
-  (:action begin-resting-from-reaching
+  (:action begin-resting-from-reaching-place
     :parameters (?token - static-end-effector ?old-object - liftable ?old-place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (idle)
-      (in-reaching ?token ?old-object ?old-place)
+      (in-reaching-place ?token ?old-object ?old-place)
       (next ?readers-2 ?readers)
       (readers ?old-object ?readers)
       (unclaimed ?token)
       (at_rest ?token)
     )
     :effect (and
-      (not (in-reaching ?token ?old-object ?old-place))
+      (not (in-reaching-place ?token ?old-object ?old-place))
       (not (at_place ?token ?old-object ?old-place))
       (not (readers ?old-object ?readers))
       (readers ?old-object ?readers-2)
@@ -1975,7 +1975,7 @@
       (at_rest ?object)
     )
   )
-  (:action begin-reaching-from-resting
+  (:action begin-reaching-place-from-resting
     :parameters (?hand - static-end-effector ?object - liftable ?place - place ?readers - how-many ?readers-2 - how-many)
     :precondition (and
       (idle)
@@ -1992,7 +1992,7 @@
     :effect (and
       (not (in-resting ?hand))
       (not (readers ?object ?readers))
-      (in-reaching ?hand ?object ?place)
+      (in-reaching-place ?hand ?object ?place)
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
