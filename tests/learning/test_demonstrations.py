@@ -124,7 +124,7 @@ def test_what_cannot_be_learnt_exits_30(
     [
         ("ROLLING", "ROLLING has no motor primitive"),
         ("REECHING", "did you mean 'REACHING'"),
-        ("REACHING", "name one; available: REACHING:behind"),
+        ("REACHING", "name one; available: .*REACHING:behind, REACHING:beside, REACHING:away"),
     ],
 )
 def test_blocks_that_cannot_be_taught(tmp_path: Path, block: str, words: str) -> None:
