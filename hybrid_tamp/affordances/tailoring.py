@@ -15,6 +15,8 @@ from hybrid_tamp.symbolic.stage import Planned, Planner, plan_task
 
 _LOG = logging.getLogger(__name__)
 
+UNREACHABLE = "in the network without it no block brings about"
+"""Why an object is brought in without planning."""
 _WITHOUT = {
     "unsolvable": "the network without it has no plan; the planner has proven that",
     "not_found": "the planner found no plan in the network without it",
@@ -73,7 +75,7 @@ class Tailoring:
     def _unreachable(self) -> str:
         """Return which goal atoms no block of the reduced network brings about."""
         atoms = out_of_reach(self.reduction.task)
-        return f"in the network without it no block brings about {' and '.join(map(str, atoms))}" if atoms else ""
+        return f"{UNREACHABLE} {' and '.join(map(str, atoms))}" if atoms else ""
 
     def _bring_in(self, names: list[str], why: str) -> None:
         for name in names:
