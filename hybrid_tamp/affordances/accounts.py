@@ -174,6 +174,10 @@ class _Search:
             if "position" in self.guesser.block(name).writes.get(slot, ())
         ]
         onset = min((self.seen.onset(token, low) for token in moving), default=low)
+        still = all(self.seen.departure(token, low) > self.seen.last for token in moving)
+        if still and any(each.block and not self.guesser.block(each.block).hold for each in passage.ending):
+            # Nothing moves any more, and what ends does not hold: a block that only holds begins at once.
+            return int(rows[0])
         before = rows[rows <= onset]
         return int(before[-1] if len(before) else rows[0])
 
