@@ -193,11 +193,16 @@ def interrupted(when: Callable[[], bool]) -> Iterator[None]:
         wait_for(when)
         os.kill(os.getpid(), signal.SIGINT)
 
+    # Where a shell has put the tests into the background, they were told to ignore it.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     watcher = threading.Thread(target=interrupt)
     watcher.start()
-    with pytest.raises(KeyboardInterrupt):
-        yield
-    watcher.join()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            yield
+        watcher.join()
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_an_interrupt_leaves_nothing(left: Path) -> None:
