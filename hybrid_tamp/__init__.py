@@ -18,7 +18,6 @@ if TYPE_CHECKING:
         LimitReached,
         NoPlan,
     )
-    from hybrid_tamp.learning import learn, save_primitive
     from hybrid_tamp.model.affordance import (
         TOKEN,
         AffordanceClass,
@@ -39,10 +38,11 @@ if TYPE_CHECKING:
     from hybrid_tamp.model.state import State
     from hybrid_tamp.model.task import Task
     from hybrid_tamp.model.token import Token
-    from hybrid_tamp.pipeline import plan, replay, run
-    from hybrid_tamp.probing import probe
     from hybrid_tamp.taskfile.loader import load_task
     from hybrid_tamp.testing import check_domain
+    from hybrid_tamp.verbs.learn import learn, save_primitive
+    from hybrid_tamp.verbs.pipeline import plan, replay, run
+    from hybrid_tamp.verbs.probe import probe
 
 _HOMES = {
     "errors": (
@@ -55,7 +55,7 @@ _HOMES = {
         "LimitReached",
         "NoPlan",
     ),
-    "learning": ("learn", "save_primitive"),
+    "verbs.learn": ("learn", "save_primitive"),
     "model.affordance": (
         "TOKEN",
         "AffordanceClass",
@@ -76,8 +76,8 @@ _HOMES = {
     "model.state": ("State",),
     "model.task": ("Task",),
     "model.token": ("Token",),
-    "pipeline": ("plan", "replay", "run"),
-    "probing": ("probe",),
+    "verbs.pipeline": ("plan", "replay", "run"),
+    "verbs.probe": ("probe",),
     "taskfile.loader": ("load_task",),
     "testing": ("check_domain",),
 }

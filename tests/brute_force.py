@@ -20,8 +20,8 @@ from hybrid_tamp.model.predicate import SymbolSort
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.symbolic.operators import PlanningProblem
-from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 
 MOST_STATES = 200_000
 CHANGES = (-0.99, -0.9, -0.7, -0.5, -0.2, 0.2, 0.5, 1.0, 2.0, 4.0, 9.0, 99.0)

@@ -8,9 +8,9 @@ from validation import val_accepts
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.decoder import decode
-from hybrid_tamp.symbolic.operators import PlannedAction
-from hybrid_tamp.symbolic.problem import Compilation, compile_task
+from hybrid_tamp.symbolic.decode import decode
+from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
+from hybrid_tamp.symbolic.pddl.operators import PlannedAction
 from hybrid_tamp.symbolic.reencode import reencode
 from hybrid_tamp.symbolic.schedule import schedule
 

@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from itertools import product
 
-from hybrid_tamp.symbolic.operators import Fact, PlannedAction, PlanningProblem, ground
+from hybrid_tamp.symbolic.pddl.operators import Fact, PlannedAction, PlanningProblem, ground
 
 
 def shortest_plan(problem: PlanningProblem, limit: int = 20000) -> list[PlannedAction] | None:

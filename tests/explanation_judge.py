@@ -4,10 +4,10 @@ from collections.abc import Collection, Iterator
 
 from brute_force import Key, solvable
 
-from hybrid_tamp.affordances.explanation import Explanation
-from hybrid_tamp.affordances.reasons import Reason
-from hybrid_tamp.affordances.repairs import Suggestion
+from hybrid_tamp.feasibility.reasons import Reason
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.questions.explain.explanation import Explanation
+from hybrid_tamp.questions.explain.repairs import Suggestion
 
 
 def faults(task: Task, explanation: Explanation, every: Collection[Key]) -> Iterator[str]:

@@ -30,9 +30,9 @@ from hybrid_tamp.midlevel.rollout import Rollout, Rollouts
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.separate import optimised_apart
 from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning import plan
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.planning.plan import plan
 from hybrid_tamp.taskfile.loader import load_task_text
 
 PROBLEMS = Path(__file__).resolve().parent.parent / "problems"

@@ -14,7 +14,7 @@ from hammer_figures import GRASP, LOCATIONS, Scan, figure_plan, figure_task
 
 from hybrid_tamp.midlevel.rollout import GOAL, Rollout
 from hybrid_tamp.midlevel.scores import Scores
-from hybrid_tamp.rehearsal import Rehearsal
+from hybrid_tamp.planning.physics_rollouts import Rehearsal
 
 STRIKE_AT = 0.5
 """Where a strike alone is run [m]."""

@@ -8,8 +8,9 @@ from cmaes import CMA
 
 from hybrid_tamp.midlevel.cma import CMAES
 from hybrid_tamp.midlevel.optimiser import Budget
-from hybrid_tamp.midlevel.scores import FloatArray, Scores
+from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
+from hybrid_tamp.motion.arrays import FloatArray
 
 Cost = Callable[[FloatArray], FloatArray]
 """From points ``(n, d)`` to what is minimised, ``(n,)``; the minimum is 0."""

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Iterator
 from itertools import product
 
-from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, PlanningDomain, PlanningProblem
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction, PlanningDomain, PlanningProblem
 
 # Boxes move along roads; what is grabbed must be marked, and nothing marks.
 DELIVERY = PlanningDomain(

@@ -7,8 +7,8 @@ from hybrid_tamp_domains.common.classes import Region, StaticEndEffector
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Rollable
 
+from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.shape import Cylinder
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

@@ -20,8 +20,8 @@ from hybrid_tamp.model.predicate import Atom, Literal, Parameter, Predicate, Sym
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.symbolic.operators import PlannedAction, PlanningProblem
-from hybrid_tamp.symbolic.pddl import domain_text, problem_text
+from hybrid_tamp.symbolic.pddl.operators import PlannedAction, PlanningProblem
+from hybrid_tamp.symbolic.pddl.text import domain_text, problem_text
 
 
 class Part(AffordanceClass):

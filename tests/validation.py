@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from importlib.resources import as_file, files
 from pathlib import Path
 
-from hybrid_tamp.symbolic.operators import PlannedAction, PlanningProblem
-from hybrid_tamp.symbolic.pddl import domain_text, problem_text
+from hybrid_tamp.symbolic.pddl.operators import PlannedAction, PlanningProblem
+from hybrid_tamp.symbolic.pddl.temporal_text import temporal_domain_text, temporal_plan_text, temporal_problem_text
+from hybrid_tamp.symbolic.pddl.text import domain_text, problem_text
 from hybrid_tamp.symbolic.temporal.problem import TemporalProblem, TimedAction
-from hybrid_tamp.symbolic.temporal.text import temporal_domain_text, temporal_plan_text, temporal_problem_text
 
 
 def val_accepts(folder: Path, problem: PlanningProblem, actions: Sequence[PlannedAction]) -> bool:

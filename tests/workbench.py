@@ -5,6 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from hybrid_tamp.geometry.shapes import Box, BoxPart, Compound, Sphere, SpherePart
 from hybrid_tamp.model.affordance import (
     BODY_STATE,
     TOKEN,
@@ -19,12 +20,12 @@ from hybrid_tamp.model.block import Block, Commands, Duration, Slot
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.grasp import aperture_property
 from hybrid_tamp.model.network import ReassignmentNetwork
-from hybrid_tamp.model.shape import Box, BoxPart, Compound, Sphere, SpherePart
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_from_rpy, rotate, rotation_vector
-from hybrid_tamp.physics.bullet import GRAVITY, BulletBackend
+from hybrid_tamp.physics.bullet.backend import GRAVITY, BulletBackend
 
 MASS, MOMENT, WRIST = 0.6, 0.00199, 0.002
 OPENED, WIDTH, NEARLY = 0.08, 0.024, 0.0245

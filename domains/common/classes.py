@@ -5,8 +5,8 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator
 
+from hybrid_tamp.geometry.shapes import Cylinder, Shape
 from hybrid_tamp.model.affordance import BasicAction, CapabilityClass, PlaceClass, Vector3, quantity
-from hybrid_tamp.model.shape import Cylinder, Shape
 from hybrid_tamp.model.token import Token
 
 

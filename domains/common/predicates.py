@@ -4,8 +4,9 @@ import numpy as np
 
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass
 from hybrid_tamp.model.predicate import Parameter, Predicate
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 
 from .classes import Region
 

@@ -6,7 +6,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from hybrid_tamp.model.state import FloatArray
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 from hybrid_tamp.motion.profile import Profile

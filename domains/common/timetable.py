@@ -5,7 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from hybrid_tamp.model.block import CONTROL_PERIOD
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
 
 _ROWS = 64
 """Control periods that are read at once."""

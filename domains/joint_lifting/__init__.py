@@ -9,8 +9,9 @@ from typing import cast
 
 from hybrid_tamp.model.block import Binding, Target
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST

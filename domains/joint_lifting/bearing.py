@@ -13,8 +13,9 @@ from typing import cast
 import numpy as np
 
 from hybrid_tamp.model.block import Binding, Commands, Hyperparameter, Policy
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 
 from ..common.servos import STIFFNESS, damping, force_on
 from .load import GRAVITY, friction, largest_squeeze, load, squeeze_for

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar
 
+from hybrid_tamp.geometry.shapes import Box, Shape
 from hybrid_tamp.model.affordance import AffordanceClass, quantity
-from hybrid_tamp.model.shape import Box, Shape
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 

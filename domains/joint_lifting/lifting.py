@@ -22,7 +22,8 @@ from hybrid_tamp.model.block import (
     Slot,
 )
 from hybrid_tamp.model.predicate import Literal
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.profile import Profile
 

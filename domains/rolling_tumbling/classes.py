@@ -5,10 +5,10 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator
 
-from hybrid_tamp.affordances.features import rolling_likelihood, tumbling_likelihood
+from hybrid_tamp.geometry.features import rolling_likelihood, tumbling_likelihood
+from hybrid_tamp.geometry.meshes import MeshShape
+from hybrid_tamp.geometry.shapes import Box, Cylinder, Shape
 from hybrid_tamp.model.affordance import AffordanceClass, Direction, Vector3, quantity
-from hybrid_tamp.model.mesh import MeshShape
-from hybrid_tamp.model.shape import Box, Cylinder, Shape
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 

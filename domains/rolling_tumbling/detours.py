@@ -6,8 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
 from hybrid_tamp.motion.profile import Profile
 

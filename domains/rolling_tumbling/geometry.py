@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from hybrid_tamp.model.shape import Cylinder
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.geometry.shapes import Cylinder
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
 
 UP = np.array([0.0, 0.0, 1.0])

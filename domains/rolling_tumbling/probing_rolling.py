@@ -4,13 +4,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hybrid_tamp.affordances.features import across, rolling_radius, roundest_axis, silhouette
-from hybrid_tamp.affordances.surfaces import points_of, volume_of
+from hybrid_tamp.geometry.features import across, rolling_radius, roundest_axis, silhouette
+from hybrid_tamp.geometry.surfaces import points_of, volume_of
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.model.trial import Carry, Estimate, TrialRecipe
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply, quaternion_of_rotation
 
 from ..common.classes import Region, StaticEndEffector

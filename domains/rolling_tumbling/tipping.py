@@ -12,8 +12,9 @@ import numpy as np
 
 from hybrid_tamp.model.block import Binding, Block, Duration, Hyperparameter, Hyperparameters, Movement, Slot, Target
 from hybrid_tamp.model.predicate import Predicate
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.profile import Profile
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.shape import Cylinder
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

@@ -5,8 +5,9 @@ from collections.abc import Callable, Set
 import numpy as np
 
 from hybrid_tamp.model.predicate import Parameter, Predicate, Value
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 
 from ..common.classes import StaticEndEffector
 from .classes import Tumblable

@@ -5,11 +5,12 @@ from numpy.typing import ArrayLike
 
 from hybrid_tamp.model.block import CONTROL_PERIOD, Commands
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_from_rpy, rotate
-from hybrid_tamp.physics.backend import Backend
+from hybrid_tamp.physics.protocol import Backend
 
 from ..common.classes import StaticEndEffector
 from ..common.servos import STIFFNESS, damping

@@ -13,8 +13,9 @@ from typing import cast
 import numpy as np
 
 from hybrid_tamp.model.block import Binding, Commands, Hyperparameters, Policy
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 from hybrid_tamp.motion.poses import integrate, quaternion_from_axis_angle, quaternion_multiply, rotate
 from hybrid_tamp.motion.profile import Profile

@@ -5,8 +5,9 @@ from typing import cast
 import numpy as np
 
 from hybrid_tamp.model.block import Binding, Hyperparameters
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import cross
 
 from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+from hybrid_tamp.geometry.shapes import Box, Shape
 from hybrid_tamp.model.affordance import (
     BODY_STATE,
     AffordanceClass,
@@ -12,7 +13,6 @@ from hybrid_tamp.model.affordance import (
     quantity,
 )
 from hybrid_tamp.model.grasp import aperture_property
-from hybrid_tamp.model.shape import Box, Shape
 from hybrid_tamp.model.token import Token
 
 from ..common.classes import Extents, StaticEndEffector

@@ -6,8 +6,9 @@ import numpy as np
 
 from hybrid_tamp.model.grasp import GRIP_FRICTION
 from hybrid_tamp.model.predicate import Parameter, Predicate
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
 
 from ..common.classes import Region

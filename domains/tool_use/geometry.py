@@ -9,9 +9,10 @@ from functools import cache
 
 import numpy as np
 
-from hybrid_tamp.model.shape import Box, Cylinder, Part, parts_of
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.geometry.shapes import Box, Cylinder, Part, parts_of
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import cross, quaternion_conjugate, quaternion_from_rpy, rotate
 
 UP = np.array([0.0, 0.0, 1.0])

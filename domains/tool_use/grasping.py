@@ -17,8 +17,9 @@ from hybrid_tamp.model.block import (
     Target,
 )
 from hybrid_tamp.model.grasp import FINGER_SPEED
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile

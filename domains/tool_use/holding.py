@@ -16,8 +16,9 @@ import numpy as np
 
 from hybrid_tamp.model.block import Commands
 from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import cross, quaternion_from_rotation_vector, quaternion_multiply, rotate
 
 from ..common.servos import DAMPING_RATIO, turning_rate

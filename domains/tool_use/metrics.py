@@ -6,9 +6,10 @@ import numpy as np
 
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 
 from .feasibility import resistance
 from .geometry import dot, hand_in_tool, location, norm, side

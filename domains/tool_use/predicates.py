@@ -4,8 +4,9 @@ import numpy as np
 
 from hybrid_tamp.model.grasp import CAPTURE
 from hybrid_tamp.model.predicate import Parameter, Predicate
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
 
 from ..common.classes import Region

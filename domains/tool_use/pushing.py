@@ -21,8 +21,9 @@ from hybrid_tamp.model.block import (
     Target,
 )
 from hybrid_tamp.model.predicate import ANY
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import cross, quaternion_conjugate, rotate
 
 from ..common.classes import Region

@@ -3,8 +3,9 @@
 from typing import cast
 
 from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameters, Policy, Slot
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile

@@ -20,8 +20,9 @@ from hybrid_tamp.model.block import (
     Policy,
     Slot,
 )
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import cross, rotate
 
 from ..common.predicates import AT_REST

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid_tamp.model.block import CONTROL_PERIOD
-from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 
 from .geometry import LEVEL
 from .holding import GRAVITY

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid_tamp.geometry.shapes import BoxPart, Compound, SpherePart
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.shape import BoxPart, Compound, SpherePart
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

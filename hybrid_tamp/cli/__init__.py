@@ -9,7 +9,7 @@ from typing import cast
 import typer
 
 from hybrid_tamp.cli.app import app
-from hybrid_tamp.console import output_failed, report_error
+from hybrid_tamp.cli.console import output_failed, report_error
 from hybrid_tamp.errors import HybridTampError, InputError, Issue
 
 

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hybrid_tamp.cli.console import print_json, show
 from hybrid_tamp.cli.loading import finder, load
 from hybrid_tamp.cli.options import DomainOption, ForceOption, JsonOption, TaskArgument
-from hybrid_tamp.console import print_json, show
 
 if TYPE_CHECKING:
-    from hybrid_tamp.affordances.segmentation import Segmentation
-    from hybrid_tamp.imitation import Imitation, Shown
+    from hybrid_tamp.questions.imitate.segmentation import Segmentation
+    from hybrid_tamp.verbs.imitate import Imitation, Shown
 
 
 def imitate(
@@ -31,10 +31,10 @@ def imitate(
 ) -> None:
     """Do as another agent was seen to do, and say which blocks were seen."""
     loaded = load(task, domain)
-    from hybrid_tamp.imitation import imitate as imitated
-    from hybrid_tamp.imitation import read_shown, segmented
     from hybrid_tamp.report.folder import RunFolder
     from hybrid_tamp.report.progress import progress_bar
+    from hybrid_tamp.verbs.imitate import imitate as imitated
+    from hybrid_tamp.verbs.imitate import read_shown, segmented
 
     seen = read_shown(shown, loaded, finder(domain), None if actor is None else load(actor, domain))
     with TemporaryDirectory() as temporary, progress_bar() as progress:

@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hybrid_tamp.cli.console import print_json, show
 from hybrid_tamp.cli.loading import load
 from hybrid_tamp.cli.options import Document, DomainOption, JsonOption
-from hybrid_tamp.console import print_json, show
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.domain import Domain

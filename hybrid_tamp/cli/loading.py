@@ -15,7 +15,7 @@ def load(text: str, domain: str | None, *, plans: bool = False) -> "Task":
 
     The planner that the file names is checked only where it is the one that plans.
     """
-    from hybrid_tamp.symbolic.engines import check_engine
+    from hybrid_tamp.symbolic.engines.registry import check_engine
     from hybrid_tamp.taskfile.domains import find_task_file
     from hybrid_tamp.taskfile.loader import load_task
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hybrid_tamp.cli.console import explain, print_json, say, show, tell_network
 from hybrid_tamp.cli.loading import adjusted, load, with_midlevel
 from hybrid_tamp.cli.options import (
     DomainOption,
@@ -21,11 +22,10 @@ from hybrid_tamp.cli.options import (
     TaskArgument,
     TimeOption,
 )
-from hybrid_tamp.console import explain, print_json, say, show, tell_network
 from hybrid_tamp.errors import InputError, Issue
 
 if TYPE_CHECKING:
-    from hybrid_tamp.planning import PlanOutcome
+    from hybrid_tamp.planning.plan import PlanOutcome
 
 
 def check(task: TaskArgument, as_json: JsonOption = False, domain: DomainOption = None) -> None:
@@ -62,15 +62,15 @@ def plan(
     if not optimise and (optimiser, evaluations, refine) != (None, None, None):
         wanted = "--optimiser, --evaluations and --refine say how to optimise: they go with --optimise"
         raise InputError([Issue("", wanted)])
-    from hybrid_tamp.symbolic.planner import PlannerProcess
+    from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 
     # The planner's process warms up while the task file is read.
     with PlannerProcess() as process:
         loaded = adjusted(load(task, domain, plans=not planner), planner, objective, seed, time_limit, memory_limit)
         loaded = with_midlevel(loaded, optimiser, evaluations, refine)
-        from hybrid_tamp import pipeline
         from hybrid_tamp.report.folder import RunFolder
         from hybrid_tamp.report.progress import progress_bar
+        from hybrid_tamp.verbs import pipeline
 
         folder = RunFolder.create(output, force=force) if output else None
         if optimise:
@@ -116,8 +116,8 @@ def pddl(
 ) -> None:
     """Write the task as PDDL that any planner reads."""
     loaded = load(task, domain)
-    from hybrid_tamp import pipeline
     from hybrid_tamp.report.folder import RunFolder
+    from hybrid_tamp.verbs import pipeline
 
     folder = RunFolder.create(output, force=force)
     plan = pipeline.plan(loaded).required() if solve else None
@@ -144,14 +144,14 @@ def run(
     refine: RefineOption = None,
 ) -> None:
     """Plan a task, optimise its hyperparameters and carry the plan out in physics; record it and judge it."""
-    from hybrid_tamp.symbolic.planner import PlannerProcess
+    from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 
     with PlannerProcess() as process:
         loaded = adjusted(load(task, domain, plans=not planner), planner, objective, seed, time_limit, memory_limit)
         loaded = with_midlevel(loaded, optimiser, evaluations, refine)
-        from hybrid_tamp import pipeline
         from hybrid_tamp.report.folder import RunFolder
         from hybrid_tamp.report.progress import progress_bar
+        from hybrid_tamp.verbs import pipeline
 
         folder = RunFolder.create(output, force=force)
         with progress_bar() as progress:

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hybrid_tamp.cli.console import print_json, show
 from hybrid_tamp.cli.loading import finder, load
 from hybrid_tamp.cli.options import DomainOption, ForceOption, JsonOption, SeedOption, TaskArgument
-from hybrid_tamp.console import print_json, show
 
 if TYPE_CHECKING:
-    from hybrid_tamp.affordances.verdicts import ProbeReport
+    from hybrid_tamp.questions.probe.verdicts import ProbeReport
 
 
 def probe(
@@ -33,15 +33,15 @@ def probe(
     time_limit: Annotated[float | None, typer.Option("--time-limit", min=0.001, help="of the probe [s]")] = None,
 ) -> None:
     """Find out of which classes a token is a member: rank them by its shape, predict, and try in physics."""
-    from hybrid_tamp.symbolic.planner import PlannerProcess
+    from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 
     with PlannerProcess() as process:
         loaded = load(task, domain)
         if seed is not None:
             loaded = loaded.replaced(seed=seed)
-        from hybrid_tamp.probing import probe as find_out
-        from hybrid_tamp.probing import probe_document, save_members
         from hybrid_tamp.report.progress import progress_bar
+        from hybrid_tamp.verbs.probe import probe as find_out
+        from hybrid_tamp.verbs.probe import probe_document, save_members
 
         with progress_bar() as tell:
             report = find_out(

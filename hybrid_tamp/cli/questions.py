@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
+from hybrid_tamp.cli.console import print_json, show
 from hybrid_tamp.cli.loading import adjusted, load
 from hybrid_tamp.cli.options import DomainOption, JsonOption, MemoryOption, PlannerOption, TaskArgument, TimeOption
-from hybrid_tamp.console import print_json, show
 
 
 class View(str, Enum):
@@ -30,12 +30,12 @@ def explain(
     memory_limit: MemoryOption = None,
 ) -> None:
     """Say why a task has no plan and which single change would give it one; or why each token is in its plan."""
-    from hybrid_tamp.symbolic.planner import PlannerProcess
+    from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 
     with PlannerProcess() as process:
         loaded = adjusted(load(task, domain, plans=not planner), planner, None, None, time_limit, memory_limit)
-        from hybrid_tamp.inquiry import explain_task
         from hybrid_tamp.report.affordance_tables import explain_text
+        from hybrid_tamp.verbs.inquiry import explain_task
 
         document, status = explain_task(loaded, process, seconds, most)
     if as_json:
@@ -59,8 +59,8 @@ def affordances(
 ) -> None:
     """Say which object affords which block, to whom, and what one token more or less would change."""
     loaded = load(task, domain)
-    from hybrid_tamp.inquiry import affordances as found
     from hybrid_tamp.report.affordance_tables import affordances_table
+    from hybrid_tamp.verbs.inquiry import affordances as found
 
     document = found(loaded, view.value, agent, what_if or [])
     if as_json:

@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
+from hybrid_tamp.cli.console import say
 from hybrid_tamp.cli.loading import finder
 from hybrid_tamp.cli.options import DomainOption, ForceOption, JsonOption
-from hybrid_tamp.console import say
 
 
 def replay(
@@ -16,7 +16,7 @@ def replay(
     domain: DomainOption = None,
 ) -> None:
     """Run the recorded commands again and say whether the same happened, bit for bit."""
-    from hybrid_tamp import pipeline
+    from hybrid_tamp.verbs import pipeline
 
     report = pipeline.replay(directory, finder(domain))
     difference = report.first_difference
@@ -67,8 +67,8 @@ def learn(
     force: ForceOption = False,
 ) -> None:
     """Learn a block's motor primitive from what was shown."""
-    from hybrid_tamp.learning import learn as learnt
-    from hybrid_tamp.learning import save_primitive
+    from hybrid_tamp.verbs.learn import learn as learnt
+    from hybrid_tamp.verbs.learn import save_primitive
 
     primitive = learnt(block, demonstrations, domain=domain, token=token, weights=weights)
     save_primitive(primitive, output, force=force)

@@ -21,7 +21,8 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.midlevel.optimiser import Budget, Evaluate, Optimum, Progress
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search import Search
-from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace
+from hybrid_tamp.midlevel.search_space import SearchSpace
+from hybrid_tamp.motion.arrays import FloatArray
 
 REDRAWN = 10
 """Generations in which points outside the cube are sampled again instead of folded back."""

@@ -8,7 +8,8 @@ import numpy as np
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.midlevel.optimiser import Budget, Evaluate, Optimum, Progress
 from hybrid_tamp.midlevel.search import Search
-from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace
+from hybrid_tamp.midlevel.search_space import SearchSpace
+from hybrid_tamp.motion.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ from hybrid_tamp.midlevel.rollout import GOAL, Condition, Key, Rollout
 from hybrid_tamp.model.block import Commands
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 
 _Name = TypeVar("_Name")
 

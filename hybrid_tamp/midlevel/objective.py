@@ -10,9 +10,10 @@ import numpy as np
 
 from hybrid_tamp.midlevel.rollout import Chosen, Condition, Key, Rollout
 from hybrid_tamp.midlevel.scores import Scores
-from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace, Variable
+from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 
 RESERVE = 0.5
 """Margin that searches keep of each goal atom, where it has as much by default [scales of its predicate]."""

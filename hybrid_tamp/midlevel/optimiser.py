@@ -14,7 +14,8 @@ import numpy as np
 
 from hybrid_tamp.errors import HybridTampError, InputError, Issue
 from hybrid_tamp.midlevel.scores import Scores
-from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace
+from hybrid_tamp.midlevel.search_space import SearchSpace
+from hybrid_tamp.motion.arrays import FloatArray
 
 __all__ = [
     "OPTIMISERS",

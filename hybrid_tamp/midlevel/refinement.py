@@ -14,15 +14,15 @@ import numpy as np
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.midlevel.objective import Objective, RollOut, last_measured
 from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum, find_optimiser
-from hybrid_tamp.midlevel.relevance import Effect, Relevance, find_relevant
 from hybrid_tamp.midlevel.retuning import Retuner
 from hybrid_tamp.midlevel.rollout import Rollout, Rollouts
 from hybrid_tamp.midlevel.scores import SAME, Scores
-from hybrid_tamp.midlevel.search_space import FloatArray
+from hybrid_tamp.midlevel.screening import Effect, Relevance, find_relevant
 from hybrid_tamp.midlevel.separate import optimised_apart
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.refined import Milestone, Performance, RefinedPlan, Shortfall, Tuned, Value
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 
 Progress = Callable[[float, Milestone], None]
 """Called with the share of the budget that is spent, 0 to 1, and the best so far."""

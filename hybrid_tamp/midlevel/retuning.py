@@ -16,9 +16,10 @@ from hybrid_tamp.midlevel.objective import Objective
 from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, find_optimiser
 from hybrid_tamp.midlevel.rollout import Rollout
 from hybrid_tamp.midlevel.scores import Scores
-from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace
+from hybrid_tamp.midlevel.search_space import SearchSpace
 from hybrid_tamp.model.refined import Milestone, Retuning, Shortfall, Value
 from hybrid_tamp.model.task import MidLevel
+from hybrid_tamp.motion.arrays import FloatArray
 
 Tell = Callable[[float, Milestone], None]
 

@@ -16,8 +16,9 @@ from hybrid_tamp.model.block import CONTROL_PERIOD
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 
 Key = tuple[str, str]
 """(instance, hyperparameter) or (instance, measure)."""

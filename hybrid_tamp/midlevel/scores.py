@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from hybrid_tamp.motion.arrays import FloatArray
+
 IntArray = NDArray[np.int_]
 BoolArray = NDArray[np.bool_]
 

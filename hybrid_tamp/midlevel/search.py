@@ -6,7 +6,8 @@ import numpy as np
 
 from hybrid_tamp.midlevel.optimiser import Budget, Evaluate, Milestone, NothingFinite, Optimum, Progress
 from hybrid_tamp.midlevel.scores import Scores
-from hybrid_tamp.midlevel.search_space import FloatArray, SearchSpace
+from hybrid_tamp.midlevel.search_space import SearchSpace
+from hybrid_tamp.motion.arrays import FloatArray
 
 
 class Search:

@@ -6,11 +6,9 @@ from functools import cached_property
 from math import isfinite
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hybrid_tamp.errors import InputError, Issue
-
-FloatArray = NDArray[np.float64]
+from hybrid_tamp.motion.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from hybrid_tamp.midlevel.objective import Objective
 from hybrid_tamp.midlevel.optimiser import Evaluate
-from hybrid_tamp.midlevel.search_space import FloatArray
+from hybrid_tamp.motion.arrays import FloatArray
 
 _POINTS = 61
 _SWEEPS = 2

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from hybrid_tamp.model.block import CONTROL_PERIOD, Block, Commands, Policy
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Literal
-from hybrid_tamp.model.state import FloatArray, State, StateLayout
+from hybrid_tamp.model.state import State, StateLayout
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]

@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
-from hybrid_tamp.model.shape import Shape
+from hybrid_tamp.geometry.shapes import Shape
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Vector3 = tuple[Number, Number, Number]

@@ -13,7 +13,8 @@ import numpy as np
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import ANY, Literal, Predicate, SymbolSort, Value
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
 
 CONTROL_PERIOD = 1 / 240
 """Time between two commands [s]: policies are asked, and conditions looked at, this often."""

@@ -16,8 +16,9 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import of_symbols_alone, relation
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Literal, Parameter, Predicate, Value, name_of
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 
 MOST_FACTS = 200_000
 """A block with more bindings is not restrained: each of them is a fact for the planner."""

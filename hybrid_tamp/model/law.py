@@ -18,7 +18,7 @@ from collections.abc import Iterator
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.judges import Measured, Violation, condition_faults
+from hybrid_tamp.model.conditions import Measured, Violation, condition_faults
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan, at
 from hybrid_tamp.model.predicate import SymbolSort
 from hybrid_tamp.model.task import Task

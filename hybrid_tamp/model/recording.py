@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.state import FloatArray, State, StateLayout
+from hybrid_tamp.model.state import State, StateLayout
+from hybrid_tamp.motion.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from hybrid_tamp.model.token import Token
-
-FloatArray = NDArray[np.float64]
+from hybrid_tamp.motion.arrays import FloatArray
 
 
 @dataclass(frozen=True)

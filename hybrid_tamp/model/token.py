@@ -16,8 +16,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from hybrid_tamp.errors import Issue
+from hybrid_tamp.geometry.shapes import Shape
 from hybrid_tamp.model.affordance import TOKEN, BasicAction, ObjectClass, VaryingProperty, is_place
-from hybrid_tamp.model.shape import Shape
 
 
 class PropertyConflictError(ValueError):

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hybrid_tamp.model.affordance import ObjectClass
-from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.task import Task

@@ -4,12 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply
-
-FloatArray = NDArray[np.float64]
 
 MINIMAL_SAMPLES = 5
 _SMALLEST_WAY = 1e-3

@@ -18,15 +18,14 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.imitation import SETTLE, checked_demonstrations, fitted_weights
 from hybrid_tamp.motion.trajectory import Trajectory
 from hybrid_tamp.motion.transformation_system import TransformationSystem, settling_responses
 
 __all__ = ["DMP", "Trajectory"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

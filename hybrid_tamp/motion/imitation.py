@@ -3,11 +3,9 @@
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.transformation_system import TransformationSystem
-
-FloatArray = NDArray[np.float64]
 
 Demonstration = tuple[FloatArray, FloatArray]
 """Times [s], shape ``(t,)``, and positions [m], shape ``(t, d)``."""

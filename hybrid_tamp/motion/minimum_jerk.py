@@ -1,9 +1,9 @@
 """The minimum-jerk profile from rest to rest (Flash and Hogan 1985, J. Neurosci. 5:1688-1703, Eq. 3)."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from hybrid_tamp.motion.arrays import FloatArray
 
 
 def _clipped(phase: ArrayLike) -> FloatArray:

@@ -5,11 +5,10 @@ The equations are those of Sola 2017, "Quaternion kinematics for the error-state
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.products import EACH_ROW, HAMILTON, ROW_SUMS, TURN, products
-
-FloatArray = NDArray[np.float64]
 
 _CONJUGATION = np.array([-1.0, -1.0, -1.0, 1.0])
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])

@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from hybrid_tamp.motion.arrays import FloatArray
+
 IntArray = NDArray[np.intp]
 
 

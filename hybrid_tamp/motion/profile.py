@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.dmp import DMP, Trajectory
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

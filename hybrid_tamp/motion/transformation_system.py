@@ -10,11 +10,9 @@ from math import ceil
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_acceleration, minimum_jerk_rate
-
-FloatArray = NDArray[np.float64]
 
 
 class TransformationSystem(NamedTuple):

@@ -7,12 +7,13 @@ from types import TracebackType
 import numpy as np
 
 from hybrid_tamp.model.block import CONTROL_PERIOD, Block, Commands
+from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Value
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.backend import ContactForce
-from hybrid_tamp.physics.commands import CommandLayout
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.physics.protocol import ContactForce
 
 _Part = tuple[Block, Mapping[str, Value], FloatArray]
 

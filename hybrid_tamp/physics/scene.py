@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.geometry.meshes import MeshShape
+from hybrid_tamp.geometry.shapes import Compound, Cylinder, Shape, Solid, Sphere
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.grasp import APERTURE, GRIP
-from hybrid_tamp.model.mesh import MeshShape
-from hybrid_tamp.model.shape import Compound, Cylinder, Shape, Solid, Sphere
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate

@@ -11,8 +11,9 @@ from PIL import Image
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.report.caption import Captions, Picture
 
 Render = Callable[[State], Picture]

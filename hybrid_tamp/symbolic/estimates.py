@@ -12,9 +12,10 @@ import numpy as np
 
 from hybrid_tamp.model.block import Binding, Block
 from hybrid_tamp.model.predicate import Literal
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.decoder import OrderedInstance
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.symbolic.decode import OrderedInstance
 
 TICK = 1e-3
 """Times are whole ticks [s]: sums of floats would turn a cycle of length zero into an endless one."""

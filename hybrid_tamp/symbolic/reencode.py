@@ -8,13 +8,13 @@ from collections.abc import Iterator
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
-from hybrid_tamp.symbolic.application import applicable
 from hybrid_tamp.symbolic.chaining.folding import folded
 from hybrid_tamp.symbolic.chaining.series import undone_by
+from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.passing import Meaning
-from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction, ground
-from hybrid_tamp.symbolic.pddl import action_line
-from hybrid_tamp.symbolic.problem import Compilation
+from hybrid_tamp.symbolic.encoding.problem import Compilation
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction, ground
+from hybrid_tamp.symbolic.pddl.text import action_line
 
 NO_ACTION = "no-such-reassignment"
 

@@ -15,7 +15,7 @@ import numpy as np
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import ANY, Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.decoder import OrderedInstance
+from hybrid_tamp.symbolic.decode import OrderedInstance
 from hybrid_tamp.symbolic.estimates import TICK, Estimate, Estimates
 
 Constraint = tuple[int, int, float, str]

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from hybrid_tamp.taskfile.meshfile import MOST_BYTES
-from hybrid_tamp.taskfile.yaml_nodes import parse, read_text
+from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 
 
 def portable(path: Path) -> tuple[str, dict[str, str]]:

@@ -16,7 +16,7 @@ import numpy as np
 from hybrid_tamp.motion.demonstration import MINIMAL_SAMPLES, ShownMovement
 from hybrid_tamp.taskfile.places import Faults, Mark, shown
 from hybrid_tamp.taskfile.tables import MAX_BYTES, Cell, check_quaternions, check_times, numbered, sample
-from hybrid_tamp.taskfile.yaml_nodes import read_text
+from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 _POSITION = ("time", "x", "y", "z")
 _POSE = (*_POSITION, "qx", "qy", "qz", "qw")

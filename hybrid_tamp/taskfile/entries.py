@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag, model_validator
 
+from hybrid_tamp.geometry.shapes import WrittenShape
 from hybrid_tamp.model.affordance import Number, quantity
-from hybrid_tamp.model.shape import WrittenShape
 from hybrid_tamp.model.task import DEFAULT_PLANNER, Limits, MidLevel
 
 Text = Annotated[str, Strict(), Field(min_length=1)]

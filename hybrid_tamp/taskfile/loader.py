@@ -20,7 +20,7 @@ from hybrid_tamp.taskfile.roles import read_agents, read_assignment
 from hybrid_tamp.taskfile.starts import check_starts
 from hybrid_tamp.taskfile.tokens import check_printable, read_scene
 from hybrid_tamp.taskfile.wording import add_validation_faults
-from hybrid_tamp.taskfile.yaml_nodes import check_size, parse, read_text
+from hybrid_tamp.taskfile.yaml.nodes import check_size, parse, read_text
 
 FindDomain = Callable[[str], Domain]
 """Name to domain; raises InputError for a name that it does not know."""

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.errors import InputError, Issue
-from hybrid_tamp.model.mesh import Hull, MeshShape
-from hybrid_tamp.model.shape import MeshFile
-from hybrid_tamp.model.state import FloatArray
+from hybrid_tamp.geometry.meshes import Hull, MeshShape
+from hybrid_tamp.geometry.shapes import MeshFile
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.objfile import Surface, read_objects
-from hybrid_tamp.taskfile.yaml_nodes import read_text
+from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 MOST_TRIANGLES = 200_000
 MOST_BYTES = 64 * 1024 * 1024

@@ -12,8 +12,9 @@ import numpy as np
 
 from hybrid_tamp.model.block import Binding, Block, Hyperparameter
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 
 MOST_BINDINGS = 10_000

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from hybrid_tamp.errors import InputError, Issue
-from hybrid_tamp.model.state import FloatArray
+from hybrid_tamp.motion.arrays import FloatArray
 
 
 @dataclass

@@ -16,13 +16,14 @@ from pathlib import Path
 import numpy as np
 
 from hybrid_tamp.model.block import CONTROL_PERIOD
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.demonstration import MINIMAL_SAMPLES
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotation_vector
 from hybrid_tamp.taskfile.places import Faults, Mark, shown
 from hybrid_tamp.taskfile.tables import MAX_BYTES, Cell, check_quaternions, check_times, numbered, sample
-from hybrid_tamp.taskfile.yaml_nodes import read_text
+from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 LONGEST = 600.0
 """Longest demonstration [s]."""

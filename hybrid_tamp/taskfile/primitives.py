@@ -18,7 +18,7 @@ from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 from hybrid_tamp.taskfile.wording import add_validation_faults
-from hybrid_tamp.taskfile.yaml_nodes import parse, read_text
+from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 
 PRIMITIVE = "hybrid-tamp/primitive/1"
 _FILE = "a primitive file is a JSON object as 'hybrid-tamp learn' writes it"

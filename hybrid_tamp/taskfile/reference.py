@@ -4,11 +4,11 @@ from collections.abc import Iterable, Sequence
 
 from pydantic import BaseModel
 
+from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, MeshFile, Placement, Sphere
 from hybrid_tamp.model.affordance import AffordanceClass, CapabilityClass, ObjectClass, is_place
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Literal, Predicate
-from hybrid_tamp.model.shape import Box, Compound, Cylinder, MeshFile, Placement, Sphere
 from hybrid_tamp.taskfile.entries import LimitsEntry, MidLevelEntry, Pose, RangeEntry, TaskFile, TokenEntry
 from hybrid_tamp.taskfile.forms import JsonObject, bounds_in_words, form_of, number_in_words, type_in_words
 from hybrid_tamp.taskfile.roles import can_start

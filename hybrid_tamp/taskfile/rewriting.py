@@ -9,7 +9,7 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
-from hybrid_tamp.taskfile.yaml_nodes import read_text
+from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 _WIDTH = 4096
 """Longer than any line, so that none is broken anew."""

@@ -4,10 +4,11 @@ from typing import Any
 
 import numpy as np
 
+from hybrid_tamp.geometry.convex import CONTACT, Body, lowest_height, overlaps, placed
 from hybrid_tamp.model.grasp import pass_through
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.taskfile.convex import CONTACT, Body, body_of, lowest_height, overlaps
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 from hybrid_tamp.taskfile.roles import is_capability
 from hybrid_tamp.taskfile.tokens import Scene
@@ -25,7 +26,11 @@ def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
     sound = [token for token in scene.tokens if faults.sound(("tokens", token.name)) and _placed(data, token)]
     names = {token.name for token in scene.tokens}
     state = State.of(scene.tokens, {key: value for key, value in scene.given.items() if key[0] in names})
-    bodies = [(token, body) for token in sound if (body := body_of(token, state))]
+    bodies = [
+        (token, placed(token.shape, state[token, "position"], state[token, "orientation"]))
+        for token in sound
+        if token.shape is not None and not token.place
+    ]
     whole = faults.sound(("tokens",))
     for token, body in bodies:
         _check_floor(token, body, faults)

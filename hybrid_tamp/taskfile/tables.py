@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid_tamp.model.state import FloatArray
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, Mark, shown
 
 MAX_BYTES = 64 * 1024**2

@@ -9,12 +9,12 @@ import numpy as np
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from hybrid_tamp.errors import InputError
+from hybrid_tamp.geometry.shapes import MeshFile, Shape, WrittenShape
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, SymbolSort
-from hybrid_tamp.model.shape import MeshFile, Shape, WrittenShape
-from hybrid_tamp.model.state import FloatArray
 from hybrid_tamp.model.token import PropertyConflictError, Token, union_of
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import normalized, quaternion_from_rpy
 from hybrid_tamp.taskfile.entries import Pose
 from hybrid_tamp.taskfile.meshfile import read_mesh

@@ -14,7 +14,7 @@ Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 def valid(document: str, stem: str) -> dict[str, Any]:
     data: dict[str, Any] = json.loads(document)
-    schema = json.loads(files("hybrid_tamp.schemas").joinpath(f"{stem}.json").read_text(encoding="utf-8"))
+    schema = json.loads(files("hybrid_tamp.report.schemas").joinpath(f"{stem}.json").read_text(encoding="utf-8"))
     Draft202012Validator(schema).validate(data)
     return data
 

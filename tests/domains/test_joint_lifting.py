@@ -14,21 +14,21 @@ from hybrid_tamp_domains.joint_lifting.trials import random_lifting
 from pydantic import ValidationError
 from validation import val_accepts
 
-from hybrid_tamp import pipeline
 from hybrid_tamp.errors import InputError
+from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.block import CONTROL_PERIOD
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.shape import Cylinder
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
 from hybrid_tamp.physics import scene
-from hybrid_tamp.physics.backend import Backend, open_backend
-from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.physics.protocol import Backend, open_backend
+from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
 from hybrid_tamp.testing import check_domain
+from hybrid_tamp.verbs import pipeline
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 NAMES = {"two": "lift_two_hands", "four": "lift_four_hands"}

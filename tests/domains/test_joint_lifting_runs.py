@@ -10,15 +10,15 @@ from hybrid_tamp_domains.joint_lifting.metrics import CONTROLLED
 from hybrid_tamp_domains.joint_lifting.places import gap_at
 from hybrid_tamp_domains.joint_lifting.trials import random_lifting
 
-from hybrid_tamp import pipeline
+from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.backend import open_backend
-from hybrid_tamp.physics.execution import execute
-from hybrid_tamp.physics.prediction import predict
+from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.report.measures import CONTACT, MEASURED, PLANNED, run_measures
 from hybrid_tamp.taskfile.loader import load_task
+from hybrid_tamp.verbs import pipeline
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 

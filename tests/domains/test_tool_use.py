@@ -12,18 +12,19 @@ from hybrid_tamp_domains.tool_use.geometry import RAISED, on_handle, push_pose, 
 from hybrid_tamp_domains.tool_use.trials import Scene, hammer_shape, hammer_task, random_hammer
 from validation import val_accepts
 
-from hybrid_tamp import pipeline
 from hybrid_tamp.model.block import CONTROL_PERIOD, Binding, Block
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.predicate import ANY, Atom
-from hybrid_tamp.model.state import FloatArray, State
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
-from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.domains import find_task_file
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.testing import check_domain
+from hybrid_tamp.verbs import pipeline
 
 USES = {"push": ("CARRYING:push", "PUSHING"), "strike": ("CARRYING:strike", "STRIKING")}
 PROBLEMS = ("hammer_push", "hammer_strike", "hammer_push_then_strike")

@@ -7,15 +7,15 @@ import pytest
 from hybrid_tamp_domains.tool_use.classes import DexterousHand
 from hybrid_tamp_domains.tool_use.trials import Scene, hammer_task, random_hammer
 
-from hybrid_tamp import pipeline
+from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.physics.backend import open_backend
-from hybrid_tamp.physics.execution import execute
+from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.taskfile.domains import find_task_file
 from hybrid_tamp.taskfile.loader import load_task
+from hybrid_tamp.verbs import pipeline
 
 
 def run(task: Task, **chosen: float) -> tuple[Recording, Mapping[str, float]]:

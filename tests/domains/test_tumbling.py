@@ -23,15 +23,15 @@ from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import POSTURE, TU
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import forced_push, random_tumbling
 from pydantic import ValidationError
 
+from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import facts
 from hybrid_tamp.model.predicate import Value
-from hybrid_tamp.model.shape import Cylinder
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply
-from hybrid_tamp.physics.backend import open_backend
+from hybrid_tamp.physics.protocol import open_backend
 
 DT = 1 / 240
 TASK = random_tumbling(3)

@@ -6,13 +6,13 @@ import pytest
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 
-from hybrid_tamp import pipeline
-from hybrid_tamp.affordances.changes import without_token
+from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.physics.backend import open_backend
-from hybrid_tamp.physics.execution import execute
+from hybrid_tamp.physics.protocol import open_backend
+from hybrid_tamp.questions.changes import without_token
 from hybrid_tamp.report.measures import CONTACT, MEASURED, PLANNED, run_measures
 from hybrid_tamp.taskfile.loader import load_task
+from hybrid_tamp.verbs import pipeline
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 

@@ -6,11 +6,11 @@ import pytest
 from hybrid_tamp_domains.rolling_tumbling.faces import over
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 
-from hybrid_tamp import pipeline
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.verbs import pipeline
 
 TASK = random_tumbling(0, hands=3)
 WAITS = "hand 3"

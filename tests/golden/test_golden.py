@@ -38,8 +38,8 @@ def test_every_problem_has_a_golden_pair() -> None:
 def test_the_domain_file_does_not_depend_on_the_tokens() -> None:
     from scenes import rolling_task
 
-    from hybrid_tamp.symbolic.pddl import domain_text
-    from hybrid_tamp.symbolic.problem import compile_task
+    from hybrid_tamp.symbolic.encoding.problem import compile_task
+    from hybrid_tamp.symbolic.pddl.text import domain_text
 
     one = domain_text(compile_task(rolling_task()).problem.domain)
     many = domain_text(

@@ -17,10 +17,10 @@ from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.decoder import decode
-from hybrid_tamp.symbolic.operators import Fact, Operator, PlannedAction
-from hybrid_tamp.symbolic.planner import PlannerProcess
-from hybrid_tamp.symbolic.problem import Compilation, compile_task
+from hybrid_tamp.symbolic.decode import decode
+from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction
 from hybrid_tamp.symbolic.reencode import matched, reencode
 from hybrid_tamp.symbolic.schedule import schedule
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative

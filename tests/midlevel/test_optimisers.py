@@ -24,8 +24,9 @@ from hybrid_tamp.midlevel.optimiser import (
     Optimum,
     find_optimiser,
 )
-from hybrid_tamp.midlevel.scores import FloatArray, Scores
+from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
+from hybrid_tamp.motion.arrays import FloatArray
 
 BOTH = pytest.mark.parametrize("name", sorted(OPTIMISERS))
 
@@ -206,7 +207,7 @@ def test_a_score_for_each_point_is_asked_for() -> None:
 
 def test_cmaes_is_imported_only_to_be_used() -> None:
     program = (
-        "import sys, hybrid_tamp.midlevel.cma, hybrid_tamp.midlevel.relevance\n"
+        "import sys, hybrid_tamp.midlevel.cma, hybrid_tamp.midlevel.screening\n"
         "assert not {'cmaes', 'scipy'} & set(sys.modules)\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True)

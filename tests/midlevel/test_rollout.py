@@ -8,13 +8,13 @@ from midlevel.plans import reach_and_roll
 from scenes import rolling_task
 
 import hybrid_tamp
+from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.midlevel.measured import measured_rollout
 from hybrid_tamp.midlevel.rollout import GOAL, Rollouts
 from hybrid_tamp.model.block import Measure
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
-from hybrid_tamp.physics.prediction import predict
 
 
 def _rolling(**changes: object) -> Task:

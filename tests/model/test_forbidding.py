@@ -9,8 +9,6 @@ from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 from scenes import rolling_task
 from serial import COLOURS, Part, block, changing, domain, in_series, predicate, task
 
-from hybrid_tamp import pipeline
-from hybrid_tamp.affordances.changes import with_copy
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model import forbidding
 from hybrid_tamp.model.block import Block
@@ -19,6 +17,8 @@ from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import ANY, Atom
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.questions.changes import with_copy
+from hybrid_tamp.verbs import pipeline
 
 
 def used(plan: TaskPlan, action: str) -> BlockInstance:

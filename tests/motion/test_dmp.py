@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.dmp import DMP, Trajectory
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
-
-FloatArray = NDArray[np.float64]
 
 PHASE = np.linspace(0.0, 1.0, 241)
 REACH = np.stack(

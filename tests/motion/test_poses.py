@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import (
     angle_about,
     integrate,
@@ -18,8 +18,6 @@ from hybrid_tamp.motion.poses import (
     rotate,
     rotation_vector,
 )
-
-FloatArray = NDArray[np.float64]
 
 IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
 components = st.floats(-1.0, 1.0, allow_subnormal=False)

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.transformation_system import TransformationSystem, settling_responses
-
-FloatArray = NDArray[np.float64]
 
 TIMES = np.linspace(0.0, 1.1, 221)
 

@@ -7,13 +7,13 @@ from typing import Any, ClassVar, cast
 import numpy as np
 import pytest
 
+from hybrid_tamp.geometry.shapes import Box, Cylinder, Sphere
 from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, BasicAction, CapabilityClass, PlaceClass, quantity
 from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameter, Slot, Target
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom, Parameter, Predicate
-from hybrid_tamp.model.shape import Box, Cylinder, Sphere
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

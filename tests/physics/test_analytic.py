@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hybrid_tamp.model.commands import CommandError
 from hybrid_tamp.model.state import State
 from hybrid_tamp.physics.analytic import AnalyticBackend
-from hybrid_tamp.physics.commands import CommandError
 
 
 def test_constant_force_gives_constant_acceleration(toys: Any) -> None:

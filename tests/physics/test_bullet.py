@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from hybrid_tamp.errors import InputError
+from hybrid_tamp.model.commands import CommandError
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.backend import FLOOR
-from hybrid_tamp.physics.bullet import GRAVITY, BulletBackend
-from hybrid_tamp.physics.commands import CommandError
+from hybrid_tamp.physics.bullet.backend import GRAVITY, BulletBackend
+from hybrid_tamp.physics.protocol import FLOOR
 
 LYING = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # the body's z axis along -y
 SLOPE = math.radians(15)
@@ -203,7 +203,7 @@ def test_backend_checks_commands_itself(toys: Any, commands: Any, said: str) -> 
 
 def test_import_prints_nothing() -> None:
     done = subprocess.run(
-        [sys.executable, "-c", "import hybrid_tamp.physics.bullet; print('after')"],
+        [sys.executable, "-c", "import hybrid_tamp.physics.bullet.backend; print('after')"],
         capture_output=True,
         text=True,
         check=True,
@@ -213,7 +213,7 @@ def test_import_prints_nothing() -> None:
 
 
 def test_import_works_without_standard_streams() -> None:
-    program = "import os; os.close(1); os.close(2); import hybrid_tamp.physics.bullet"
+    program = "import os; os.close(1); os.close(2); import hybrid_tamp.physics.bullet.backend"
     subprocess.run([sys.executable, "-c", program], check=True)
 
 

@@ -29,11 +29,11 @@ from workbench import (
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.commands import CommandError
 from hybrid_tamp.model.grasp import FINGER_SPEED
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
-from hybrid_tamp.physics.bullet import GRAVITY, BulletBackend
-from hybrid_tamp.physics.commands import CommandError
+from hybrid_tamp.physics.bullet.backend import GRAVITY, BulletBackend
 
 
 def test_a_torque_turns_a_hand_about_the_axes_of_the_world() -> None:

@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.physics import camera, meshes
-from hybrid_tamp.physics.backend import open_backend
-from hybrid_tamp.physics.camera import Spheres, framing, spheres_of
-from hybrid_tamp.physics.execution import execute
-from hybrid_tamp.physics.looks import parts_of
-from hybrid_tamp.physics.prediction import predict
-from hybrid_tamp.physics.rendering import open_renderer
+from hybrid_tamp.physics.pictures.appearance import parts_of
+from hybrid_tamp.physics.pictures.camera import Spheres, framing, spheres_of
+from hybrid_tamp.physics.pictures.rendering import open_renderer
+from hybrid_tamp.physics.protocol import open_backend
 
 coordinate = st.floats(-3, 3)
 sphere = st.tuples(coordinate, coordinate, coordinate, st.floats(0.01, 0.5))

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from workbench import HAMMER, MOMENT, held
 
-from hybrid_tamp.model.shape import Box, BoxPart, Compound, Cylinder, CylinderPart, Shape, Sphere, SpherePart
-from hybrid_tamp.physics.camera import bounding_radius
-from hybrid_tamp.physics.looks import parts_of
+from hybrid_tamp.geometry.shapes import Box, BoxPart, Compound, Cylinder, CylinderPart, Shape, Sphere, SpherePart
+from hybrid_tamp.physics.pictures.appearance import parts_of
+from hybrid_tamp.physics.pictures.camera import bounding_radius
 from hybrid_tamp.physics.scene import bodies, inertia
 
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])

@@ -13,13 +13,13 @@ import pytest
 from PIL import Image
 
 from hybrid_tamp.errors import InputError
+from hybrid_tamp.geometry.shapes import Sphere
 from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.block import Block, Duration, Slot
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
-from hybrid_tamp.model.shape import Sphere
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

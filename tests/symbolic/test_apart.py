@@ -18,14 +18,14 @@ from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Limits, Task
-from hybrid_tamp.symbolic.apart.goals_apart import APART, GoalsApart
-from hybrid_tamp.symbolic.apart.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
-from hybrid_tamp.symbolic.apart.matching import cheapest_matching
-from hybrid_tamp.symbolic.operators import PlanningProblem
-from hybrid_tamp.symbolic.planner import PlannerAnswer, PlannerProcess
-from hybrid_tamp.symbolic.problem import compile_task
-from hybrid_tamp.symbolic.search import Search
-from hybrid_tamp.symbolic.stage import WHOLE, Planned, plan_task
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess
+from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
+from hybrid_tamp.symbolic.strategies.apart.goals_apart import APART, GoalsApart
+from hybrid_tamp.symbolic.strategies.apart.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
+from hybrid_tamp.symbolic.strategies.apart.matching import cheapest_matching
+from hybrid_tamp.symbolic.strategies.search import Search
+from hybrid_tamp.symbolic.strategies.stage import WHOLE, Planned, plan_task
 
 
 class Counting:

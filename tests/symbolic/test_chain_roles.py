@@ -16,8 +16,8 @@ from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Predicate
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.pddl import domain_text
-from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.pddl.text import domain_text
 from hybrid_tamp.symbolic.reencode import reencode
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError
 

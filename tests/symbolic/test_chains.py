@@ -21,9 +21,9 @@ from serial import (
 )
 
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.planner import PlannerProcess
-from hybrid_tamp.symbolic.problem import compile_task
-from hybrid_tamp.symbolic.stage import plan_task
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
+from hybrid_tamp.symbolic.strategies.stage import plan_task
 
 # -- what a chain costs -------------------------------------------------------------------------------------------
 

@@ -8,18 +8,18 @@ import pytest
 from scenes import rolling_task
 from serial import COLOURS, Part, block, changing, domain, task
 
-from hybrid_tamp import pipeline
 from hybrid_tamp.errors import InputError, LimitReached
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.predicate import ANY, Atom, Parameter, Predicate
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.report.folder import RunFolder
-from hybrid_tamp.symbolic.operators import PlanningProblem
-from hybrid_tamp.symbolic.planner import PlannerAnswer, PlannerProcess
-from hybrid_tamp.symbolic.problem import compile_task
-from hybrid_tamp.symbolic.stage import plan_task
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess
+from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
+from hybrid_tamp.symbolic.strategies.stage import plan_task
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
 from hybrid_tamp.taskfile.loader import load_task
+from hybrid_tamp.verbs import pipeline
 
 EITHER = Path(__file__).parents[2] / "problems" / "roll_to_either_region.yaml"
 SOME = Atom("inside", ("drum 0", ANY))

@@ -13,15 +13,15 @@ from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import TUMBLING_PR
 from scenes import rolling_task
 from validation import val_accepts, val_accepts_files
 
-from hybrid_tamp import pipeline
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.report.folder import RunFolder
-from hybrid_tamp.symbolic.engines import with_java
-from hybrid_tamp.symbolic.planner import PlannerProcess
-from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
+from hybrid_tamp.symbolic.engines.registry import with_java
 from hybrid_tamp.taskfile.loader import load_task
+from hybrid_tamp.verbs import pipeline
 
 ROOT = Path(__file__).resolve().parents[2]
 _BLOCKS = tuple(block for block in DOMAIN.blocks if block.name in ("REACHING:behind", "ROLLING", "RESTING"))

@@ -5,14 +5,14 @@ import pytest
 from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 from scenes import reach_and_roll, rolling_task
 
+from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.prediction import predict
-from hybrid_tamp.symbolic.decoder import decode
+from hybrid_tamp.symbolic.decode import decode
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.estimates import Estimates
-from hybrid_tamp.symbolic.planner import PlannerProcess
-from hybrid_tamp.symbolic.problem import compile_task
 from hybrid_tamp.symbolic.schedule import schedule
-from hybrid_tamp.symbolic.stage import plan_task
+from hybrid_tamp.symbolic.strategies.stage import plan_task
 
 TASKS = {"two hands": random_tumbling(7, 2, 1), "four hands": random_tumbling(7, 4, 1), "a drum": rolling_task()}
 

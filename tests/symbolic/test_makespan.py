@@ -2,10 +2,10 @@ import pytest
 from scenes import reach_and_roll, rolling_task
 
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.symbolic.decoder import decode
-from hybrid_tamp.symbolic.makespan import applicable, interchangeable, shortened
-from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.decode import decode
+from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.schedule import schedule
+from hybrid_tamp.symbolic.strategies.makespan import applicable, interchangeable, shortened
 
 TASK = rolling_task(hands=2, drums=[(0, 0), (0, 0.5)], regions=[(0.7, 0), (0.7, 0.5)], goal=[(0, 0), (1, 1)])
 ONE_HAND = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand-0", "drum-1", "region-1")

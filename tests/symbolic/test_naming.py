@@ -3,7 +3,7 @@ import re
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from hybrid_tamp.symbolic.naming import _KEYWORDS, Naming, legal
+from hybrid_tamp.symbolic.pddl.naming import _KEYWORDS, Naming, legal
 
 NASTY = ["2go-now?", "At Robot", "and", "ß", "Ball", "ball", "BALL", "", " ", "-", "a b", "a-b", "日本", "n-2go-now"]
 

@@ -7,8 +7,8 @@ import pytest
 from planning_problems import DELIVER, DELIVERED, DELIVERY, MEETING, SETTLED, TURNED
 from validation import val_accepts
 
-from hybrid_tamp.symbolic.operators import Operator, PlannedAction, PlanningDomain, PlanningProblem
-from hybrid_tamp.symbolic.pddl import action_line, domain_text, plan_text, problem_text
+from hybrid_tamp.symbolic.pddl.operators import Operator, PlannedAction, PlanningDomain, PlanningProblem
+from hybrid_tamp.symbolic.pddl.text import action_line, domain_text, plan_text, problem_text
 
 DOMAIN = """\
 ; Names here and in the task:

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from scenes import reach_and_roll, rolling_task
 
-from hybrid_tamp.symbolic.plain import without_impossible
-from hybrid_tamp.symbolic.problem import compile_task
-from hybrid_tamp.symbolic.unified import unify
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.engines.plain import without_impossible
+from hybrid_tamp.symbolic.engines.unified import unify
 from hybrid_tamp.taskfile.loader import load_task
 
 PROBLEMS = Path(__file__).resolve().parents[2] / "problems"

@@ -21,9 +21,9 @@ from validation import val_accepts
 
 from hybrid_tamp.errors import InputError, LimitReached
 from hybrid_tamp.model.task import Limits
-from hybrid_tamp.symbolic import engines
-from hybrid_tamp.symbolic.operators import PlanningProblem
-from hybrid_tamp.symbolic.planner import PlannerAnswer, PlannerProcess, check_engine, known_engines
+from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess, check_engine, known_engines
+from hybrid_tamp.symbolic.engines.registry import registry as engines
+from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 
 FIVE = ["fast-downward", "symk", "enhsp", "pyperplan", "aries"]
 AMPLE = Limits(time=120.0, memory=6000.0)
@@ -227,7 +227,7 @@ def test_an_interrupt_leaves_nothing_of_java_and_aries(left: Path) -> None:
 @pytest.mark.parametrize("ending", [signal.SIGKILL, signal.SIGTERM])
 def test_a_killed_parent_leaves_nothing(ending: signal.Signals, left: Path) -> None:
     program = (
-        "import types, planning_problems, hybrid_tamp.symbolic.planner as p\n"
+        "import types, planning_problems, hybrid_tamp.symbolic.engines.planner_process as p\n"
         "limits = types.SimpleNamespace(time=60.0, memory=4096.0)\n"
         "with p.PlannerProcess() as planner:\n"
         "    planner.solve(planning_problems.DELIVER, 'fake_engines:Slow', limits)\n"
@@ -293,7 +293,7 @@ def test_equal_requests_get_equal_answers() -> None:
 
 def test_the_parent_needs_no_unified_planning() -> None:
     program = (
-        "import sys, json, hybrid_tamp.symbolic.planner as p\n"
+        "import sys, json, hybrid_tamp.symbolic.engines.planner_process as p\n"
         "p.check_engine('fast-downward')\n"
         "print(json.dumps([name for name in ('unified_planning', 'numpy', 'pydantic') if name in sys.modules]))"
     )

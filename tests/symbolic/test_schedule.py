@@ -7,8 +7,8 @@ from scenes import reach_and_roll, rolling_task
 
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import at
-from hybrid_tamp.symbolic.decoder import OrderedInstance, UndecodableError, decode
-from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.decode import OrderedInstance, UndecodableError, decode
+from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 
 

@@ -16,13 +16,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scenes import DRUM, LYING, rolling_task
 
+from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.shape import Cylinder
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.symbolic.planner import PlannerProcess
-from hybrid_tamp.symbolic.stage import Planned, plan_task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
+from hybrid_tamp.symbolic.strategies.stage import Planned, plan_task
 
 FEW = settings(max_examples=3, deadline=None, suppress_health_check=list(HealthCheck))
 NAMES = st.text(string.ascii_letters + string.digits + " _-ä", min_size=1, max_size=8)

@@ -13,11 +13,12 @@ from validation import val_accepts_temporal
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.application import applicable
-from hybrid_tamp.symbolic.decoder import UndecodableError, decode
-from hybrid_tamp.symbolic.operators import PlannedAction
-from hybrid_tamp.symbolic.planner import PlannerProcess
-from hybrid_tamp.symbolic.problem import compile_task
+from hybrid_tamp.symbolic.decode import UndecodableError, decode
+from hybrid_tamp.symbolic.encoding.application import applicable
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
+from hybrid_tamp.symbolic.pddl.operators import PlannedAction
+from hybrid_tamp.symbolic.pddl.temporal_text import temporal_domain_text
 from hybrid_tamp.symbolic.schedule import schedule
 from hybrid_tamp.symbolic.temporal.arranging import Durative
 from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation, compile_durative
@@ -25,7 +26,6 @@ from hybrid_tamp.symbolic.temporal.decoder import decode_durative
 from hybrid_tamp.symbolic.temporal.problem import TimedAction
 from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
 from hybrid_tamp.symbolic.temporal.sketch import frame, sketch
-from hybrid_tamp.symbolic.temporal.text import temporal_domain_text
 
 TWO_DRUMS = rolling_task(hands=2, drums=[(0, 0), (0, 0.5)], regions=[(0.7, 0), (0.7, 0.5)], goal=[(0, 0), (1, 1)])
 ONE_HAND = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand-0", "drum-1", "region-1")
@@ -78,7 +78,7 @@ def test_the_temporal_problem_does_not_depend_on_the_order_of_sets() -> None:
     code = (
         "from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling;"
         "from hybrid_tamp.symbolic.temporal.compilation import compile_durative;"
-        "from hybrid_tamp.symbolic.temporal.text import temporal_problem_text;"
+        "from hybrid_tamp.symbolic.pddl.temporal_text import temporal_problem_text;"
         "print(temporal_problem_text(compile_durative(random_tumbling(3)).problem))"
     )
     texts = {

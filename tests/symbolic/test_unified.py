@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from planning_problems import DELIVER, DELIVERED, MEETING, SETTLED, random_problem, shortest
 
-from hybrid_tamp.symbolic.operators import Operator, PlanningDomain, PlanningProblem
-from hybrid_tamp.symbolic.plain import PlainProblem
-from hybrid_tamp.symbolic.solving import Solver, original_plan, simplify_for
-from hybrid_tamp.symbolic.unified import unify
+from hybrid_tamp.symbolic.engines.plain import PlainProblem
+from hybrid_tamp.symbolic.engines.solver import Solver, original_plan, simplify_for
+from hybrid_tamp.symbolic.engines.unified import unify
+from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain, PlanningProblem
 
 # Keywords of PDDL, names of Python's and unified_planning's own, and names that others may be renamed to.
 NASTY = ["and", "not", "at", "over", "all", "define", "domain", "number", "either", "total-cost", "preference", "event"]

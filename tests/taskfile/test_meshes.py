@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.model.mesh import Hull, MeshShape, obj_text
-from hybrid_tamp.model.shape import MeshFile
+from hybrid_tamp.geometry.meshes import Hull, MeshShape, obj_text
+from hybrid_tamp.geometry.shapes import MeshFile
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.loader import load_task

@@ -17,7 +17,7 @@ from hybrid_tamp.model.task import MidLevel, Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
 from hybrid_tamp.taskfile.schema import json_schema, reference_page
-from hybrid_tamp.taskfile.yaml_nodes import parse
+from hybrid_tamp.taskfile.yaml.nodes import parse
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 ROLL = (PROBLEMS / "roll_cylinder.yaml").read_text(encoding="utf-8")

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.taskfile import yaml_builder
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
-from hybrid_tamp.taskfile.yaml_builder import MAX_DEPTH
-from hybrid_tamp.taskfile.yaml_nodes import MAX_BYTES, decode, parse
+from hybrid_tamp.taskfile.yaml import builder as yaml_builder
+from hybrid_tamp.taskfile.yaml.builder import MAX_DEPTH
+from hybrid_tamp.taskfile.yaml.nodes import MAX_BYTES, decode, parse
 
 Issues = Callable[[str], tuple[Issue, ...]]
 

@@ -16,7 +16,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.chaining.composing import beginning, followed, unused
 from hybrid_tamp.symbolic.chaining.cuts import Cuts
 from hybrid_tamp.symbolic.chaining.series import Link, Series
-from hybrid_tamp.symbolic.naming import legal
+from hybrid_tamp.symbolic.pddl.naming import legal
 
 Follower = tuple[str, Mapping[str, str]]
 """The one block that can follow a block: its name, and its slots to those of the block before."""

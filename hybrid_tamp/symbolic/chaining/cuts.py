@@ -20,7 +20,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.chaining.composing import key, within
 from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort, renamed, undone_by
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
-from hybrid_tamp.symbolic.vocabulary import Vocabulary
+from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
 
 class Cuts:

@@ -3,9 +3,9 @@
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
-from hybrid_tamp.symbolic.naming import legal
-from hybrid_tamp.symbolic.operators import Fact, Operator, Typed
-from hybrid_tamp.symbolic.vocabulary import COUNT, Vocabulary, no_value, opposite
+from hybrid_tamp.symbolic.encoding.vocabulary import COUNT, Vocabulary, no_value, opposite
+from hybrid_tamp.symbolic.pddl.naming import legal
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, Typed
 
 Same = dict[str, type[ObjectClass] | SymbolSort]
 

@@ -11,7 +11,7 @@ from functools import cached_property
 
 from hybrid_tamp.model.block import Block, Target
 from hybrid_tamp.model.predicate import Literal, SymbolSort
-from hybrid_tamp.symbolic.vocabulary import NONE, Vocabulary, keeper, locked_targets
+from hybrid_tamp.symbolic.encoding.vocabulary import NONE, Vocabulary, keeper, locked_targets
 
 
 @dataclass(frozen=True, eq=False)

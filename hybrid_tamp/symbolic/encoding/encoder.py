@@ -21,13 +21,13 @@ from dataclasses import dataclass
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.chaining.chains import Chains, chained
-from hybrid_tamp.symbolic.encoding.beginning import Beginning
-from hybrid_tamp.symbolic.encoding.filling import Filling
-from hybrid_tamp.symbolic.encoding.leaving import Leaving
+from hybrid_tamp.symbolic.encoding.begin_operators import Beginning
+from hybrid_tamp.symbolic.encoding.fill_operators import Filling
+from hybrid_tamp.symbolic.encoding.leave_operators import Leaving
 from hybrid_tamp.symbolic.encoding.passing import Meaning
-from hybrid_tamp.symbolic.naming import legal
-from hybrid_tamp.symbolic.operators import Operator, PlanningDomain
-from hybrid_tamp.symbolic.vocabulary import Vocabulary
+from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
+from hybrid_tamp.symbolic.pddl.naming import legal
+from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain
 
 
 @dataclass(frozen=True, eq=False)

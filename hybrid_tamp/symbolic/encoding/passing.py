@@ -10,8 +10,8 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.symbolic.encoding.action_builder import ActionBuilder, Same
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
-from hybrid_tamp.symbolic.naming import legal
-from hybrid_tamp.symbolic.vocabulary import Vocabulary, remembered
+from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary, remembered
+from hybrid_tamp.symbolic.pddl.naming import legal
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ from itertools import combinations
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
-from hybrid_tamp.symbolic.naming import legal
-from hybrid_tamp.symbolic.operators import Fact
+from hybrid_tamp.symbolic.encoding.vocabulary import opposite
+from hybrid_tamp.symbolic.pddl.naming import legal
+from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.problem import Condition, DurativeAction, Effect, Value, When
 from hybrid_tamp.symbolic.temporal.sources import Sources
 from hybrid_tamp.symbolic.temporal.words import NOBODY, Words
-from hybrid_tamp.symbolic.vocabulary import opposite
 
 
 @dataclass(frozen=True)

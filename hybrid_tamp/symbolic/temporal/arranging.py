@@ -15,12 +15,12 @@ from dataclasses import replace
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.application import applicable
-from hybrid_tamp.symbolic.decoder import UndecodableError
+from hybrid_tamp.symbolic.decode import UndecodableError
+from hybrid_tamp.symbolic.encoding.application import applicable
+from hybrid_tamp.symbolic.encoding.problem import Compilation
+from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.estimates import Estimates
-from hybrid_tamp.symbolic.pddl import action_line
-from hybrid_tamp.symbolic.planner import PlannerProcess
-from hybrid_tamp.symbolic.problem import Compilation
+from hybrid_tamp.symbolic.pddl.text import action_line
 from hybrid_tamp.symbolic.reencode import reencode
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation, compile_durative

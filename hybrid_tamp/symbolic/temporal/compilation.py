@@ -9,14 +9,14 @@ from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.predicate import Atom, Predicate, name_of
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.goals import with_one_goal
-from hybrid_tamp.symbolic.naming import Naming, legal
-from hybrid_tamp.symbolic.operators import Fact
+from hybrid_tamp.symbolic.encoding.goals import with_one_goal
+from hybrid_tamp.symbolic.encoding.vocabulary import opposite
+from hybrid_tamp.symbolic.pddl.naming import Naming, legal
+from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.encoder import TemporalEncoding, encode_durative
 from hybrid_tamp.symbolic.temporal.grounding import Run, reachable
 from hybrid_tamp.symbolic.temporal.problem import TemporalProblem, Value
 from hybrid_tamp.symbolic.temporal.words import NOBODY
-from hybrid_tamp.symbolic.vocabulary import opposite
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from hybrid_tamp.model.plan import split_mode
-from hybrid_tamp.symbolic.decoder import OrderedInstance, UndecodableError
+from hybrid_tamp.symbolic.decode import OrderedInstance, UndecodableError
 from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation
 from hybrid_tamp.symbolic.temporal.problem import TimedAction
 

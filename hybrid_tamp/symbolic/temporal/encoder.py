@@ -28,13 +28,13 @@ from itertools import product
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
-from hybrid_tamp.symbolic.naming import legal
-from hybrid_tamp.symbolic.operators import Typed
+from hybrid_tamp.symbolic.encoding.vocabulary import ROOT, Vocabulary
+from hybrid_tamp.symbolic.pddl.naming import legal
+from hybrid_tamp.symbolic.pddl.operators import Typed
 from hybrid_tamp.symbolic.temporal.action import ActionMaker, Running
 from hybrid_tamp.symbolic.temporal.problem import DurativeAction, Fluent, TemporalDomain
 from hybrid_tamp.symbolic.temporal.sources import Sources
 from hybrid_tamp.symbolic.temporal.words import NOBODY, Words
-from hybrid_tamp.symbolic.vocabulary import ROOT, Vocabulary
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort, name_of
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.decoder import OrderedInstance
+from hybrid_tamp.symbolic.decode import OrderedInstance
 from hybrid_tamp.symbolic.estimates import Estimate, Estimates, Poses
 
 NEVER = float("inf")

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from hybrid_tamp.symbolic.operators import Fact, Typed
+from hybrid_tamp.symbolic.pddl.operators import Fact, Typed
 
 Value = tuple[str, ...] | int | bool
 """Objects or variables, a number, or a truth value."""

@@ -9,11 +9,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
-from hybrid_tamp.symbolic.operators import Fact, ground
+from hybrid_tamp.symbolic.pddl.operators import Fact, ground
+from hybrid_tamp.symbolic.pddl.temporal_text import named
 from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation
 from hybrid_tamp.symbolic.temporal.problem import DurativeAction, TemporalProblem, TimedAction, Value
 from hybrid_tamp.symbolic.temporal.sketch import actions_of
-from hybrid_tamp.symbolic.temporal.text import named
 
 _APART = 1e-2
 """Between two actions of one instant [s]."""

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.symbolic.makespan import interchangeable
+from hybrid_tamp.symbolic.strategies.makespan import interchangeable
 from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation
 from hybrid_tamp.symbolic.temporal.problem import Step
 

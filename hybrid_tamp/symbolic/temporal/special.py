@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
-from hybrid_tamp.symbolic.operators import Fact
+from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation
 from hybrid_tamp.symbolic.temporal.grounding import Run
 from hybrid_tamp.symbolic.temporal.problem import Condition, DurativeAction, Fluent, TemporalProblem, Value

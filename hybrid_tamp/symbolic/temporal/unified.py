@@ -16,7 +16,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from hybrid_tamp.symbolic.operators import Fact, Typed
+from hybrid_tamp.symbolic.pddl.operators import Fact, Typed
 from hybrid_tamp.symbolic.temporal.problem import (
     Condition,
     DurativeAction,

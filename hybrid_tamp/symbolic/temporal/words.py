@@ -6,10 +6,10 @@ from functools import cached_property
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import Predicate
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
-from hybrid_tamp.symbolic.naming import Naming
-from hybrid_tamp.symbolic.operators import Fact
+from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary, keeper, no_value
+from hybrid_tamp.symbolic.pddl.naming import Naming
+from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.problem import Value
-from hybrid_tamp.symbolic.vocabulary import Vocabulary, keeper, no_value
 
 NOBODY = "nobody"
 

@@ -1,0 +1,137 @@
+"""What a run writes down, step by step, until it becomes a recording."""
+
+import logging
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+
+from hybrid_tamp.execution.running_instance import Running
+from hybrid_tamp.model.commands import CommandLayout, Key
+from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.physics.protocol import FLOOR, Backend
+
+NOTEWORTHY = 0.1
+"""Share of an instance's control steps from which on cutting its commands to their limit is worth a warning."""
+
+_logger = logging.getLogger(__name__)
+
+
+class Logbook:
+    """Rows of states and commands, and what ended when.
+
+    Attributes:
+        last_event: instant of the last reassignment [s].
+    """
+
+    def __init__(self, task: Task, layout: CommandLayout, backend: Backend) -> None:
+        self.last_event = 0.0
+        self._task = task
+        self._layout = layout
+        self._backend = backend
+        self._states: list[FloatArray] = []
+        self._commands: list[FloatArray] = []
+        self._instances: list[BlockInstance] = []
+        self._exits: dict[str, tuple[AtomMargin, ...]] = {}
+        self._cuts: Counter[tuple[str, Key]] = Counter()
+        self._contacts: dict[tuple[tuple[str, str], tuple[str, str]], Contact] = {}
+
+    def copy(self) -> "Logbook":
+        """Return a logbook that goes on from here."""
+        other = copy(self)
+        for name in ("_states", "_commands", "_instances", "_exits", "_cuts", "_contacts"):
+            setattr(other, name, copy(getattr(self, name)))
+        return other
+
+    @property
+    def started(self) -> bool:
+        """Whether the start has been written down."""
+        return bool(self._states)
+
+    def has_ended(self, instance: str) -> bool:
+        """Say whether the end of an instance has been written down."""
+        return instance in self._exits
+
+    @property
+    def steps(self) -> int:
+        """How many control periods have passed."""
+        return len(self._commands)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]; a product, not a sum, so that rounding does not add up."""
+        return self.steps * self._backend.timestep
+
+    @property
+    def step_index(self) -> int:
+        """Index of the step that runs now: one more than the instants of reassignment that have been."""
+        return 1 + len({instance.end for instance in self._instances})
+
+    def start(self, state: State) -> None:
+        """Write down the start."""
+        self._states.append(state.values)
+
+    def stepped(self, state: State, row: FloatArray, cut: tuple[Key, ...], running: Iterable[Running]) -> float:
+        """Write down one control period, in which these instances ran, and return the time after it [s]."""
+        self._states.append(state.values)
+        self._commands.append(row)
+        within = {token: one.instance.name for one in running for token in one.instance.slots.values()}
+        self._cuts.update((within[key[0]], key) for key in cut if key[0] in within)
+        self._note_contacts(within)
+        return self.time
+
+    def _note_contacts(self, within: Mapping[str, str]) -> None:
+        """Keep the hardest contact of each pair of tokens in each pair of instances; the floor is no token."""
+        for one, other, force in self._backend.contact_forces():
+            if FLOOR in (one, other):
+                continue
+            tokens, instances = (one, other), (within.get(one, ""), within.get(other, ""))
+            known = self._contacts.get((tokens, instances))
+            if known is None or force > known.force:
+                self._contacts[tokens, instances] = Contact(tokens, instances, force, self.time)
+
+    def ended(self, running: Running, time: float, exits: tuple[AtomMargin, ...]) -> None:
+        """Write down the end of an instance, with the times and hyperparameters that were real."""
+        done = replace(
+            running.instance,
+            start=running.begin,
+            end=time,
+            hyperparameters=dict(running.hyperparameters),
+            reached=running.reached if running.block.hold else None,
+        )
+        self._instances.append(done)
+        self._exits[done.name] = exits
+
+    def recording(self, goal: tuple[AtomMargin, ...], failure: Failure | None) -> Recording:
+        """Return everything that was written down."""
+        rows = len(self._states)
+        return Recording(
+            layout=self._task.state.layout,
+            commands_layout=self._layout.entries,
+            times=np.arange(rows, dtype=np.float64) * self._backend.timestep,
+            states=np.array(self._states),
+            commands=np.array(self._commands).reshape(rows - 1, self._layout.size),
+            instances=tuple(sorted(self._instances, key=lambda i: (i.start, i.end, i.name))),
+            exits=dict(self._exits),
+            goal=goal,
+            backend=self._backend.name,
+            timestep=self._backend.timestep,
+            failure=failure,
+            warnings=tuple(self._warnings()),
+            contacts=tuple(sorted(self._contacts.values(), key=lambda c: (c.time, c.tokens))),
+        )
+
+    def _warnings(self) -> Iterable[str]:
+        lengths = {i.name: (i.end - i.start) / self._backend.timestep for i in self._instances}
+        for (instance, (token, action)), count in sorted(self._cuts.items()):
+            if count < NOTEWORTHY * lengths[instance]:
+                continue
+            said = f"{instance}: the {action} on {token} was cut to its limit in {count} control steps"
+            _logger.warning("%s", said)
+            yield said

@@ -1,0 +1,81 @@
+"""Closed-loop execution: a plan becomes a run, or several plans that begin alike become runs."""
+
+from collections.abc import Iterator, Sequence
+
+from hybrid_tamp.execution.events import Observer
+from hybrid_tamp.execution.run import PATIENCE, SETTLING, Progress, Run
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.physics.protocol import Backend
+
+__all__ = ["PATIENCE", "SETTLING", "Progress", "execute", "execute_variants"]
+
+
+def execute(
+    task: Task,
+    plan: TaskPlan,
+    backend: Backend,
+    progress: Progress | None = None,
+    observer: Observer | None = None,
+) -> Recording:
+    """Run a lawful plan.
+
+    Args:
+        task: the task.
+        plan: what to run; hyperparameters that its instances do not give are guessed when they begin.
+        backend: who moves the tokens; it is reset to the task's initial state.
+        progress: called now and then.
+        observer: called with every event, at once.
+
+    Returns:
+        What was measured and commanded until the plan's end or the first failure.
+
+    Raises:
+        InputError: the backend cannot simulate the task.
+        DomainError: a policy commands something that its block does not hold.
+    """
+    run = Run(task, plan, backend, observer)
+    run.advance(progress=progress)
+    return run.recording()
+
+
+def execute_variants(
+    task: Task, plans: Sequence[TaskPlan], backend: Backend, until: str | None = None
+) -> Iterator[Recording]:
+    """Run plans that differ in hyperparameters only, each to the bit as `execute` does.
+
+    What comes before the first instance in which they differ is run once, and each goes on from a snapshot.
+
+    Args:
+        task: the task.
+        plans: one or more plans.
+        backend: who moves the tokens.
+        until: name of an instance with whose end the runs end; of what still runs then the recording tells nothing.
+
+    Yields:
+        A recording for each plan, in their order.
+
+    Raises:
+        InputError: the backend cannot simulate the task.
+        DomainError: a policy commands something that its block does not hold.
+    """
+    trunk = Run(task, plans[0], backend)
+    trunk.advance(before=_different(plans), until=until)
+    with backend.snapshot() as go_back:
+        for plan in plans:
+            go_back()
+            run = trunk.branch(plan)
+            run.advance(until=until)
+            yield run.recording()
+
+
+def _different(plans: Sequence[TaskPlan]) -> frozenset[str]:
+    """Return the names of the instances whose hyperparameters are not the same in all plans."""
+    first = plans[0]
+    return frozenset(
+        one.name
+        for plan in plans[1:]
+        for one, other in zip(first.instances, plan.instances, strict=True)
+        if one.hyperparameters != other.hyperparameters
+    )

@@ -1,0 +1,110 @@
+"""Replay: simulate the logged commands again and compare the states bit by bit."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.commands import CommandError, CommandLayout
+from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.state import State, StateLayout
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.physics.protocol import Backend
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Where the two runs part.
+
+    Attributes:
+        time: first instant at which a state differs [s].
+        token: a token that differs there.
+        property: its property that differs most.
+        size: largest absolute difference of its components, in the property's unit.
+    """
+
+    time: float
+    token: str
+    property: str
+    size: float
+
+
+@dataclass(frozen=True)
+class ReplayReport:
+    """What came of a replay.
+
+    Attributes:
+        identical: whether every state is the same to the last bit.
+        steps: control periods that were simulated.
+        first_difference: where the runs part, or None.
+        refusal: why the backend refused a logged command; empty if it did not.
+    """
+
+    identical: bool
+    steps: int
+    first_difference: Difference | None = None
+    refusal: str = ""
+
+
+def replay(task: Task, recording: Recording, backend: Backend) -> ReplayReport:
+    """Simulate the recorded commands from the recorded start.
+
+    Args:
+        task: the task that was recorded.
+        recording: what happened.
+        backend: a backend of the kind that recorded it.
+
+    Raises:
+        InputError: the recording is of another task or backend, or the task cannot be simulated.
+    """
+    layout = CommandLayout.of(task)
+    _check(task, recording, backend, layout)
+    state = backend.reset(task, recording.state(0))
+    rows = len(recording.commands)
+    assigned: tuple[BlockInstance, ...] | None = None
+    for index in range(rows + 1):
+        difference = _difference(state, recording.state(index), float(recording.times[index]))
+        if difference is not None or index == rows:
+            return ReplayReport(difference is None, index, difference)
+        running = tuple(_running(recording, float(recording.times[index])))
+        if running != assigned:
+            backend.assign(running)
+            assigned = running
+        try:
+            state = backend.step(layout.commands(recording.commands[index]))
+        except CommandError as error:
+            return ReplayReport(False, index, None, f"at {recording.times[index]:.3f} s: {error}")
+    raise AssertionError("the loop returns at its last row")
+
+
+def _check(task: Task, recording: Recording, backend: Backend, layout: CommandLayout) -> None:
+    same = recording.layout == StateLayout.of(task.tokens) and recording.commands_layout == layout.entries
+    if not same:
+        wanted = f"a recording of the task {task.name}"
+        raise InputError([Issue("recording", wanted, "one with other tokens or other properties")])
+    mine, theirs = (backend.name, backend.timestep), (recording.backend, recording.timestep)
+    if mine != theirs:
+        wanted = f"a recording by the backend {mine[0]} at {mine[1]:.6f} s"
+        raise InputError([Issue("recording", wanted, f"one by {theirs[0]} at {theirs[1]:.6f} s")])
+
+
+def _running(recording: Recording, time: float) -> Iterable[BlockInstance]:
+    for instance in recording.instances:
+        if instance.start - TIME_TOLERANCE <= time < instance.end - TIME_TOLERANCE:
+            yield instance
+
+
+def _difference(mine: State, theirs: State, time: float) -> Difference | None:
+    # Bytes, because two numbers can compare as equal and differ in a bit: 0.0 and -0.0.
+    if mine.values.tobytes() == theirs.values.tobytes():
+        return None
+    sizes = {
+        key: float(np.max(np.abs(mine.values[part] - theirs.values[part])))
+        for key, part in mine.layout.slices.items()
+        if mine.values[part].tobytes() != theirs.values[part].tobytes()
+    }
+    token, name = max(sizes, key=lambda key: math.inf if math.isnan(sizes[key]) else sizes[key])
+    return Difference(time, token, name, sizes[token, name])

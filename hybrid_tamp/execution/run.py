@@ -1,0 +1,297 @@
+"""One run under way: its instances, its clock and its logbook.
+
+The plan gives an order of reassignments only. One happens at the first control step at which each of its ending
+instances has lasted its minimum and measures all its exit conditions as true, and each starting instance measures its
+entry conditions as true. Until then blocks go on.
+
+How long a run may wait follows from the blocks: a reassignment is due `PATIENCE` after the events before it and after
+the bounds of its ending blocks have passed. So every run ends, by its plan's end or by a failure.
+"""
+
+import logging
+from collections.abc import Callable, Collection, Iterable
+from copy import copy
+
+import numpy as np
+
+from hybrid_tamp.errors import DomainError, Issue
+from hybrid_tamp.execution.events import Event, Observer
+from hybrid_tamp.execution.logbook import Logbook
+from hybrid_tamp.execution.running_instance import RunError, Running, measure, shortfall
+from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.commands import CommandError, CommandLayout
+from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
+from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
+from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.physics.protocol import Backend
+
+Progress = Callable[[float, float], None]
+"""Called ten times a simulated second with the simulated time and the plan's expected end [s]."""
+
+PATIENCE = 5.0
+"""How long a reassignment that is due may wait for things to settle [s]."""
+SETTLING = 0.5
+"""How long the last instances run at least, so that rest is measured and not assumed [s]."""
+_PROGRESS_STEPS = 24
+
+_logger = logging.getLogger(__name__)
+
+
+class Run:
+    """The state of one execution."""
+
+    def __init__(self, task: Task, plan: TaskPlan, backend: Backend, observer: Observer | None = None) -> None:
+        self._task = task
+        self._plan = plan
+        self._backend = backend
+        self._observer: Observer = observer or (lambda event: None)
+        self._layout = CommandLayout.of(task)
+        self._log = Logbook(task, self._layout, backend)
+        self._pending = dict(enumerate(reassignments(task, plan)))
+        self._enabled_at = {index: 0.0 for index, event in self._pending.items() if not event.after}
+        self._running: dict[str, Running] = {}
+        self._time = 0.0
+        self._state = task.state
+        self._ended = False
+        self._error: RunError | None = None
+
+    def advance(
+        self, *, before: Collection[str] = (), until: str | None = None, progress: Progress | None = None
+    ) -> None:
+        """Run on to the plan's end or to a failure.
+
+        Args:
+            before: names of instances; it stops earlier, at the first control step at which one of them might begin.
+            until: name of an instance; it stops earlier, as soon as that one has ended.
+            progress: called now and then.
+        """
+        try:
+            if not self._log.started:
+                self._start()
+            while not (self._over or self._might_begin(before)):
+                self._happens()
+                if self._over or (until is not None and self._log.has_ended(until)):
+                    return
+                self._step()
+                if progress is not None and self._log.steps % _PROGRESS_STEPS == 0:
+                    progress(self._time, self._plan.makespan)
+        except RunError as error:
+            self._error = error
+
+    def branch(self, plan: TaskPlan) -> "Run":
+        """Return a run that goes on from here with other hyperparameters of the instances that have not begun.
+
+        The backend's state is its own business.
+        """
+        other = copy(self)
+        other._plan = plan
+        events = reassignments(self._task, plan)
+        other._pending = {index: events[index] for index in self._pending}
+        other._enabled_at = dict(self._enabled_at)
+        other._running = {name: copy(running) for name, running in self._running.items()}
+        other._log = self._log.copy()
+        return other
+
+    def recording(self) -> Recording:
+        """Return what has been measured and commanded; before the plan's end nothing is said of the goal."""
+        if self._error is not None:
+            return self._failed(self._error)
+        return self._finished() if self._ended else self._log.recording((), None)
+
+    @property
+    def _over(self) -> bool:
+        return self._ended or self._error is not None
+
+    def _start(self) -> None:
+        self._state = self._backend.reset(self._task, self._task.state)
+        self._log.start(self._state)
+        self._begin(initial(self._plan))
+
+    def _might_begin(self, names: Collection[str]) -> bool:
+        """Say whether an event that starts one of these instances has all its ending instances ready."""
+        if not names:
+            return False
+        return any(
+            any(instance.name in names for instance in self._pending[index].starting)
+            and self._are_ready(self._pending[index].ending)
+            for index in self._enabled_at
+        )
+
+    def _are_ready(self, names: Iterable[str]) -> bool:
+        return all(self._running[name].ready(self._time, self._state) for name in names)
+
+    def _happens(self) -> None:
+        """Carry out every event that can happen now."""
+        for running in self._running.values():
+            if running.reached is None:  # it is to be known when it came to its exit, whatever waits for it
+                running.ready(self._time, self._state)
+        for index in sorted(self._enabled_at):
+            event = self._pending[index]
+            if self._can_happen(event):
+                self._carry_out(index, event)
+            else:
+                self._check_wait(index, event)
+        if not self._ended:
+            for running in self._running.values():
+                running.check_overdue(self._time, self._state)
+
+    def _can_happen(self, event: Reassignment) -> bool:
+        if event.final and self._time - self._log.last_event < SETTLING - TIME_TOLERANCE:
+            return False
+        if not self._are_ready(event.ending):
+            return False
+        if len(self._awaited(event)) > len(event.ending):
+            return False
+        return all(margin.holds for instance in event.starting for margin in self._entries(instance))
+
+    def _carry_out(self, index: int, event: Reassignment) -> None:
+        names = tuple(instance.name for instance in event.starting)
+        if not event.final:
+            self._observer(Event(self._time, "reassignment", ending=event.ending, starting=names))
+        for name in event.ending:
+            self._end(self._running.pop(name))
+        self._begin(event.starting)
+        self._ended = event.final
+        self._log.last_event = self._time
+        del self._pending[index], self._enabled_at[index]
+        # Only from the next step on: what the plan puts in order never happens at one instant.
+        for other, later in self._pending.items():
+            if other not in self._enabled_at and not later.after & self._pending.keys():
+                self._enabled_at[other] = self._time
+
+    def _check_wait(self, index: int, event: Reassignment) -> None:
+        """Refuse to wait for ever.
+
+        Raises:
+            RunError: the reassignment is overdue.
+        """
+        if self._time <= self._enabled_at[index] + PATIENCE:  # it is due later than that, whatever it waits for
+            return
+        due = max(self._enabled_at[index], *(self._running[name].latest for name in self._awaited(event))) + PATIENCE
+        if self._time <= due:
+            return
+        missing = [(name, m) for name in event.ending for m in self._running[name].exits(self._state)]
+        missing += [(instance.name, m) for instance in event.starting for m in self._entries(instance)]
+        missing = [(name, margin) for name, margin in missing if not margin.holds]
+        said = "; ".join(f"{name}: {shortfall(margin)}" for name, margin in missing) or "nothing is missing"
+        first = missing[0][0] if missing else event.ending[0]
+        reason = f"a reassignment was due at {due - PATIENCE:.3f} s and cannot happen: {said}"
+        raise RunError(first, reason, (margin for _, margin in missing))
+
+    def _awaited(self, event: Reassignment) -> list[str]:
+        """Return the instances that it ends, and those that still change what its starting instances read (law 5)."""
+        changing = [
+            name
+            for name, running in self._running.items()
+            if name not in event.ending
+            and running.reached is None
+            and any(self._changes(running, instance) for instance in event.starting)
+        ]
+        return [*event.ending, *changing]
+
+    def _changes(self, running: Running, reader: BlockInstance) -> bool:
+        targets = self._task.domain.block_by_name[reader.block].targets
+        return any(
+            reader.targets[target.name] == token and set(target.reads) & set(running.block.writes.get(slot, ()))
+            for target in targets
+            for slot, token in running.instance.slots.items()
+        )
+
+    def _begin(self, instances: tuple[BlockInstance, ...]) -> None:
+        for instance in instances:
+            running = Running(self._task, instance, self._time, self._state)
+            self._running[instance.name] = running
+            margins = tuple(self._entries(instance))
+            self._observer(
+                Event(
+                    self._time,
+                    "begin",
+                    instance,
+                    hyperparameters=running.hyperparameters,
+                    margins=margins,
+                )
+            )
+        self._backend.assign([running.instance for running in self._running.values()])
+
+    def _end(self, running: Running) -> None:
+        margins = tuple(running.exits(self._state))
+        self._log.ended(running, self._time, margins)
+        self._observer(
+            Event(
+                self._time,
+                "end",
+                running.instance,
+                hyperparameters=running.hyperparameters,
+                margins=margins,
+            )
+        )
+
+    def _entries(self, instance: BlockInstance) -> list[AtomMargin]:
+        block = self._task.domain.block_by_name[instance.block]
+        return measure(self._task, block.measured_entries, instance, self._state)
+
+    def _step(self) -> None:
+        """Command, let one control period pass, measure.
+
+        Raises:
+            RunError: a command or the measured state is not finite.
+        """
+        row, cut = self._layout.limited(self._row())
+        after = self._backend.step(self._layout.commands(row))
+        if not np.isfinite(after.values).all():
+            self._refuse_state(after)
+        self._state = after
+        self._time = self._log.stepped(after, row, cut, self._running.values())
+
+    def _row(self) -> FloatArray:
+        commands: Commands = {}
+        for running in self._running.values():
+            commands.update(running.commands(self._time, self._state))
+        try:
+            row = self._layout.row(commands)
+        except CommandError as error:
+            blocks = ", ".join(sorted({running.block.name for running in self._running.values()}))
+            raise DomainError([Issue(f"policy of {blocks}", str(error))]) from error
+        if not np.isfinite(row).all():
+            for running in self._running.values():
+                running.check_finite(commands)
+        return row
+
+    def _refuse_state(self, state: State) -> None:
+        """Say whose state is not finite.
+
+        Raises:
+            RunError: always.
+        """
+        for running in self._running.values():
+            for token in running.instance.slots.values():
+                for name, _ in ((n, s) for t, n, s in state.layout.entries if t == token):
+                    if not np.isfinite(state[token, name]).all():
+                        said = f"the {name} of {token} is no longer finite after {self._time:.3f} s"
+                        raise RunError(running.instance.name, said)
+        raise RunError("", f"the state is no longer finite after {self._time:.3f} s")
+
+    def _failed(self, error: RunError) -> Recording:
+        step = self._log.step_index
+        for running in list(self._running.values()):
+            self._end(running)
+        failure = Failure(step, error.instance, error.reason, error.margins)
+        instance = next((i for i in self._plan.instances if i.name == error.instance), None)
+        self._observer(Event(self._time, "failure", instance, margins=error.margins, reason=error.reason))
+        _logger.warning("step %d failed: %s", step, error.reason)
+        return self._log.recording(self._goal(), failure)
+
+    def _finished(self) -> Recording:
+        goal = self._goal()
+        self._observer(Event(self._time, "goal", margins=goal))
+        for margin in goal:
+            if not margin.holds:
+                _logger.warning("the goal is not reached: %s", shortfall(margin))
+        return self._log.recording(goal, None)
+
+    def _goal(self) -> tuple[AtomMargin, ...]:
+        margins = [(str(atom), self._task.margin(atom, self._state)) for atom in self._task.goal]
+        return tuple(AtomMargin(atom, None if np.isnan(margin) else margin) for atom, margin in margins)

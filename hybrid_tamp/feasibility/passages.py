@@ -1,0 +1,72 @@
+"""To which slots the network lets a token come, conditions aside."""
+
+from collections.abc import Collection, Mapping
+from functools import cached_property
+
+import networkx as nx
+
+from hybrid_tamp.feasibility.bindings import Bound, Choices
+from hybrid_tamp.feasibility.reasons import BLOCK, Reason, about
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.network import SlotName
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+
+_SHOWN = 4
+
+
+class Passages:
+    """The slots to which each token of a task can come along edges, its classes permitting."""
+
+    def __init__(self, task: Task, usable: Collection[str] | None = None) -> None:
+        """Look at a task's network.
+
+        Args:
+            task: the task.
+            usable: the blocks through which tokens may go; all where it is None.
+        """
+        self._task = task
+        self._usable = task.domain.block_by_name if usable is None else usable
+        self._known: dict[tuple[object, ...], frozenset[SlotName]] = {}
+
+    @cached_property
+    def _classes(self) -> Mapping[SlotName, type]:
+        blocks = self._task.domain.blocks
+        return {(block.name, slot.name): slot.object_class for block in blocks for slot in block.slots}
+
+    def start(self, token: Token) -> SlotName:
+        """Return the slot in which a token is at the beginning."""
+        block = self._task.domain.block_by_name[self._task.assignment.get(token.name, self._task.domain.resting)]
+        return (block.name, block.slots[0].name)
+
+    def slots(self, token: Token) -> frozenset[SlotName]:
+        """Return the slots to which a token can come, its first one included."""
+        key = (token.classes, start := self.start(token))
+        if key not in self._known:
+            graph = self._task.domain.network.graph
+            mine = graph.subgraph(s for s in graph if s[0] in self._usable and token.is_member(self._classes[s]))
+            self._known[key] = frozenset({start} | (nx.descendants(mine, start) if start in mine else set()))
+        return self._known[key]
+
+    def allow(self, block: Block, bound: Bound) -> bool:
+        """Say whether every token that is bound to a slot of a block can come there."""
+        return all(
+            (block.name, slot.name) in self.slots(token)
+            for slot in block.slots
+            if isinstance(token := bound.get(slot.name), Token)
+        )
+
+    def missing(self, block: Block, allowed: Choices) -> list[Reason]:
+        """Return a reason for every slot of a block to which none of the tokens that could fill it can come."""
+        found = []
+        for slot in block.slots:
+            tokens = [token for token in allowed[slot.name] if isinstance(token, Token)]
+            if tokens and not any((block.name, slot.name) in self.slots(token) for token in tokens):
+                where = sorted({".".join(place) for token in tokens for place in self.slots(token)})
+                shown = ", ".join(where[:_SHOWN]) + (", ..." if len(where) > _SHOWN else "")
+                names = ", ".join(sorted(token.name for token in tokens))
+                message = (
+                    f"no edge of the network leads to slot {slot.name} of {BLOCK} from where {names} can come: {shown}"
+                )
+                found.append(about(block, "no_edge", message, lacks=f"{block.name}.{slot.name}"))
+        return found

@@ -1,0 +1,1 @@
+"""Shapes, hulls, meshes and surfaces: bodies in their own frames, without tokens or tasks."""

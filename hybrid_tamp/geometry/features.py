@@ -1,0 +1,120 @@
+"""Geometric features of shapes: how round about an axis, how flat to stand on; they rank classes and prove nothing.
+
+All of them are told by the support function h(u) = max p u over the points p of a body: how far it reaches along a
+unit vector u from its centre of mass. A body rolls and stands on its convex hull, which is what h knows.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid_tamp.geometry.shapes import Shape
+from hybrid_tamp.geometry.surfaces import outer_surface, points_of
+from hybrid_tamp.motion.arrays import FloatArray
+
+_ANGLES = 720
+_LEAST_ROUND = float(np.sqrt(0.5))
+"""Roundness of a square prism, which does not roll."""
+_LAYER = 0.01
+"""What belongs to a face, as a share of the body's extent along its normal."""
+
+
+@dataclass(frozen=True)
+class RestingPose:
+    """A face of the convex hull on which a body rests.
+
+    Attributes:
+        down: its outward normal in the body frame.
+        height: of the centre of mass above the floor [m].
+        share: with which probability it comes to rest so, dropped in any orientation.
+    """
+
+    down: tuple[float, float, float]
+    height: float
+    share: float
+
+
+def silhouette(points: FloatArray, axis: FloatArray) -> FloatArray:
+    """Return the support function about an axis at angles all round it, ``(_ANGLES,)`` [m].
+
+    Args:
+        points: of the body, ``(n, 3)`` [m].
+        axis: unit vector ``(3,)`` through the body frame's origin.
+    """
+    one, other = across(axis)
+    angles = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
+    directions = np.cos(angles)[:, None] * one + np.sin(angles)[:, None] * other
+    return np.asarray((points @ directions.T).max(axis=0))
+
+
+def across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return two unit vectors ``(3,)`` across an axis and each other, right-handed with it."""
+    helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    one = np.cross(axis, helper)
+    one /= np.linalg.norm(one)
+    return one, np.asarray(np.cross(axis, one))
+
+
+def roundness(shape: Shape, axis: FloatArray) -> float:
+    """Return the least over the largest reach across an axis: 1 for a cylinder, 0.92 for an octagon."""
+    reach = silhouette(points_of(shape), axis)
+    return float(reach.min() / reach.max())
+
+
+def rolling_radius(shape: Shape, axis: FloatArray) -> float:
+    """Return the way over the angle of a full turn [m]: the mean reach, as the hull's outline is 2 pi times that.
+
+    (Cauchy's formula for the perimeter of a convex outline.)
+    """
+    return float(silhouette(points_of(shape), axis).mean())
+
+
+def roundest_axis(shape: Shape) -> FloatArray:
+    """Return the axis of the body frame ``(3,)`` about which a shape is the roundest; of equal ones the longest."""
+    points = points_of(shape)
+    rated = [(round(roundness(shape, axis), 3), round(float(np.ptp(points @ axis)), 6)) for axis in np.eye(3)]
+    return np.asarray(np.eye(3)[rated.index(max(rated))])
+
+
+def rolling_likelihood(shape: Shape) -> float:
+    """Return 0 for what is no rounder than a square prism up to 1 for what is round about some axis."""
+    best = roundness(shape, roundest_axis(shape))
+    return float(np.clip((best - _LEAST_ROUND) / (1.0 - _LEAST_ROUND), 0.0, 1.0))
+
+
+def tumbling_likelihood(shape: Shape) -> float:
+    """Return how much of the box about a shape it stands on, 0 to 1, on the worst of four sides about its best axis."""
+    points = points_of(shape)
+    grounds = np.array([[_ground(points, sign * axis) for sign in (-1.0, 1.0)] for axis in np.eye(3)]).min(axis=1)
+    return float(max(np.delete(grounds, turn).min() for turn in range(3)))
+
+
+def _ground(points: FloatArray, down: FloatArray) -> float:
+    """Return how far the ground of a body reaches from below its centre, as a share of the box's, to the worst side."""
+    depth = points @ down
+    face = points[depth >= depth.max() - _LAYER * np.ptp(depth)]
+    shares = [
+        min(side.max() / max(whole.max(), 1e-12), side.min() / min(whole.min(), -1e-12))
+        for axis in np.eye(3)
+        if abs(axis @ down) < 0.5
+        for side, whole in ((face @ axis, points @ axis),)
+    ]
+    return float(np.clip(min(shares), 0.0, 1.0))
+
+
+def resting_poses(shape: Shape, least: float = 0.01) -> tuple[RestingPose, ...]:
+    """Return the faces on which a shape comes to rest, the likeliest first.
+
+    Args:
+        shape: the shape; its frame's origin is the centre of mass.
+        least: rarer ones are left out.
+    """
+    from trimesh.poses import compute_stable_poses
+
+    hull = outer_surface(shape).convex_hull
+    transforms, shares = compute_stable_poses(hull, center_mass=np.zeros(3), sigma=0.0, n_samples=1, threshold=least)
+    found = []
+    for transform, share in zip(transforms, shares, strict=True):
+        x, y, z = (-float(component) for component in transform[2, :3])
+        found.append(RestingPose((x, y, z), float(transform[2, 3]), float(share)))
+    return tuple(found)

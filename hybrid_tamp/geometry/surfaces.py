@@ -1,0 +1,71 @@
+"""The outer surface of a token's shape, as one mesh in its body frame."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hybrid_tamp.geometry.meshes import Hull
+from hybrid_tamp.geometry.shapes import Shape, parts_of
+from hybrid_tamp.geometry.triangles import solid
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import quaternion_from_rpy
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
+
+_OUTSIDE = 1e-5
+"""How far outside a triangle it is looked whether another part is there [m]."""
+
+
+def hulls_of(shape: Shape) -> list[Hull]:
+    """Return the convex parts of a shape as triangles in its body frame; round ones have many small sides."""
+    meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in parts_of(shape)]
+    return [Hull(mesh.vertices, mesh.triangles) for mesh in meshes]
+
+
+def points_of(shape: Shape) -> FloatArray:
+    """Return points ``(n, 3)`` [m] of which the shape's convex hull is made."""
+    return np.concatenate([hull.vertices for hull in hulls_of(shape)])
+
+
+def volume_of(shape: Shape) -> float:
+    """Return the volume [m^3]; of parts that overlap, that of both."""
+    return sum(hull.integrals[0] for hull in hulls_of(shape))
+
+
+def outer_surface(shape: Shape) -> "Trimesh":
+    """Return the surface without what lies within or between the parts."""
+    from trimesh import Trimesh
+
+    hulls = hulls_of(shape)
+    vertices, triangles, first = [], [], 0
+    for number, hull in enumerate(hulls):
+        others = hulls[:number] + hulls[number + 1 :]
+        vertices.append(hull.vertices)
+        triangles.append(hull.triangles[_uncovered(hull, others)] + first)
+        first += len(hull.vertices)
+    surface = Trimesh(np.concatenate(vertices), np.concatenate(triangles))
+    surface.merge_vertices(merge_norm=True)
+    surface.remove_unreferenced_vertices()
+    return surface
+
+
+def _uncovered(hull: Hull, others: Sequence[Hull]) -> FloatArray:
+    """Say of each triangle ``(m,)`` whether no other part is just outside it."""
+    corners, normals = _planes(hull)
+    outside = corners.mean(axis=1) + normals * _OUTSIDE
+    covered = np.zeros(len(outside), dtype=bool)
+    for other in others:
+        lower, upper = other.vertices.min(axis=0), other.vertices.max(axis=0)
+        near = np.flatnonzero(np.all((outside > lower) & (outside < upper), axis=1))
+        theirs, outward = _planes(other)
+        heights = np.einsum("qfi,fi->qf", outside[near, None] - theirs[None, :, 0], outward)
+        covered[near] |= np.all(heights <= 0.0, axis=1)
+    return np.asarray(~covered)
+
+
+def _planes(hull: Hull) -> tuple[FloatArray, FloatArray]:
+    corners = hull.vertices[hull.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return corners, normals / np.linalg.norm(normals, axis=1, keepdims=True)

@@ -1,0 +1,140 @@
+"""Triangle meshes with normals of their own, so that edges look sharp and round sides smooth."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hybrid_tamp.geometry.meshes import Hull
+from hybrid_tamp.geometry.shapes import Box, Cylinder, Solid
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import rotate
+
+_SIDES = 40
+_RINGS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles seen from outside counterclockwise.
+
+    Attributes:
+        vertices: ``(n, 3)`` [m].
+        normals: outward unit vectors ``(n, 3)``.
+        triangles: indices of vertices ``(m, 3)``.
+    """
+
+    vertices: FloatArray
+    normals: FloatArray
+    triangles: NDArray[np.intp]
+
+    def moved(self, offset: ArrayLike) -> "Mesh":
+        """Return the mesh moved by an offset ``(3,)`` [m]."""
+        return Mesh(self.vertices + np.asarray(offset), self.normals, self.triangles)
+
+    def turned(self, quaternion: ArrayLike) -> "Mesh":
+        """Return the mesh turned about the origin by a unit quaternion ``(4,)``."""
+        return Mesh(rotate(quaternion, self.vertices), rotate(quaternion, self.normals), self.triangles)
+
+
+def joined(*meshes: Mesh) -> Mesh:
+    """Return one mesh of all the triangles."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    return Mesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.normals for mesh in meshes]),
+        np.concatenate([mesh.triangles + start for mesh, start in zip(meshes, starts, strict=True)]),
+    )
+
+
+def solid(shape: Solid | Hull) -> Mesh:
+    """Return the surface of a convex shape, centred at the origin."""
+    if isinstance(shape, Hull):
+        return faceted(shape)
+    if isinstance(shape, Cylinder):
+        return cylinder(shape.radius, shape.length)
+    if isinstance(shape, Box):
+        return box(shape.half_extents)
+    return sphere(shape.radius)
+
+
+def faceted(hull: Hull) -> Mesh:
+    """Return a surface of flat triangles, each with corners of its own."""
+    corners = hull.vertices[hull.triangles]
+    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = crossed / np.linalg.norm(crossed, axis=1, keepdims=True)
+    count = len(corners)
+    return Mesh(corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), np.arange(3 * count).reshape(-1, 3))
+
+
+def disc(radius: float) -> Mesh:
+    """Return a disc that faces up."""
+    angles = np.linspace(0, 2 * np.pi, _SIDES, endpoint=False)
+    rim = np.stack([np.cos(angles), np.sin(angles), np.zeros(_SIDES)], axis=-1) * radius
+    vertices = np.concatenate([np.zeros((1, 3)), rim])
+    here = np.arange(_SIDES)
+    triangles = np.stack([np.zeros(_SIDES, dtype=np.intp), 1 + here, 1 + (here + 1) % _SIDES], axis=-1)
+    return Mesh(vertices, np.tile([0.0, 0.0, 1.0], (_SIDES + 1, 1)), triangles)
+
+
+def cylinder(radius: float, length: float) -> Mesh:
+    """Return a cylinder about z."""
+    top = disc(radius).moved([0, 0, length / 2])
+    bottom = Mesh(top.vertices * [1, -1, -1], top.normals * -1, top.triangles)
+    angles = np.linspace(0, 2 * np.pi, _SIDES, endpoint=False)
+    outward = np.stack([np.cos(angles), np.sin(angles), np.zeros(_SIDES)], axis=-1)
+    ends = [outward * radius + [0, 0, z] for z in (-length / 2, length / 2)]
+    here = np.arange(_SIDES)
+    there = (here + 1) % _SIDES
+    lower = np.stack([here, there, _SIDES + here], axis=-1)
+    upper = np.stack([there, _SIDES + there, _SIDES + here], axis=-1)
+    side = Mesh(np.concatenate(ends), np.tile(outward, (2, 1)), np.concatenate([lower, upper]))
+    return joined(side, top, bottom)
+
+
+def box(half_extents: ArrayLike) -> Mesh:
+    """Return a box along the axes."""
+    corners = np.array([[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
+    top = Mesh(corners, np.tile([0.0, 0.0, 1.0], (4, 1)), np.array([[0, 1, 2], [0, 2, 3]]))
+    faces = []
+    # Cyclic permutations keep the orientation; so does turning by half a turn about an axis.
+    for order in ([0, 1, 2], [1, 2, 0], [2, 0, 1]):
+        for turn in (np.ones(3), np.array([1.0, -1.0, -1.0])):
+            faces.append(Mesh((top.vertices * turn)[:, order], (top.normals * turn)[:, order], top.triangles))
+    cube = joined(*faces)
+    return Mesh(cube.vertices * np.asarray(half_extents), cube.normals, cube.triangles)
+
+
+def sphere(radius: float) -> Mesh:
+    """Return a sphere of rings and sides."""
+    polar = np.linspace(0, np.pi, _RINGS + 1)[:, None]
+    around = np.linspace(0, 2 * np.pi, _SIDES, endpoint=False)[None, :]
+    parts = (np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar) + 0 * around)
+    normals = np.stack(parts, axis=-1).reshape(-1, 3)
+    ring, side = (grid.ravel() for grid in np.meshgrid(np.arange(_RINGS), np.arange(_SIDES), indexing="ij"))
+    here, there = ring * _SIDES + side, ring * _SIDES + (side + 1) % _SIDES
+    below, beyond = here + _SIDES, there + _SIDES
+    triangles = np.concatenate([np.stack(t, axis=-1) for t in ((here, below, beyond), (here, beyond, there))])
+    return Mesh(normals * radius, normals, triangles)
+
+
+def tiles(lower: ArrayLike, upper: ArrayLike, size: float) -> tuple[Mesh, Mesh]:
+    """Return the two colours of a chequered floor at height zero, its lines at multiples of the tile's size.
+
+    Args:
+        lower: corner ``(2,)`` that the floor reaches to at least [m].
+        upper: the opposite corner ``(2,)`` [m].
+        size: edge of a tile [m].
+    """
+    first = np.floor(np.asarray(lower) / size).astype(int)
+    last = np.ceil(np.asarray(upper) / size).astype(int)
+    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+    cells = [(i, j) for i in range(first[0], last[0]) for j in range(first[1], last[1])]
+    colours = []
+    for colour in (0, 1):
+        corners = np.array([cell + square for cell in cells if sum(cell) % 2 == colour]).reshape(-1, 2) * size
+        vertices = np.column_stack([corners, np.zeros(len(corners))])
+        squares = np.arange(len(vertices)).reshape(-1, 4)
+        triangles = np.concatenate([squares[:, [0, 1, 2]], squares[:, [0, 2, 3]]])
+        colours.append(Mesh(vertices, np.tile([0.0, 0.0, 1.0], (len(vertices), 1)), triangles))
+    return colours[0], colours[1]

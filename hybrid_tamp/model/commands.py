@@ -1,0 +1,114 @@
+"""Commands as one flat row a control period, and the limits of what the robot may command."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
+
+_ROUNDING = 1e-9
+
+Key = tuple[str, str]
+"""(token, basic action)."""
+
+
+class CommandError(ValueError):
+    """A command that no backend carries out: unknown, of a wrong size, not finite or above its limit."""
+
+
+@dataclass(frozen=True)
+class CommandLayout:
+    """Where each basic action of each token lies in a row of commands.
+
+    Attributes:
+        entries: (token, basic action, size) in order.
+        limits: largest norm of each entry's command, in the action's unit; infinite where there is none.
+    """
+
+    entries: tuple[tuple[str, str, int], ...]
+    limits: tuple[float, ...]
+
+    @classmethod
+    def of(cls, task: Task) -> "CommandLayout":
+        """Lay out every basic action of every token of the task, in their order."""
+        pairs = [(token, action) for token in task.tokens for action in token.basic_actions]
+        return cls(
+            tuple((token.name, action.name, action.size) for token, action in pairs),
+            tuple(math.inf if a.limit is None else float(token[a.limit]) for token, a in pairs),
+        )
+
+    @cached_property
+    def slices(self) -> Mapping[Key, slice]:
+        """(token, basic action) to its part of a row."""
+        found, start = {}, 0
+        for token, action, size in self.entries:
+            found[token, action] = slice(start, start + size)
+            start += size
+        return found
+
+    @property
+    def size(self) -> int:
+        """Length of a row."""
+        return sum(size for _, _, size in self.entries)
+
+    def commands(self, row: FloatArray) -> Commands:
+        """Return the commands that a row ``(size,)`` stands for."""
+        return {key: row[part] for key, part in self.slices.items()}
+
+    def row(self, commands: Commands) -> FloatArray:
+        """Return the commands as one row ``(size,)``, zero where nothing is commanded.
+
+        Raises:
+            CommandError: a command is of an unknown token or action, or of a wrong size.
+        """
+        row = np.zeros(self.size)
+        for key, command in commands.items():
+            part = self.slices.get(key)
+            if part is None:
+                known = ", ".join(f"{action} on {token}" for token, action in self.slices)
+                raise CommandError(f"there is no {key[1]} on {key[0]} to command; there is {known or 'none'}")
+            if np.shape(command) != (part.stop - part.start,):
+                wanted = part.stop - part.start
+                raise CommandError(f"{key[1]} on {key[0]} has {wanted} components, got {np.shape(command)}")
+            row[part] = command
+        return row
+
+    def limited(self, row: FloatArray) -> tuple[FloatArray, tuple[Key, ...]]:
+        """Scale the commands that are too large down to their limits; the framework's one place to do so.
+
+        Returns:
+            The row, and the commands that were cut.
+        """
+        cut: list[Key] = []
+        for key, norm, limit in self._norms(row):
+            if norm > limit:
+                if not cut:
+                    row = row.copy()
+                row[self.slices[key]] *= limit / norm
+                cut.append(key)
+        return row, tuple(cut)
+
+    def checked(self, commands: Commands) -> FloatArray:
+        """Return the commands as a row, for a backend, which trusts nobody.
+
+        Raises:
+            CommandError: a command is unknown, of a wrong size, not finite or above its limit.
+        """
+        row = self.row(commands)
+        for key, norm, limit in self._norms(row):
+            if not math.isfinite(norm):
+                raise CommandError(f"{key[1]} on {key[0]} is not finite")
+            if norm > limit * (1 + _ROUNDING):
+                raise CommandError(f"{key[1]} on {key[0]} is {norm:g}, above its limit of {limit:g}")
+        return row
+
+    def _norms(self, row: FloatArray) -> list[tuple[Key, float, float]]:
+        return [
+            (key, math.hypot(*row[part].tolist()), limit)
+            for (key, part), limit in zip(self.slices.items(), self.limits, strict=True)
+        ]

@@ -1,0 +1,1 @@
+"""The PyBullet backend. Only this package imports pybullet."""

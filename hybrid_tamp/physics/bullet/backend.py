@@ -1,0 +1,191 @@
+"""The PyBullet backend.
+
+The substeps are taken one by one: Bullet tells the contact forces of the last one only, and a blow is over in one.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from types import TracebackType
+
+import numpy as np
+
+from hybrid_tamp.geometry.meshes import MeshShape
+from hybrid_tamp.geometry.shapes import Compound
+from hybrid_tamp.model.affordance import BODY_STATE
+from hybrid_tamp.model.block import CONTROL_PERIOD, Commands
+from hybrid_tamp.model.commands import CommandLayout
+from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.physics.bullet.driving import Drive
+from hybrid_tamp.physics.bullet.engine import GRAVITY, SUBSTEPS, connect, create, prepare, pybullet
+from hybrid_tamp.physics.bullet.fingers import Fingers
+from hybrid_tamp.physics.bullet.impacts import Blows
+from hybrid_tamp.physics.protocol import FLOOR, ContactForce
+from hybrid_tamp.physics.scene import bodies
+
+__all__ = ["GRAVITY", "BulletBackend"]
+
+_BODY = tuple(varying.name for varying in BODY_STATE)
+
+
+class BulletBackend:
+    """Rigid bodies on a floor; the robot acts by bounded forces and torques, and holds things by friction only.
+
+    Args:
+        gravity: acceleration of free fall ``(3,)`` [m/s^2]; leaning it stands for an inclined floor.
+    """
+
+    name = "pybullet"
+    timestep = CONTROL_PERIOD
+
+    def __init__(self, gravity: Sequence[float] = (0.0, 0.0, -GRAVITY)) -> None:
+        self._gravity = tuple(gravity)
+        self._client = connect()
+        self._handles: dict[str, int] = {}
+        self._forces: dict[tuple[str, str], float] = {}
+
+    def reset(self, task: Task, state: State) -> State:
+        """Build the scene anew and return the given state.
+
+        It is returned as given, not as read back: Bullet turns quaternions into matrices and back, and setting
+        what was read would start a run that differs in the last bit.
+
+        Raises:
+            InputError: a token has no shape, or is moved by something that physics does not know.
+        """
+        scene = bodies(task)
+        self._commands = CommandLayout.of(task)
+        floor = prepare(self._client, self._gravity)
+        self._handles = {body.token: create(self._client, body) for body in scene}
+        for token, handle in self._handles.items():
+            self._place(handle, token, state)
+        self._names = {handle: token for token, handle in self._handles.items()} | {floor: FLOOR}
+        self._forces = {}
+        slices = state.layout.slices
+        self._index = np.array(
+            [i for b in scene for name in _BODY for i in range(state.layout.size)[slices[b.token, name]]],
+            dtype=np.intp,
+        )
+        self._drives = [
+            Drive.of(body, self._client, self._handles[body.token], self._commands, self._gravity)
+            for body in scene
+            if body.driven
+        ]
+        self._fingers = Fingers.all_of(task, self._client, self._handles, self._commands)
+        self._blows = Blows(task)
+        self._state = State(state.layout, np.array(state.values, dtype=float))
+        self._task, self._start = task, self._state
+        self._rows: list[FloatArray] = []
+        return self._state
+
+    def assign(self, running: Sequence[BlockInstance]) -> None:
+        """Do nothing: physics does not know what is intended."""
+
+    def step(self, commands: Commands) -> State:
+        """Apply the forces and torques on the hands for one control period, move the fingers, and measure.
+
+        Raises:
+            CommandError: a command is unknown, of a wrong size, not finite or above its limit.
+        """
+        return self._advance(self._commands.checked(commands))
+
+    def _advance(self, row: FloatArray) -> State:
+        self._rows.append(row)
+        after = self._state.values.copy()
+        state = State(self._state.layout, after)
+        for fingers in self._fingers:
+            fingers.advance(row, state)
+        self._simulate(row)
+        after[self._index] = self._measured()
+        self._blows.update(state)
+        self._state = state
+        return state
+
+    def contact_forces(self) -> list[ContactForce]:
+        """Return the largest normal force of each pair within the last period, summed over its contact points."""
+        return [(one, other, force) for (one, other), force in sorted(self._forces.items())]
+
+    @contextmanager
+    def snapshot(self) -> Iterator[Callable[[], None]]:
+        """Remember the present for a while; what is entered goes back to it.
+
+        Bullet restores its state to the bit, but for shapes of several parts: their contacts come back mixed up. With
+        one in the scene the commands since the reset are repeated instead, which takes as long as the steps alone.
+        """
+        if any(isinstance(token.shape, Compound | MeshShape) for token in self._task.assigned):
+            start, rows = self._start, tuple(self._rows)
+            yield lambda: self._repeat(start, rows)
+            return
+        saved = pybullet.saveState(physicsClientId=self._client)
+        now, rows, blows = (self._state, self._forces), tuple(self._rows), self._blows.copy()
+        held = [fingers.held for fingers in self._fingers]
+
+        def restore() -> None:
+            for fingers in self._fingers:
+                fingers.let_go()
+            pybullet.restoreState(saved, physicsClientId=self._client)
+            for fingers, grasp in zip(self._fingers, held, strict=True):
+                fingers.hold(grasp)
+            (self._state, self._forces), self._rows, self._blows = now, list(rows), blows.copy()
+
+        yield restore
+        pybullet.removeState(saved, physicsClientId=self._client)
+
+    def _repeat(self, start: State, rows: Sequence[FloatArray]) -> None:
+        self.reset(self._task, start)
+        for row in rows:
+            self._advance(row)
+
+    def _simulate(self, row: FloatArray) -> None:
+        for drive in self._drives:
+            drive.command(row)
+        self._forces = {}
+        for _ in range(SUBSTEPS):
+            for drive in self._drives:
+                drive.apply()
+            pybullet.stepSimulation(physicsClientId=self._client)
+            sums = self._contacts()
+            self._blows.feel(sums)
+            for pair, force in sums.items():
+                self._forces[pair] = max(force, self._forces.get(pair, 0.0))
+
+    def _contacts(self) -> dict[tuple[str, str], float]:
+        """Return the normal force [N] of each pair in the last substep."""
+        sums: dict[tuple[str, str], float] = {}
+        for point in pybullet.getContactPoints(physicsClientId=self._client):
+            one, other = self._names[point[1]], self._names[point[2]]
+            pair = (one, other) if one < other else (other, one)
+            sums[pair] = sums.get(pair, 0.0) + point[9]
+        return sums
+
+    def _measured(self) -> list[float]:
+        measured: list[float] = []
+        for handle in self._handles.values():
+            position, orientation = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self._client)
+            velocity, angular_velocity = pybullet.getBaseVelocity(handle, physicsClientId=self._client)
+            measured += (*position, *orientation, *velocity, *angular_velocity)
+        return measured
+
+    def close(self) -> None:
+        """Leave Bullet; a second time does nothing."""
+        if self._client >= 0:
+            pybullet.disconnect(self._client)
+            self._client = -1
+
+    def __enter__(self) -> "BulletBackend":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _place(self, handle: int, token: str, state: State) -> None:
+        position, orientation, velocity, angular_velocity = (state[token, n].tolist() for n in _BODY)
+        pybullet.resetBasePositionAndOrientation(handle, position, orientation, physicsClientId=self._client)
+        pybullet.resetBaseVelocity(handle, velocity, angular_velocity, physicsClientId=self._client)

@@ -1,0 +1,156 @@
+"""PyBullet, headless: the only module that imports it, and how a scene is built in it.
+
+The numbers were measured (closed forms within 1 %, see the tests): four substeps of 1/960 s inside each control
+period, because a rolling cylinder gains energy from contact points that are one substep old (1.2 % of a rolling
+acceleration with one substep, 0.4 % with four); contact ERP 0.2, which takes up penetration without throwing a body
+that starts a millimetre too low; no damping, so that only the modelled friction brakes.
+"""
+
+import ctypes
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import Any
+
+import numpy as np
+
+from hybrid_tamp.geometry.meshes import Hull, MeshShape, obj_text
+from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Shape, Solid
+from hybrid_tamp.model.block import CONTROL_PERIOD
+from hybrid_tamp.motion.poses import quaternion_from_rpy
+from hybrid_tamp.physics.scene import FLOOR_FRICTION, Body
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Send the process's standard streams to nowhere for a moment.
+
+    On import PyBullet prints its build time from C, past `sys.stdout`, to standard output or error depending on the
+    build; standard output belongs to ``--json``. What C still buffers must go to nowhere as well, hence the flush.
+    """
+    saved = {}
+    for descriptor in (1, 2):
+        with suppress(OSError):  # a process may run without a standard stream; there is nothing to silence then
+            saved[descriptor] = os.dup(descriptor)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        for descriptor in saved:
+            os.dup2(nowhere, descriptor)
+        yield
+    finally:
+        if os.name == "posix":
+            ctypes.CDLL(None).fflush(None)
+        for descriptor, copy in saved.items():
+            os.dup2(copy, descriptor)
+            os.close(copy)
+        os.close(nowhere)
+
+
+with _silence():
+    import pybullet
+
+__all__ = ["GRAVITY", "SUBSTEP", "SUBSTEPS", "connect", "create", "prepare", "pybullet"]
+
+GRAVITY = 9.81
+"""[m/s^2]."""
+SUBSTEPS = 4
+"""Within a control period."""
+SUBSTEP = CONTROL_PERIOD / SUBSTEPS
+"""[s]."""
+SOLVER_ITERATIONS = 50
+CONTACT_ERP = 0.2
+HULL_MARGIN = 0.001
+"""Thickness of the layer about a convex hull [m]."""
+
+
+def connect() -> int:
+    """Return a new client without a display."""
+    client: int = pybullet.connect(pybullet.DIRECT)
+    return client
+
+
+def prepare(client: int, gravity: Sequence[float]) -> int:
+    """Empty a client's world, set its parameters and return the handle of the floor.
+
+    Args:
+        client: whose world.
+        gravity: acceleration of free fall ``(3,)`` [m/s^2].
+    """
+    pybullet.resetSimulation(physicsClientId=client)
+    # A reset keeps the engine's parameters, so all that matter are set every time.
+    pybullet.setPhysicsEngineParameter(
+        fixedTimeStep=SUBSTEP,
+        numSolverIterations=SOLVER_ITERATIONS,
+        contactERP=CONTACT_ERP,
+        deterministicOverlappingPairs=1,
+        physicsClientId=client,
+    )
+    pybullet.setGravity(*gravity, physicsClientId=client)
+    plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
+    floor: int = pybullet.createMultiBody(0.0, plane, physicsClientId=client)
+    pybullet.changeDynamics(floor, -1, lateralFriction=FLOOR_FRICTION, physicsClientId=client)
+    return floor
+
+
+def create(client: int, body: Body) -> int:
+    """Make a body, whose frame is at its centre of mass, and return its handle."""
+    collision = _collision_shape(client, body.shape)
+    handle: int = pybullet.createMultiBody(body.mass, collision, physicsClientId=client)
+    pybullet.changeDynamics(
+        handle,
+        -1,
+        localInertiaDiagonal=body.inertia,
+        lateralFriction=body.friction,
+        rollingFriction=body.rolling_friction,
+        spinningFriction=body.rolling_friction,
+        restitution=0.0,
+        linearDamping=0.0,
+        angularDamping=0.0,
+        physicsClientId=client,
+    )
+    return handle
+
+
+def _collision_shape(client: int, shape: Shape) -> int:
+    if isinstance(shape, MeshShape):
+        return _hulls(client, shape)
+    if isinstance(shape, Compound):
+        solids = [_geometry(part) for part in shape.parts]
+        handle: int = pybullet.createCollisionShapeArray(
+            # Each list has an entry for every part, whatever kind it is.
+            shapeTypes=[solid["shapeType"] for solid in solids],
+            halfExtents=[solid.get("halfExtents", (0.0, 0.0, 0.0)) for solid in solids],
+            radii=[solid.get("radius", 0.0) for solid in solids],
+            lengths=[solid.get("height", 0.0) for solid in solids],
+            collisionFramePositions=[part.position for part in shape.parts],
+            collisionFrameOrientations=[quaternion_from_rpy(part.rpy).tolist() for part in shape.parts],
+            physicsClientId=client,
+        )
+        return handle
+    handle = pybullet.createCollisionShape(**_geometry(shape), physicsClientId=client)
+    return handle
+
+
+def _hulls(client: int, shape: MeshShape) -> int:
+    """Make a compound of convex hulls; Bullet reads several of them only from a file, one object a hull."""
+    half = np.ptp(shape.corners, axis=0) / 2.0
+    # Bullet wraps a hull in a layer: the hulls are so much smaller together that the body has its true size.
+    kept = 1.0 - HULL_MARGIN / np.maximum(half, 2.0 * HULL_MARGIN)
+    # Bullet remembers files by name, so a name is used once.
+    descriptor, name = tempfile.mkstemp(prefix="hulls-", suffix=".obj")
+    try:
+        with os.fdopen(descriptor, "w", encoding="ascii") as file:
+            file.write(obj_text([Hull(part.vertices * kept, part.triangles) for part in shape.parts]))
+        handle: int = pybullet.createCollisionShape(pybullet.GEOM_MESH, fileName=name, physicsClientId=client)
+    finally:
+        os.unlink(name)
+    return handle
+
+
+def _geometry(shape: Solid) -> dict[str, Any]:
+    if isinstance(shape, Box):
+        return {"shapeType": pybullet.GEOM_BOX, "halfExtents": shape.half_extents}
+    if isinstance(shape, Cylinder):
+        return {"shapeType": pybullet.GEOM_CYLINDER, "radius": shape.radius, "height": shape.length}
+    return {"shapeType": pybullet.GEOM_SPHERE, "radius": shape.radius}

@@ -1,0 +1,163 @@
+"""Two virtual fingers: how far they are apart, what is between them, and the friction that holds it.
+
+The grasp is a joint whose force is limited, made with the relative pose in which the fingers meet the handle. Where the
+load is beyond the limit it gives way, and is made anew with what the relative pose has become; otherwise the force
+would pull a thing that has slipped back to where it was held first.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from hybrid_tamp.geometry.segments import nearest_on_segment
+from hybrid_tamp.model.block import CONTROL_PERIOD
+from hybrid_tamp.model.commands import CommandLayout
+from hybrid_tamp.model.grasp import (
+    APERTURE,
+    CAPTURE,
+    FINGER_SPEED,
+    GRIP,
+    GRIP_FRICTION,
+    can_be_gripped,
+    grips,
+)
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotate
+from hybrid_tamp.physics.bullet.engine import pybullet
+
+SLIP = 1e-3
+"""From this displacement on a grasp has slipped [m]."""
+TWIST = 0.02
+"""From this rotation on a grasp has slipped [rad]."""
+
+
+@dataclass
+class Grasp:
+    """What is held: a thing, PyBullet's handle of the joint, and the hand's pose in the thing's frame."""
+
+    thing: Token
+    joint: int
+    position: FloatArray
+    orientation: FloatArray
+
+
+@dataclass
+class Fingers:
+    """The fingers of one hand.
+
+    Attributes:
+        hand: the hand.
+        things: all that it could grip.
+        client: PyBullet's client.
+        handles: PyBullet's handle of every token.
+        grip: where the grip force lies in a row of commands.
+        held: what they hold, or None.
+    """
+
+    hand: Token
+    things: tuple[Token, ...]
+    client: int
+    handles: Mapping[str, int]
+    grip: int
+    held: Grasp | None = field(default=None, repr=False)
+
+    @classmethod
+    def all_of(
+        cls, task: Task, client: int, handles: Mapping[str, int], commands: CommandLayout
+    ) -> "tuple[Fingers, ...]":
+        """Return the fingers of every hand that has some, and let them pass round what they can grip."""
+        things = tuple(token for token in task.assigned if can_be_gripped(token))
+        found = []
+        for hand in filter(grips, task.assigned):
+            others = tuple(thing for thing in things if thing is not hand)
+            for thing in others:
+                pair = (handles[hand.name], handles[thing.name])
+                pybullet.setCollisionFilterPair(*pair, -1, -1, 0, physicsClientId=client)
+            found.append(cls(hand, others, client, handles, commands.slices[hand.name, GRIP].start))
+        return tuple(found)
+
+    def advance(self, row: FloatArray, state: State) -> None:
+        """Move the fingers for one control period.
+
+        Args:
+            row: all commands of the period.
+            state: the state at its beginning, of shape ``(n,)``; gets the aperture at its end, in place.
+        """
+        grip, aperture = float(row[self.grip]), state[self.hand, APERTURE]
+        way = FINGER_SPEED * CONTROL_PERIOD
+        if self.held is not None and (grip <= 0 or self._has_slipped(self.held, state)):
+            # If the handle is still between the fingers, they meet it again at once.
+            self.let_go()
+        if grip <= 0:
+            aperture[0] = min(aperture[0] + way, self.hand["maximal_aperture"])
+            return
+        if self.held is None:
+            narrower = max(aperture[0] - way, 0.0)
+            thing = self._between(state, narrower, aperture[0])
+            aperture[0] = narrower if thing is None else thing["handle_width"]
+            self.held = None if thing is None else self._grasp_of(thing, state)
+        if self.held is not None:
+            limit = GRIP_FRICTION * grip
+            pybullet.changeConstraint(self.held.joint, maxForce=limit, physicsClientId=self.client)
+
+    def let_go(self) -> None:
+        """Hold nothing any more."""
+        if self.held is not None:
+            pybullet.removeConstraint(self.held.joint, physicsClientId=self.client)
+            self.held = None
+
+    def hold(self, grasp: Grasp | None) -> None:
+        """Hold again what was held before, as it was held."""
+        self.held = grasp and replace(grasp, joint=self._joint(grasp.thing, grasp.position, grasp.orientation))
+
+    def _between(self, state: State, narrower: float, wider: float) -> Token | None:
+        """Return the nearest thing that the fingers meet while they close from `wider` to `narrower` [m]."""
+        distances = [
+            (self._distance(state, thing), index)
+            for index, thing in enumerate(self.things)
+            if narrower <= thing["handle_width"] <= wider
+        ]
+        distance, index = min(distances, default=(np.inf, 0))
+        return self.things[index] if distance <= CAPTURE else None
+
+    def _distance(self, state: State, thing: Token) -> float:
+        """Return the distance [m] of the hand's centre to the axis of a thing's handle."""
+        centre, _ = self._pose_in(thing, state)
+        return float(np.linalg.norm(nearest_on_segment(centre, thing["handle_from"], thing["handle_to"]) - centre))
+
+    def _pose_in(self, thing: Token, state: State) -> tuple[FloatArray, FloatArray]:
+        """Return the hand's position ``(3,)`` [m] and orientation ``(4,)`` in the frame of a thing."""
+        thing_from_world = quaternion_conjugate(state[thing, "orientation"])
+        offset = state[self.hand, "position"] - state[thing, "position"]
+        orientation = quaternion_multiply(thing_from_world, state[self.hand, "orientation"])
+        return rotate(thing_from_world, offset), orientation
+
+    def _grasp_of(self, thing: Token, state: State) -> Grasp:
+        position, orientation = self._pose_in(thing, state)
+        return Grasp(thing, self._joint(thing, position, orientation), position, orientation)
+
+    def _joint(self, thing: Token, position: FloatArray, orientation: FloatArray) -> int:
+        joint: int = pybullet.createConstraint(
+            self.handles[self.hand.name],
+            -1,
+            self.handles[thing.name],
+            -1,
+            pybullet.JOINT_FIXED,
+            (0.0, 0.0, 0.0),
+            (0.0, 0.0, 0.0),
+            position.tolist(),
+            (0.0, 0.0, 0.0, 1.0),
+            orientation.tolist(),
+            physicsClientId=self.client,
+        )
+        return joint
+
+    def _has_slipped(self, grasp: Grasp, state: State) -> bool:
+        position, orientation = self._pose_in(grasp.thing, state)
+        # Of two unit quaternions the product is the cosine of half the angle between them.
+        twisted = abs(orientation @ grasp.orientation) < np.cos(TWIST / 2)
+        return bool(twisted or np.linalg.norm(position - grasp.position) > SLIP)

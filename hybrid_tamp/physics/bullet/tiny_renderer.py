@@ -1,0 +1,136 @@
+"""Pictures by PyBullet's software renderer: no display, no graphics card, the same pixels everywhere.
+
+It works in a client of its own that holds what is seen and nothing that moves by itself, so that drawing never
+disturbs a simulation.
+"""
+
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybrid_tamp.geometry.triangles import Mesh, tiles
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.physics.bullet.engine import pybullet
+from hybrid_tamp.physics.pictures.appearance import Colour, Part, parts_of
+from hybrid_tamp.physics.pictures.camera import FIELD_OF_VIEW, Camera, Spheres, framing
+
+Picture = NDArray[np.uint8]
+"""``(height, width, 3)``, red, green, blue."""
+
+_TILE = 0.25
+_TILES_ACROSS = 40
+_BORDER = 0.4
+_FLOOR: tuple[Colour, Colour] = ((0.97, 0.97, 0.97), (0.915, 0.92, 0.925))
+_LIGHT = (-0.35, -0.6, 1.0)
+_LIGHT_DISTANCE = 2.0
+_AMBIENT, _DIFFUSE, _SPECULAR = 0.6, 0.45, 0.05
+
+
+class TinyRenderer:
+    """Draws states of a task.
+
+    Args:
+        task: whose tokens are drawn.
+        seen: what the pictures must show.
+        width: of a picture [pixels].
+        height: of a picture [pixels].
+    """
+
+    def __init__(self, task: Task, seen: Spheres, width: int, height: int) -> None:
+        self._client = pybullet.connect(pybullet.DIRECT)
+        self._size = (width, height)
+        self._camera = framing(seen, width / height)
+        self._draw_floor(seen)
+        self._parts = [(part, self._draw(part.mesh, part.colour)) for part in parts_of(task)]
+        self._view, self._projection = self._matrices(self._camera)
+
+    def picture(self, state: State) -> Picture:
+        """Return the picture of a state, of shape ``(n,)``."""
+        for part, handle in self._parts:
+            self._place(part, handle, state)
+        width, height = self._size
+        seen = pybullet.getCameraImage(
+            width,
+            height,
+            self._view,
+            self._projection,
+            shadow=1,
+            renderer=pybullet.ER_TINY_RENDERER,
+            flags=pybullet.ER_NO_SEGMENTATION_MASK,
+            lightDirection=_LIGHT,
+            lightColor=(1.0, 1.0, 1.0),
+            # The shadow map is seen from the light with the camera's angle of view: from further away it holds more.
+            lightDistance=_LIGHT_DISTANCE * self._camera.distance,
+            lightAmbientCoeff=_AMBIENT,
+            lightDiffuseCoeff=_DIFFUSE,
+            lightSpecularCoeff=_SPECULAR,
+            physicsClientId=self._client,
+        )
+        pixels = np.asarray(seen[2], dtype=np.uint8).reshape(height, width, 4)
+        return np.ascontiguousarray(pixels[..., :3])
+
+    def close(self) -> None:
+        """Leave Bullet; a second time does nothing."""
+        if self._client >= 0:
+            pybullet.disconnect(self._client)
+            self._client = -1
+
+    def __enter__(self) -> "TinyRenderer":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _matrices(self, camera: Camera) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        # The renderer's light looks at the origin, so the scene is drawn with the camera's target there.
+        eye = (camera.eye - camera.target).tolist()
+        width, height = self._size
+        far = 3 * camera.distance
+        view = pybullet.computeViewMatrix(eye, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+        projection = pybullet.computeProjectionMatrixFOV(
+            np.degrees(FIELD_OF_VIEW), width / height, 0.02 * camera.distance, far
+        )
+        return view, projection
+
+    def _draw_floor(self, seen: Spheres) -> None:
+        lower, upper = (corner[:2] for corner in seen.bounds)
+        border = _BORDER + 0.2 * float(np.max(upper - lower))
+        size = _TILE
+        while np.max(upper - lower) / size > _TILES_ACROSS:
+            size *= 2
+        for mesh, colour in zip(tiles(lower - border, upper + border, size), _FLOOR, strict=True):
+            handle = self._draw(mesh, colour)
+            self._set(handle, np.zeros(3), (0.0, 0.0, 0.0, 1.0))
+
+    def _draw(self, mesh: Mesh, colour: Colour) -> int:
+        visual = pybullet.createVisualShape(
+            pybullet.GEOM_MESH,
+            vertices=mesh.vertices.tolist(),
+            normals=mesh.normals.tolist(),
+            indices=mesh.triangles.ravel().tolist(),
+            # Without texture coordinates Bullet draws nothing.
+            uvs=[[0.0, 0.0]] * len(mesh.vertices),
+            rgbaColor=(*colour, 1.0),
+            specularColor=(0.1, 0.1, 0.1),
+            physicsClientId=self._client,
+        )
+        handle: int = pybullet.createMultiBody(0.0, -1, visual, physicsClientId=self._client)
+        return handle
+
+    def _place(self, part: Part, handle: int, state: State) -> None:
+        position = state[part.token, "position"]
+        if part.flat:
+            self._set(handle, position * [1.0, 1.0, 0.0], (0.0, 0.0, 0.0, 1.0))
+        else:
+            self._set(handle, position, tuple(state[part.token, "orientation"].tolist()))
+
+    def _set(self, handle: int, position: NDArray[np.float64], orientation: tuple[float, ...]) -> None:
+        shifted = (position - self._camera.target).tolist()
+        pybullet.resetBasePositionAndOrientation(handle, shifted, orientation, physicsClientId=self._client)

@@ -1,0 +1,1 @@
+"""Pictures of a recording: camera, appearance of tokens, and whatever can draw."""

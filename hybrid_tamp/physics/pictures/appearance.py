@@ -1,0 +1,104 @@
+"""How tokens look in pictures: coloured meshes, with marks that show a rotation."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hybrid_tamp.geometry.meshes import MeshShape
+from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Solid
+from hybrid_tamp.geometry.shapes import parts_of as convex_parts
+from hybrid_tamp.geometry.triangles import Mesh, box, cylinder, disc, joined, solid
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import quaternion_from_rpy
+from hybrid_tamp.physics.pictures.camera import disc_radius
+
+Colour = tuple[float, float, float]
+"""Red, green, blue, each from 0 to 1."""
+
+HANDS: Sequence[Colour] = ((0.24, 0.44, 0.78), (0.13, 0.60, 0.72), (0.42, 0.38, 0.76), (0.30, 0.30, 0.45))
+THINGS: Sequence[Colour] = ((0.95, 0.65, 0.28), (0.88, 0.42, 0.36), (0.72, 0.50, 0.74), (0.80, 0.72, 0.38))
+PLACES: Sequence[Colour] = ((0.62, 0.85, 0.66), (0.62, 0.80, 0.88), (0.86, 0.82, 0.62))
+_RIM = 0.06
+_MARK = 0.35
+_THIN = 0.002
+_HAIRLINE = 0.2
+_SHADE = 0.7
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One coloured mesh of a token, in the token's body frame.
+
+    Attributes:
+        token: name of the token.
+        mesh: its surface.
+        colour: its colour.
+        flat: whether it lies on the floor whatever the token's height and orientation.
+    """
+
+    token: str
+    mesh: Mesh
+    colour: Colour
+    flat: bool = False
+
+
+def parts_of(task: Task) -> list[Part]:
+    """Return what is drawn of every token: hands blue, things warm, places green, each a shade of its own."""
+    found: list[Part] = []
+    counts: dict[int, int] = {}
+    for token in task.tokens:
+        shades = PLACES if token.place else HANDS if token.basic_actions else THINGS
+        count = counts.get(id(shades), 0)
+        counts[id(shades)] = count + 1
+        found += _parts(token, shades[count % len(shades)])
+    return found
+
+
+def _parts(token: Token, colour: Colour) -> list[Part]:
+    dark = _darker(colour, 0.5)
+    if token.shape is None:
+        radius = disc_radius(token)
+        # A little above the floor, and the disc above its rim, so that neither flickers with what is below.
+        rim = disc(radius).moved([0, 0, _THIN])
+        inner = disc(radius * (1 - _RIM)).moved([0, 0, 2 * _THIN])
+        green = _darker(colour, 0.6)
+        return [
+            Part(token.name, _cross(radius), green, True),
+            Part(token.name, rim, green, True),
+            Part(token.name, inner, colour, True),
+        ]
+    if isinstance(token.shape, Compound | MeshShape):
+        return _compound(token.name, token.shape, colour)
+    body = Part(token.name, solid(token.shape), colour)
+    if token.place or token.basic_actions:
+        return [body]
+    return [body, Part(token.name, _mark(token.shape), dark)]
+
+
+def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[Part]:
+    """Return convex parts in two shades by turns, which show what it is made of and how it has turned."""
+    parts = convex_parts(shape)
+    meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in parts]
+    shades = (colour, _darker(colour, _SHADE))
+    return [Part(name, mesh, shades[number % 2]) for number, mesh in enumerate(meshes)]
+
+
+def _cross(radius: float) -> Mesh:
+    """Return hairlines through a place, which show where it is even when something stands on it."""
+    arm = radius + _HAIRLINE
+    return joined(box((arm, _THIN, _THIN / 2)), box((_THIN, arm, _THIN / 2)))
+
+
+def _mark(shape: Solid) -> Mesh:
+    """Return what stands out a little from the surface, so that one sees how the thing has turned."""
+    if isinstance(shape, Cylinder):
+        return box((shape.radius * 1.006, shape.radius * 0.1, shape.length / 2 + _THIN))
+    if isinstance(shape, Box):
+        x, y, z = shape.half_extents
+        return box((x * _MARK, y * _MARK, _THIN)).moved([0, 0, z])
+    return cylinder(shape.radius * 1.004, shape.radius * 0.12)
+
+
+def _darker(colour: Colour, factor: float) -> Colour:
+    red, green, blue = (part * factor for part in colour)
+    return (red, green, blue)

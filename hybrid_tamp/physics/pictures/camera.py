@@ -1,0 +1,133 @@
+"""A camera that shows the whole of a run."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybrid_tamp.geometry.meshes import Hull
+from hybrid_tamp.geometry.shapes import Box, Cylinder, Solid, parts_of
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
+
+FIELD_OF_VIEW = np.radians(32.0)
+"""Vertical angle of view [rad]."""
+ELEVATION = np.radians(30.0)
+"""How far the camera looks down [rad]."""
+TURN = np.radians(18.0)
+"""How far the camera stands aside from looking straight across the motion, which gives depth [rad]."""
+SPARE = 1.08
+"""Room around what must be seen, as a factor on the distance."""
+_DISC = 0.05
+_ROWS = 200
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A perspective camera.
+
+    Attributes:
+        eye: where it is, world frame ``(3,)`` [m].
+        target: the point in the middle of the picture, world frame ``(3,)`` [m].
+    """
+
+    eye: FloatArray
+    target: FloatArray
+
+    @property
+    def distance(self) -> float:
+        """From eye to target [m]."""
+        return float(np.linalg.norm(self.eye - self.target))
+
+
+@dataclass(frozen=True, eq=False)
+class Spheres:
+    """What a picture must show: spheres with centres ``(n, 3)`` and radii ``(n,)``, world frame [m]."""
+
+    centres: FloatArray
+    radii: FloatArray
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper corner of the box around them, each ``(3,)``."""
+        reach = self.radii[:, None]
+        return (self.centres - reach).min(axis=0), (self.centres + reach).max(axis=0)
+
+
+def spheres_of(task: Task, recording: Recording) -> Spheres:
+    """Return bounding spheres of every token at instants spread over the run."""
+    rows = np.unique(np.linspace(0, len(recording.times) - 1, _ROWS).astype(int))
+    run = recording.trajectory
+    centres = [run[token, "position"][rows] for token in task.tokens]
+    radii = [np.full(len(rows), bounding_radius(token)) for token in task.tokens]
+    return Spheres(np.concatenate(centres), np.concatenate(radii))
+
+
+def bounding_radius(token: Token) -> float:
+    """Return the radius of the sphere about a token's origin that holds all that is drawn of it [m]."""
+    if token.shape is None:
+        return disc_radius(token)
+    return max(float(np.linalg.norm(part.position)) + _radius(part) for part in parts_of(token.shape))
+
+
+def _radius(shape: Solid | Hull) -> float:
+    if isinstance(shape, Hull):
+        return float(np.linalg.norm(shape.vertices, axis=1).max())
+    if isinstance(shape, Cylinder):
+        return float(np.hypot(shape.radius, shape.length / 2))
+    if isinstance(shape, Box):
+        return float(np.linalg.norm(shape.half_extents))
+    return shape.radius
+
+
+def disc_radius(token: Token) -> float:
+    """Return the radius with which a token without a shape is drawn on the floor [m]."""
+    radius = token.properties.get("radius", _DISC)
+    return float(radius)
+
+
+def framing(spheres: Spheres, aspect: float) -> Camera:
+    """Return the nearest camera that shows all spheres, their longest extent from left to right.
+
+    A sphere at (x, y, z) in the axes right, up and backward about the target lies right of the left edge of a picture
+    with half the angle of view h if ``D >= z + (radius - x cos h) / sin h``, D being the camera's distance; the other
+    edges alike. Each such bound is linear in D and in a shift of the target, so the best shift makes opposite bounds
+    equal.
+
+    Args:
+        spheres: what must be seen.
+        aspect: width of the picture over its height.
+    """
+    right, up, back = _axes(spheres.centres)
+    vertical = FIELD_OF_VIEW / 2
+    horizontal = np.arctan(np.tan(vertical) * aspect)
+    middle = np.mean(spheres.bounds, axis=0)
+    offset = spheres.centres - middle
+    depth = offset @ back
+    target, distances = middle.copy(), []
+    for axis, half in ((right, horizontal), (up, vertical)):
+        across = offset @ axis
+        high, low = (
+            float(np.max(depth + (spheres.radii + sign * across * np.cos(half)) / np.sin(half))) for sign in (1, -1)
+        )
+        target += axis * (high - low) / 2 * np.tan(half)
+        distances.append((high + low) / 2)
+    return Camera(target + back * max(distances) * SPARE, target)
+
+
+def _axes(points: NDArray[np.float64]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return unit vectors to the right, up and backward, chosen so that the points spread from left to right."""
+    level = points[:, :2] - points[:, :2].mean(axis=0)
+    _, spreads, directions = np.linalg.svd(level, full_matrices=False)
+    along = directions[0] if spreads[0] > 1e-9 else np.array([1.0, 0.0])
+    # Of the two opposite directions the one that keeps x to the right, or else y.
+    if (along[0], along[1]) < (-along[0], -along[1]):
+        along = -along
+    cos, sin = np.cos(TURN), np.sin(TURN)
+    right = np.array([cos * along[0] - sin * along[1], sin * along[0] + cos * along[1], 0.0])
+    away = np.cross(_UP, right)
+    back = -np.cos(ELEVATION) * away + np.sin(ELEVATION) * _UP
+    return right, np.cross(back, right), back

@@ -1,0 +1,49 @@
+"""Pictures of a recording, by whatever can draw; the drawing library is imported when it is first asked for."""
+
+from types import TracebackType
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.physics.pictures.camera import spheres_of
+from hybrid_tamp.physics.protocol import load
+
+WIDTH, HEIGHT = 640, 352
+"""Size of a picture [pixels]: about 80 ms each, so that ten seconds at 20 pictures a second take 16 s."""
+
+_RENDERER = "hybrid_tamp.physics.bullet.tiny_renderer:TinyRenderer"
+
+
+class Renderer(Protocol):
+    """Draws states of one task with one camera; a context manager that frees it."""
+
+    def picture(self, state: State) -> NDArray[np.uint8]:
+        """Return the picture of a state, ``(height, width, 3)``, red, green, blue."""
+        ...
+
+    def close(self) -> None:
+        """Free what the renderer holds."""
+        ...
+
+    def __enter__(self) -> "Renderer": ...
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None: ...
+
+
+def open_renderer(task: Task, recording: Recording, width: int = WIDTH, height: int = HEIGHT) -> Renderer:
+    """Open a renderer whose camera shows every token during the whole run, whatever backend recorded it.
+
+    Raises:
+        InputError: PyBullet is not installed.
+    """
+    renderer: Renderer = load(_RENDERER)(task, spheres_of(task, recording), width, height)
+    return renderer

@@ -1,0 +1,132 @@
+"""The backend protocol: who moves the tokens, one control period at a time; and how a backend is found by name."""
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from types import TracebackType
+from typing import Any, Protocol
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+
+GROUP = "hybrid_tamp.physics"
+"""Entry-point group in which other packages offer backends: a callable without arguments."""
+
+FLOOR = "(floor)"
+"""The floor's name in contacts; no token can be called so by accident."""
+
+ContactForce = tuple[str, str, float]
+"""Two tokens in contact, or a token and `FLOOR`, sorted, and the normal force between them [N]."""
+
+# Known without an installed distribution too, so that a source tree runs as it is.
+_BUILT_IN = {
+    "analytic": "hybrid_tamp.physics.analytic:AnalyticBackend",
+    "pybullet": "hybrid_tamp.physics.bullet.backend:BulletBackend",
+}
+
+
+class Backend(Protocol):
+    """A world that takes commands and is measured; a context manager that frees it."""
+
+    @property
+    def name(self) -> str:
+        """Name under which it is found."""
+        ...
+
+    @property
+    def timestep(self) -> float:
+        """Control period [s]."""
+        ...
+
+    def reset(self, task: Task, state: State) -> State:
+        """Build the task's scene in a state, of shape ``(n,)``, and return the state it starts in.
+
+        Resetting to a returned state starts the same run again, bit for bit.
+
+        Raises:
+            InputError: the backend cannot simulate the task.
+        """
+        ...
+
+    def assign(self, running: Sequence[BlockInstance]) -> None:
+        """Say which instances run from now on; a simulator of everything may ignore it."""
+        ...
+
+    def step(self, commands: Commands) -> State:
+        """Hold the commands for one control period and return the state measured after it.
+
+        Tokens that are not named get the command zero.
+
+        Raises:
+            CommandError: a command is unknown, of a wrong size, not finite or above its token's limit.
+        """
+        ...
+
+    def contact_forces(self) -> list[ContactForce]:
+        """Return who pressed on whom within the last period, and how hard at most."""
+        ...
+
+    def snapshot(self) -> AbstractContextManager[Callable[[], None]]:
+        """Remember the present for a while: what is entered is a function that goes back to it, bit for bit."""
+        ...
+
+    def close(self) -> None:
+        """Free what the backend holds; it cannot be used afterwards."""
+        ...
+
+    def __enter__(self) -> "Backend": ...
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None: ...
+
+
+def available_backends() -> tuple[str, ...]:
+    """Return the names that `open_backend` takes, sorted."""
+    return tuple(sorted(_offers()))
+
+
+def open_backend(name: str) -> Backend:
+    """Open the backend of that name.
+
+    Raises:
+        InputError: there is none of that name, or what it needs is not installed.
+    """
+    offers = _offers()
+    if name not in offers:
+        raise InputError([Issue("", "the name of a physics backend", repr(name), tuple(sorted(offers)))])
+    backend: Backend = load(offers[name])()
+    return backend
+
+
+def load(reference: str) -> Any:
+    """Import ``"module:attribute"``.
+
+    Raises:
+        InputError: a package that the module needs is not installed.
+    """
+    module, _, attribute = reference.partition(":")
+    try:
+        return getattr(import_module(module), attribute)
+    except ModuleNotFoundError as missing:
+        raise InputError(
+            [
+                Issue(
+                    module,
+                    f"the package {missing.name}, which is not installed",
+                    remedy=f"install {missing.name}, or choose another physics backend",
+                )
+            ]
+        ) from missing
+
+
+def _offers() -> dict[str, str]:
+    others: list[EntryPoint] = sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
+    return {entry.name: entry.value for entry in others} | _BUILT_IN

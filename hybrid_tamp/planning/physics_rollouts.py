@@ -1,0 +1,79 @@
+"""Candidates of the mid-level planner tried in physics, and judged as rollouts are."""
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hybrid_tamp.midlevel.measured import measured_rollout, merged
+from hybrid_tamp.midlevel.rollout import Chosen, Rollout
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.task import Task
+
+
+class Rehearsal:
+    """A way to roll out (`midlevel.objective.RollOut`) that runs each candidate in a physics backend.
+
+    The candidates are shared out over processes, as equal parts in their order. What all of a part have in common is
+    run once; each then goes on from a snapshot. A run from there is the same to the bit as one from the start, so
+    the result does not depend on how many processes there are.
+
+    Attributes:
+        task: the task; with its domain it travels to the processes.
+        plan: the plan whose hyperparameters are varied.
+        backend: name of the physics backend.
+        processes: processes that run at once.
+    """
+
+    def __init__(self, task: Task, plan: TaskPlan, backend: str = "pybullet", processes: int = 1) -> None:
+        self.task = task
+        self.plan = plan
+        self.backend = backend
+        self.processes = processes
+
+    def __call__(self, chosen: Chosen, count: int, until: str | None = None) -> Rollout:
+        """Run a population.
+
+        Args:
+            chosen: (instance, hyperparameter) to its values ``(n,)``; others are as the plan says, or guessed.
+            count: size n of the population.
+            until: the instance with whose end the runs end; what comes later is left out.
+
+        Raises:
+            InputError: the backend cannot simulate the task.
+        """
+        plans = [_variant(self.plan, chosen, candidate) for candidate in range(count)]
+        parts = [[plans[i] for i in part] for part in np.array_split(np.arange(count), self.processes) if len(part)]
+        if len(parts) == 1:
+            return merged(_run(self.task, plans, self.backend, until))
+        # joblib takes a while to import, and is needed here only.
+        from joblib import Parallel, delayed
+
+        work = (delayed(_run)(self.task, part, self.backend, until) for part in parts)
+        found: Iterable[list[Rollout]] = Parallel(n_jobs=len(parts), backend="loky")(work)
+        return merged([run for part in found for run in part])
+
+
+def available_processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _variant(plan: TaskPlan, chosen: Chosen, candidate: int) -> TaskPlan:
+    """Return the plan with the hyperparameters of one candidate."""
+    instances = []
+    for instance in plan.instances:
+        mine = {name: float(values[candidate]) for (owner, name), values in chosen.items() if owner == instance.name}
+        instances.append(replace(instance, hyperparameters={**instance.hyperparameters, **mine}))
+    return replace(plan, instances=tuple(instances))
+
+
+def _run(task: Task, plans: Sequence[TaskPlan], backend: str, until: str | None) -> list[Rollout]:
+    """Run plans one after the other, in a process of this machine."""
+    from hybrid_tamp.execution.loop import execute_variants
+    from hybrid_tamp.physics.protocol import open_backend
+
+    with open_backend(backend) as physics:
+        recordings = execute_variants(task, plans, physics, until)
+        return [measured_rollout(task, recording, whole=until is None) for recording in recordings]

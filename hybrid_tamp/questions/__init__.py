@@ -1,0 +1,1 @@
+"""Questions about a task: results of planning and runs go in, answers come out."""

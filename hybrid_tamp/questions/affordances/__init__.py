@@ -1,0 +1,1 @@
+"""Which object affords which block, and to whom (paper, Sec. II-E)."""

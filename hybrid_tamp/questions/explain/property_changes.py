@@ -1,0 +1,119 @@
+"""Which property of a token, changed by how much, makes a feasibility fact hold: a stronger hand, a lighter box."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from math import floor, isfinite, log10
+from typing import Any
+
+from pydantic import AfterValidator, ValidationError
+
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.questions.changes import Change, task_root, with_token
+
+_STEPS = (0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 2.0, 5.0, 10.0, 100.0, 1000.0)
+"""Steps by which a property is changed, as parts of its value, or where that is 0 in its own unit."""
+_HALVINGS = 40
+_DIGITS = 3
+
+
+def property_changes(task: Task, atom: Atom) -> Iterator[Change]:
+    """Yield the changes of one property of one token that make a feasibility fact hold, the least that do."""
+    for name in atom.arguments:
+        token = task.token_by_name.get(name)
+        for key in sorted(token.properties) if token else ():
+            assert token is not None
+            for part in _parts(token, key):
+                found = _least(task, token, key, part, atom)
+                if found is not None:
+                    yield _change(task, token, key, part, found, atom)
+
+
+def _change(task: Task, token: Token, key: str, part: int | None, changed: Token, atom: Atom) -> Change:
+    unit = _unit(token, key)
+    before, after = (f"{_value(each, key, part):.4g}" for each in (token, changed))
+    label = key if part is None else f"{key}, {'xyz'[part]}"
+    what = f"{label} of {token.name} at {after} {unit} instead of {before}".replace(" 1 instead", " instead")
+    name = key if part is None else f"{key}.{'xyz'[part]}"
+    return Change("property", (token.name, name, str(atom)), what, partial(with_token, task, changed))
+
+
+def _unit(token: Token, key: str) -> str:
+    for member in token.classes:
+        field = member.model_fields.get(key)
+        if field is not None and isinstance(field.json_schema_extra, dict):
+            return str(field.json_schema_extra.get("unit", "1"))
+    return "1"
+
+
+def _parts(token: Token, key: str) -> tuple[int | None, ...]:
+    """Return which numbers of a property may change: itself, or each of three that are free of each other."""
+    value = token[key]
+    if isinstance(value, float):
+        return (None,)
+    fields = [member.model_fields[key] for member in token.classes if key in member.model_fields]
+    bound = any(isinstance(each, AfterValidator) for field in fields for each in field.metadata)
+    is_vector = isinstance(value, tuple) and len(value) == 3 and all(isinstance(each, float) for each in value)
+    return (0, 1, 2) if is_vector and not bound else ()
+
+
+def _value(token: Token, key: str, part: int | None) -> float:
+    return float(token[key] if part is None else token[key][part])
+
+
+def _least(task: Task, token: Token, key: str, part: int | None, atom: Atom) -> Token | None:
+    """Return the token with the least change of a number that makes the fact hold, or None."""
+    value = _value(token, key, part)
+    size = abs(value) or 1.0
+    for step in _STEPS:
+        for sign in (1.0, -1.0):
+            far = value + sign * step * size
+            if _meets(task, token, key, part, far, atom) is not None:
+                return _meets(task, token, key, part, _nearest(task, token, key, part, far, atom), atom)
+    return None
+
+
+def _nearest(task: Task, token: Token, key: str, part: int | None, far: float, atom: Atom) -> float:
+    """Return a number near the least change that does, rounded away from the number that there is."""
+    near = _value(token, key, part)
+    enough = far
+    for _ in range(_HALVINGS):
+        middle = (near + enough) / 2.0
+        if _meets(task, token, key, part, middle, atom) is None:
+            near = middle
+        else:
+            enough = middle
+    unit = 10.0 ** (floor(log10(abs(enough))) + 1 - _DIGITS) if enough else 1.0
+    rounded = round(enough / unit) * unit
+    for candidate in (rounded, rounded + unit, rounded - unit):
+        tidy = float(f"{candidate:.{_DIGITS}g}")
+        if _meets(task, token, key, part, tidy, atom) is not None:
+            return tidy
+    return enough
+
+
+def _meets(task: Task, token: Token, key: str, part: int | None, value: float, atom: Atom) -> Token | None:
+    """Return the token with another number, if it may have it and the fact holds then."""
+    changed = _with(task, token, key, part, value)
+    if changed is None:
+        return None
+    values = (changed if name == token.name else task.value(name) for name in atom.arguments)
+    margin = float(task.domain.predicate_by_name[atom.predicate].evaluate(task.state, *values))
+    margin = margin if atom.positive else -margin
+    return changed if isfinite(margin) and margin >= 0 else None
+
+
+def _with(task: Task, token: Token, key: str, part: int | None, value: float) -> Token | None:
+    number: Any = value
+    if part is not None:
+        number = tuple(value if place == part else each for place, each in enumerate(token[key]))
+    own = [member for member in token.classes if member is not task_root(task)]
+    try:
+        made = Token.make(token.name, own, {**token.properties, key: number}, token.shape, token.unknown)
+    except ValidationError:
+        return None
+    if any(member.consistent(made) for member in made.classes):
+        return None
+    return replace(made, classes=token.classes)

@@ -1,0 +1,249 @@
+"""What an observer may take a stretch of a token's time for: one running of a block, judged by what is seen.
+
+A running of a block lasts at least until its exit conditions are seen to hold. From then on it holds: its tokens are
+still until they leave. What a block does not write does not move while it runs, and what it reads of its targets does
+not change before its exit conditions hold.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import cast
+
+import numpy as np
+
+from hybrid_tamp.model.affordance import BODY_STATE
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.facts import StaticFacts
+from hybrid_tamp.model.plan import TIME_TOLERANCE
+from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.questions.imitate.movement_check import unexpected_pauses
+from hybrid_tamp.questions.imitate.observation import SURE, Observation, Truth
+
+_POSE = ("position", "orientation")
+Roles = tuple[tuple[str, str], ...]
+"""(role, token or symbol) of an instance."""
+
+UNEXPLAINED_COST = 20.0
+"""What a movement that no block explains costs, in instances of blocks."""
+MISFIT_SCALE = 0.05
+"""A token that comes to rest so far from where its block would bring it costs as much as an instance [m]."""
+PAUSE_COST = 4.0
+"""What a pause costs that the block's own policy does not make."""
+_MISFIT_BOUND = (0.08, 0.25)
+"""How far off at most [m], and how much further per distance that was moved."""
+_OPEN = 0.2
+"""How long exit conditions may come and go by noise until they hold [s]."""
+_PAUSE = 0.2
+"""A token that is still for so long has come to an end of its movement [s]."""
+
+
+@dataclass(frozen=True)
+class Guess:
+    """One instance of a block as the observer sees it; of no block where a movement is not explained.
+
+    Attributes:
+        block: the block's name, or None.
+        slots: (slot, token) pairs.
+        targets: (target, token or symbol) pairs.
+        start: the row at which its tokens enter.
+        reached: the row at which its exit conditions hold first.
+        departs: the row by which its tokens have left, because one of them moves; beyond the last one if none does.
+        due: the row by which it must end; earlier than `departs` for a block without a hold.
+        cost: what it adds to the cost of an explanation.
+    """
+
+    block: str | None
+    slots: Roles
+    targets: Roles
+    start: int
+    reached: int
+    departs: int
+    due: int
+    cost: float
+
+    @property
+    def tokens(self) -> tuple[str, ...]:
+        """The tokens in its slots."""
+        return tuple(token for _, token in self.slots)
+
+    def slot_of(self, token: str) -> str:
+        """Return the slot of one of its tokens."""
+        return next(slot for slot, name in self.slots if name == token)
+
+
+class Guesser:
+    """Makes guesses of one observation, and says when they can begin and end."""
+
+    def __init__(self, task: Task, observation: Observation) -> None:
+        self.task = task
+        self.observation = observation
+        self.static = StaticFacts(task)
+        self._targets: dict[tuple[str, Roles], tuple[Roles, ...]] = {}
+        self._guesses: dict[tuple[str, Roles, Roles, int], tuple[Guess, ...]] = {}
+        self._over_symbols: dict[str, tuple[Roles, ...]] = {}
+
+    def block(self, name: str) -> Block:
+        """Return the block of that name."""
+        return self.task.domain.block_by_name[name]
+
+    def truth(self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False, sure: float = SURE) -> Truth:
+        """Return where all conditions hold; arguments as of `Observation.truth`."""
+        binding = self.task.bind(dict(roles))
+        found = np.ones(len(self.observation.times), dtype=bool)
+        for literal in literals:
+            found &= self.observation.truth(literal, binding, strict, sure)
+            if not found.any():
+                break
+        return found
+
+    def ready(self, guess: Guess, strict: bool = False) -> Truth:
+        """Return where it may end: its exit conditions hold, and it has lasted its minimum."""
+        if guess.block is None:
+            return self._from(guess.reached)
+        exits = self.block(guess.block).measured_exits
+        return self.truth(exits, guess.slots + guess.targets, strict) & self._from(guess.reached)
+
+    def may_start(self, name: str, roles: Roles, strict: bool = False) -> Truth:
+        """Return where the entry conditions hold that are measured."""
+        return self.truth(self.block(name).measured_entries, roles, strict)
+
+    def guesses(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Guess, ...]:
+        """What may begin in a row: nothing if what is seen contradicts it, several if noise leaves it open."""
+        key = (name, slots, targets, start)
+        if key not in self._guesses:
+            rows = self._reached(self.block(name), slots + targets, start)
+            made = [self._made(name, slots, targets, start, row) for row in rows]
+            self._guesses[key] = tuple(guess for guess in made if guess is not None)
+        return self._guesses[key]
+
+    def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
+        """Return the rows at which the exit conditions may hold first, with more and less allowance for noise."""
+        seen = self.observation
+        earliest = seen.times[start] + block.duration.minimum
+        if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:
+            return []
+        since = self._from(seen.row(earliest))
+        loose, exact = (np.flatnonzero(self.truth(block.measured_exits, roles, sure=s) & since) for s in (SURE, 0.0))
+        if not len(loose) or (len(exact) and exact[0] == loose[0]):
+            return [int(row) for row in loose[:1]]
+        near = loose[seen.times[loose] <= seen.times[loose[0]] + _OPEN]
+        again = near[np.flatnonzero(np.diff(near, prepend=near[0] - 2) > 1)[-1]]
+        return sorted({int(loose[0]), int(again), int(near[-1]), *map(int, exact[:1])})
+
+    def _made(self, name: str, slots: Roles, targets: Roles, start: int, reached: int) -> Guess | None:
+        block, seen = self.block(name), self.observation
+        departs = min(self._departure(block, slot, token, start, reached) for slot, token in slots)
+        if departs <= reached or self._disturbed(block, targets, start, reached):
+            return None
+        misfit = self._misfit(block, slots, targets, start, reached)
+        if misfit is None:
+            return None
+        binding = self.task.bind(dict(slots + targets))
+        halts = unexpected_pauses(block, binding, seen, start, reached)
+        if halts is None:
+            return None
+        cost = 1.0 + misfit / MISFIT_SCALE + halts * PAUSE_COST
+        return Guess(name, slots, targets, start, reached, departs, departs if block.hold else reached, cost)
+
+    def unexplained(self, token: str, start: int) -> Guess:
+        """Return the movement of a token that no block explains, until it pauses."""
+        seen, row = self.observation, start + 1
+        while row < seen.last:
+            left = seen.departure(token, row)
+            if left > seen.last or seen.times[left] - seen.times[row] >= _PAUSE:
+                break
+            row = left
+        row = min(row, seen.last)
+        due = row if start < seen.last else seen.last + 1
+        return Guess(None, (("token", token),), (), start, row, seen.departure(token, row), due, UNEXPLAINED_COST)
+
+    def targets(self, block: Block, slots: Roles) -> tuple[Roles, ...]:
+        """Return the targets with which the feasibility facts let the block run on these tokens."""
+        key = (block.name, slots)
+        if key not in self._targets:
+            self._targets[key] = tuple(self._feasible(block, slots))
+        return self._targets[key]
+
+    def _feasible(self, block: Block, slots: Roles) -> Iterator[Roles]:
+        taken = {token for _, token in slots}
+        places = [t for t in block.targets if not isinstance(t.sort, SymbolSort)]
+        choices = [[cast(Token, v).name for v in self.task.values_of(t.sort)] for t in places]
+        facts = [literal for literal in block.entry if literal.predicate.static]
+        for names in product(*choices):
+            if len({*names, *taken}) < len(names) + len(taken):
+                continue
+            chosen = tuple((target.name, name) for target, name in zip(places, names, strict=True))
+            for symbols in self._symbols(block):
+                if all(self._holds(literal, slots + chosen + symbols) for literal in facts):
+                    yield chosen + symbols
+
+    def _symbols(self, block: Block) -> tuple[Roles, ...]:
+        """Return the symbols for its targets that its facts over symbols alone allow."""
+        if block.name not in self._over_symbols:
+            sorts = {t.name: t.sort.symbols for t in block.targets if isinstance(t.sort, SymbolSort)}
+            rows = [tuple(zip(sorts, row, strict=True)) for row in product(*sorts.values())]
+            facts = [e for e in block.entry if e.predicate.static and set(e.arguments) <= set(sorts)]
+            self._over_symbols[block.name] = tuple(r for r in rows if all(self._holds(fact, r) for fact in facts))
+        return self._over_symbols[block.name]
+
+    def _holds(self, literal: Literal, roles: Roles) -> bool:
+        atom = literal.ground(self.task.bind(dict(roles)))
+        return (Atom(atom.predicate, atom.arguments) in self.static) == literal.positive
+
+    def _departure(self, block: Block, slot: str, token: str, start: int, reached: int) -> int:
+        """Return the row by which a token has left: what a block writes changes until `reached`, the rest never."""
+        written = set(block.writes.get(slot, ()))
+        rows = [self.observation.departure(token, reached if written & set(_POSE) else start)]
+        for (name, varying), changes in self._changes.items():
+            since = reached if varying in written else start
+            rows += [row for row in changes if name == token and row > since]
+        return min(rows)
+
+    @cached_property
+    def _changes(self) -> dict[tuple[str, str], tuple[int, ...]]:
+        """(token, property that is no pose or velocity) to the rows at which a predicate of the token alone changes."""
+        found: dict[tuple[str, str], tuple[int, ...]] = {}
+        bodies = {varying.name for varying in BODY_STATE}
+        for predicate, token in product(self.task.domain.predicates, self.task.assigned):
+            parameters = predicate.parameters
+            if predicate.static or predicate.maintained or len(parameters) > 1:
+                continue
+            sort, read = parameters[0].sort, set(predicate.reads.get(parameters[0].name, ())) - bodies
+            if read and not isinstance(sort, SymbolSort) and token.is_member(sort):
+                holds = self.observation.truth(predicate("token"), {"token": token})
+                rows = tuple((np.flatnonzero(np.diff(holds.astype(int))) + 1).tolist())
+                found |= {(token.name, name): (*found.get((token.name, name), ()), *rows) for name in read}
+        return found
+
+    def _disturbed(self, block: Block, targets: Roles, start: int, reached: int) -> bool:
+        """Say whether something that it reads of a target changes before its exit conditions hold."""
+        named = dict(targets)
+        return any(
+            self.observation.departure(named[target.name], start) < reached
+            for target in block.targets
+            if set(target.reads) & set(_POSE) and named[target.name] in self._assigned
+        )
+
+    def _misfit(self, block: Block, slots: Roles, targets: Roles, start: int, reached: int) -> float | None:
+        """Return how far its tokens come to rest from where the block would bring them [m]; None if too far."""
+        seen = self.observation
+        tokens = [token for _, token in slots]
+        before = seen.likely(start)
+        after = before if block.outcome is None else block.outcome(self.task.bind(dict(slots + targets)), before)
+        places = np.array([seen.place(token, reached) for token in tokens])
+        off = np.stack([np.linalg.norm(after[t, "position"] - p, axis=-1) for t, p in zip(tokens, places, strict=True)])
+        way = np.linalg.norm(places - [seen.place(token, start) for token in tokens], axis=-1)
+        if block.outcome is not None:
+            off = off[:, (off <= (_MISFIT_BOUND[0] + _MISFIT_BOUND[1] * way)[:, None]).all(axis=0)]
+        return float(off.sum(axis=0).min()) if off.size else None
+
+    def _from(self, row: int) -> Truth:
+        return np.arange(len(self.observation.times)) >= row
+
+    @cached_property
+    def _assigned(self) -> frozenset[str]:
+        return frozenset(token.name for token in self.task.assigned)

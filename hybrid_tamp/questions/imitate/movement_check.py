@@ -1,0 +1,100 @@
+"""The manner of a movement, held against the block's own policy on its own forward model, from the same start.
+
+Where there are more pauses, several blocks were at work; where the way is much longer, none of this kind was.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+
+from hybrid_tamp.model.block import CONTROL_PERIOD, Binding, Block
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.questions.imitate.observation import Observation, Truth
+
+_SLOW = 0.03
+"""Slower than this a token pauses [m/s]."""
+_SHORTEST = 0.12
+"""A pause lasts at least so long [s]."""
+_SPAN = 0.05
+"""Between how many looks at it a way is measured [s]."""
+_LONGER = (1.5, 0.1)
+"""A way is too long if it is so many times as long as expected, and so much longer [m]."""
+_LOOKS = 12
+"""After so many control periods it is looked whether a block is done."""
+_PATIENCE = 2.0
+"""So many times as long as expected a block may take in its own forward model."""
+
+
+def pauses(speeds: FloatArray, period: float, slow: float = _SLOW) -> int:
+    """Return how often tokens pause between two movements.
+
+    Args:
+        speeds: of the fastest token at a constant rate, shape ``(t,)`` [m/s].
+        period: between two rows [s].
+        slow: slower than this it pauses [m/s].
+    """
+    still: Truth = speeds < slow
+    ends = [0, *(np.flatnonzero(np.diff(still.astype(int))) + 1).tolist(), len(still)]
+    inner = [(a, b) for a, b in pairwise(ends) if still[a] and a > 0 and b < len(still)]
+    return sum((b - a) * period >= _SHORTEST for a, b in inner)
+
+
+def length(positions: FloatArray, period: float) -> float:
+    """Return the longest way that one of the tokens goes [m].
+
+    Args:
+        positions: of the tokens at a constant rate, shape ``(t, tokens, 3)`` [m].
+        period: between two rows [s].
+    """
+    stride = max(1, round(_SPAN / period))
+    corners = np.concatenate([positions[::stride], positions[-1:]])
+    return float(np.linalg.norm(np.diff(corners, axis=0), axis=-1).sum(axis=0).max())
+
+
+def unexpected_pauses(block: Block, binding: Binding, seen: Observation, start: int, reached: int) -> int | None:
+    """Return how many more pauses are seen than the block makes, or None if it does not go so long a way."""
+    moved = [str(getattr(binding[slot], "name", "")) for slot, written in block.writes.items() if "position" in written]
+    if not moved or block.policy is None:
+        return 0
+    positions = np.stack([seen.trajectory[token, "position"][start : reached + 1] for token in moved], axis=1)
+    period = float(seen.times[1] - seen.times[0])
+    velocities = np.stack([seen.trajectory[token, "velocity"][start : reached + 1] for token in moved], axis=1)
+    noise = max(float(np.linalg.norm(seen.deviation[token, "velocity"])) for token in moved)
+    found, way = pauses(_fastest(velocities), period, _SLOW + noise), length(positions, period)
+    straight = float(np.linalg.norm(positions[-1] - positions[0], axis=-1).max())
+    if not found and way <= _too_long(straight):
+        return 0
+    states = _rollout(block, binding, seen.state(start))
+    own, speeds = (np.stack([[state[t, name] for t in moved] for state in states]) for name in ("position", "velocity"))
+    if way > _too_long(length(own, CONTROL_PERIOD)):
+        return None
+    return max(0, found - pauses(_fastest(speeds), CONTROL_PERIOD))
+
+
+def _fastest(velocities: FloatArray) -> FloatArray:
+    """Return the speed of the fastest of some tokens ``(t,)`` from their velocities ``(t, tokens, 3)``."""
+    return np.asarray(np.linalg.norm(velocities, axis=-1).max(axis=-1))
+
+
+def _too_long(way: float) -> float:
+    return _LONGER[0] * way + _LONGER[1]
+
+
+def _rollout(block: Block, binding: Binding, state: State) -> list[State]:
+    """Run the block's policy on its continuous system until its exit conditions hold."""
+    assert block.policy is not None, "a block that moves tokens with basic actions has a policy"
+    chosen = block.guesses(binding, state)
+    policy = block.policy(binding, state, chosen)
+    longest = min(block.duration.maximum, _PATIENCE * block.duration.expected(binding, state, chosen))
+    states = [state]
+    while (elapsed := (len(states) - 1) * CONTROL_PERIOD) < longest:
+        if len(states) % _LOOKS == 0 and elapsed >= block.duration.minimum and _done(block, binding, states[-1]):
+            break
+        commands = policy(np.float64(elapsed), states[-1])
+        states.append(block.system(binding, states[-1], commands, CONTROL_PERIOD))
+    return states
+
+
+def _done(block: Block, binding: Binding, state: State) -> bool:
+    return all(float(literal.margin(state, binding)) >= 0 for literal in block.measured_exits)

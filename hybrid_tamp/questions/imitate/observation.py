@@ -1,0 +1,192 @@
+"""What an observer sees: the states of all tokens over time, and nothing of who meant what."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybrid_tamp.model.affordance import BODY_STATE
+from hybrid_tamp.model.predicate import Literal, Value
+from hybrid_tamp.model.state import State, StateLayout
+from hybrid_tamp.motion.arrays import FloatArray
+
+Truth = NDArray[np.bool_]
+"""Whether something holds, row by row, shape ``(t,)``."""
+
+SMOOTHING = 0.02
+"""Over how long poses and velocities are averaged [s]: much less than any block lasts."""
+ALLOWANCE = 0.25
+"""How inexact what is measured is, in scales of predicates."""
+SURE = 3.0
+"""So many standard deviations of a margin are put down to noise."""
+_MEDIAN = 0.6745
+"""Median of the absolute value of noise, in standard deviations."""
+_LEAST = 1e-4
+"""Noise of places below this is the movement itself [m]."""
+_DRAWS = 16
+"""So many states are looked at where noise leaves open which one it was."""
+STILL = (0.01, 0.04)
+"""A token whose place [m] and orientation [rad] change by no more than this rests or is held."""
+_ONSET = (0.003, 0.01)
+"""A token whose place [m] or orientation [rad] has changed by this much has begun to move."""
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """States over time, smoothed.
+
+    Attributes:
+        times: instant of each row [s], shape ``(t,)``.
+        trajectory: state of each row, batch shape ``(t,)``.
+        measured: the same before it was smoothed.
+        allowance: a condition is seen to hold from this much of its predicate's scale before it does.
+        deviation: standard deviation of the noise of everything that varies, after smoothing, a state without batch.
+    """
+
+    times: FloatArray
+    trajectory: State
+    measured: State
+    allowance: float
+    deviation: State
+    _truths: dict[object, Truth] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def of(
+        cls, times: FloatArray, trajectory: State, allowance: float = ALLOWANCE, deviation: State | None = None
+    ) -> "Observation":
+        """Smooth what was measured at a constant rate.
+
+        Args:
+            times: instants [s], shape ``(t,)``, evenly spaced.
+            trajectory: measured states, batch shape ``(t,)``.
+            allowance: how inexact they are, in scales of predicates.
+            deviation: standard deviation of the noise, a state without batch; by default it is measured.
+        """
+        period = float(times[1] - times[0]) if len(times) > 1 else 1.0
+        window = max(1, round(SMOOTHING / period)) | 1
+        return cls(
+            times,
+            State(trajectory.layout, _smoothed(trajectory.layout, trajectory.values, window)),
+            trajectory,
+            allowance,
+            deviation or State(trajectory.layout, _noise(trajectory, period) / np.sqrt(window)),
+        )
+
+    @property
+    def last(self) -> int:
+        """The last row."""
+        return len(self.times) - 1
+
+    def row(self, time: float) -> int:
+        """Return the first row at an instant [s] or after it."""
+        return min(int(np.searchsorted(self.times, time - 1e-9)), self.last)
+
+    def at(self, time: float) -> State:
+        """Return the state measured nearest to an instant [s]."""
+        return State(self.measured.layout, self.measured.values[int(np.argmin(np.abs(self.times - time)))])
+
+    def state(self, row: int) -> State:
+        """Return the state of one row."""
+        return State(self.trajectory.layout, self.trajectory.values[row])
+
+    def likely(self, row: int) -> State:
+        """Return what the state of a row may have been but for noise, batch shape ``(n,)``, likely ones first."""
+        draws = np.random.default_rng(row).standard_normal((_DRAWS, self.trajectory.layout.size))
+        draws *= np.linspace(0.0, SURE, _DRAWS)[:, None]
+        return State(self.trajectory.layout, self.trajectory.values[row] + draws * self.deviation.values)
+
+    def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE) -> Truth:
+        """Return where a condition holds as measured, row by row.
+
+        Unless `strict`, also where it about holds but for noise of so many standard deviations (`sure`).
+        """
+
+        def find() -> Truth:
+            holds = np.asarray(literal.margin(self.measured, binding) >= 0)
+            if strict:
+                return holds
+            margin = literal.margin(self.trajectory, binding)
+            noise = np.median(np.abs(literal.margin(self._shaken, binding) - margin)) / _MEDIAN
+            return np.asarray(holds | (margin >= -self.allowance * literal.predicate.scale - sure * noise))
+
+        return self._known((literal.ground(binding), strict, sure), find)
+
+    def departure(self, token: str, row: int) -> int:
+        """Return the row at which a token is no longer where it was in a row; beyond the last one if it stays."""
+        moved = np.flatnonzero(self._moved(token, row, STILL)[row:])
+        return row + int(moved[0]) if len(moved) else self.last + 1
+
+    def onset(self, token: str, row: int) -> int:
+        """Return the row at which the movement begins that takes a token away from where it was in a row."""
+        left = self.departure(token, row)
+        near = np.flatnonzero(~self._moved(token, row, _ONSET)[row:left])
+        return row + int(near[-1])
+
+    def place(self, token: str, row: int) -> FloatArray:
+        """Return where a token is in a row, ``(3,)`` [m]."""
+        return np.asarray(self.trajectory[token, "position"][row])
+
+    @cached_property
+    def _shaken(self) -> State:
+        """What was seen with as much noise once more: what becomes of a margin tells how exact that is."""
+        draws = np.random.default_rng(0).standard_normal(self.trajectory.values.shape)
+        return State(self.trajectory.layout, self.trajectory.values + draws * self.deviation.values)
+
+    def _moved(self, token: str, row: int, tolerances: tuple[float, float]) -> Truth:
+        position = self.trajectory[token, "position"]
+        moved = np.linalg.norm(position - position[row], axis=-1) > tolerances[0]
+        if (token, "orientation") in self._slices:
+            turned = self.trajectory[token, "orientation"]
+            cosine = np.minimum(1.0, np.abs(turned @ turned[row]))
+            moved = moved | (2.0 * np.arccos(cosine) > tolerances[1])
+        return np.asarray(moved)
+
+    @cached_property
+    def _slices(self) -> frozenset[tuple[str, str]]:
+        return frozenset(self.trajectory.layout.slices)
+
+    def _known(self, key: object, find: Callable[[], Truth]) -> Truth:
+        if key not in self._truths:
+            self._truths[key] = np.broadcast_to(np.asarray(find(), dtype=bool), self.times.shape)
+        return self._truths[key]
+
+
+def _noise(trajectory: State, period: float) -> FloatArray:
+    """Return the standard deviation of the noise of each column; none where places are exact."""
+    found = measured_noise(trajectory.values, period)
+    places = [found[part] for (_, name), part in trajectory.layout.slices.items() if name == "position"]
+    return found if places and max(place.max() for place in places) > _LEAST else np.zeros_like(found)
+
+
+def measured_noise(values: FloatArray, period: float) -> FloatArray:
+    """Return the standard deviation of the noise of each column of values ``(t, c)``, from their third differences.
+
+    They are taken over some hundredths of a second, in which movements are all but smooth.
+    """
+    step = max(1, round(SMOOTHING / period))
+    if len(values) <= 3 * step:
+        return np.zeros(values.shape[1:])
+    bends = values[3 * step :] - 3.0 * values[2 * step : -step] + 3.0 * values[step : -2 * step] - values[: -3 * step]
+    return np.asarray(np.median(np.abs(bends), axis=0) / (_MEDIAN * np.sqrt(20.0)))
+
+
+def _smoothed(layout: StateLayout, values: FloatArray, window: int) -> FloatArray:
+    """Average poses and velocities over a window of rows; whatever else varies may jump and stays as it is."""
+    found = values.copy()
+    averaged = {varying.name for varying in BODY_STATE}
+    kernel, half = np.ones(window) / window, window // 2
+    for (_, name), part in layout.slices.items():
+        if name not in averaged or window <= 1:
+            continue
+        column = values[:, part]
+        if name == "orientation":
+            flips = np.where(np.sum(column[1:] * column[:-1], axis=-1) < 0, -1.0, 1.0)
+            column = column * np.concatenate([[1.0], np.cumprod(flips)])[:, None]
+        padded = np.concatenate([np.repeat(column[:1], half, 0), column, np.repeat(column[-1:], half, 0)])
+        mean = np.stack([np.convolve(each, kernel, mode="valid") for each in padded.T], axis=-1)
+        if name == "orientation":
+            mean /= np.linalg.norm(mean, axis=-1, keepdims=True)
+        found[:, part] = mean
+    return np.asarray(found)

@@ -1,0 +1,224 @@
+"""A plan that was seen, carried over to another agent with the same capability classes (paper, Sec. II-E).
+
+Objects take the roles that they have in the goal. Everything else takes, by class, the roles that it can fill: of all
+such assignments of roles the first lawful one counts, those first in which things lie to each other as they lay in
+what was seen.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import islice
+
+import numpy as np
+
+from hybrid_tamp.errors import NoPlan
+from hybrid_tamp.model.affordance import TOKEN, ObjectClass
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
+from hybrid_tamp.model.predicate import ANY, Atom
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.decode import OrderedInstance
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.pddl.text import action_line
+from hybrid_tamp.symbolic.reencode import reencode
+from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+
+KIND = "not_imitable"
+_MOST = 2000
+"""So many assignments of roles are looked at."""
+_TOLD = 4
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """A plan for another agent.
+
+    Attributes:
+        plan: it, scheduled and lawful.
+        task: the task with the ground goal that it reaches; the task itself where that leaves no choice.
+        roles: token that was seen to the token that takes its role.
+    """
+
+    plan: TaskPlan
+    task: Task
+    roles: Mapping[str, str]
+
+
+def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
+    """Return the plan of a task that does as was seen.
+
+    Args:
+        shown: the demonstrator's task.
+        plan: what was seen of it; movements that no block explains are left out.
+        task: the imitator's task, with the same domain.
+
+    Raises:
+        NoPlan: it cannot be done so; the message says why.
+    """
+    if shown.domain.name != task.domain.name:
+        raise _refused(f"what was seen is of the domain {shown.domain.name}, {task.name} of {task.domain.name}")
+    seen = _acting(shown, plan)
+    wanted = _classes(shown, seen)
+    able = {token: _able(task, classes) for token, classes in wanted.items()}
+    for token, names in able.items():
+        if not names:
+            classes = ", ".join(sorted(sort.name for sort in wanted[token]))
+            raise _refused(f"no token of {task.name} is a member of {classes}, as {token} is in what was seen")
+    found = list(islice(_assignments(able, dict(_goal_roles(shown, task, able))), _MOST))
+    if not found:
+        raise _refused(f"{task.name} has too few tokens for the roles: {_counted(wanted, able)}")
+    found.sort(key=lambda roles: _unlikeness(shown, task, roles))
+    why = ""
+    for roles in found:
+        found_or_why = _carried_over(task, plan, seen, roles)
+        if isinstance(found_or_why, Transfer):
+            return found_or_why
+        why = why or found_or_why
+    raise _refused(f"the plan that was seen is not lawful for {task.name}: {why}")
+
+
+def _refused(said: str) -> NoPlan:
+    return NoPlan(f"This cannot be imitated: {said}.", proven=False, kind=KIND)
+
+
+def _acting(shown: Task, plan: TaskPlan) -> list[BlockInstance]:
+    """Return the instances of all tokens that do more than rest, the gaps of movements without purpose closed.
+
+    Raises:
+        NoPlan: a token moves without explanation while it should do something.
+    """
+    resting = shown.domain.resting
+    busy = {t for i in plan.instances if i.block != resting for t in i.slots.values()}
+    found = {i.name: i for i in plan.instances if set(i.slots.values()) & busy}
+    for token in sorted(busy):
+        last: BlockInstance | None = None
+        for instance, _ in plan.timeline(token):
+            if last is not None and not at(last.end, instance.start):
+                if {last.block, instance.block} != {resting}:
+                    gap = f"from {last.end:.2f} s to {instance.start:.2f} s"
+                    raise _refused(f"no block explains the movement of {token} {gap}, between blocks that act")
+                del found[instance.name]
+                instance = replace(last, end=instance.end)
+                found[instance.name] = instance
+            last = instance
+    return sorted(found.values(), key=lambda i: (i.start, i.end, i.name))
+
+
+def _classes(shown: Task, seen: list[BlockInstance]) -> dict[str, set[type[ObjectClass]]]:
+    """Return each token that has a role, with the classes of its roles."""
+    found: dict[str, set[type[ObjectClass]]] = {}
+    for instance in seen:
+        roles = shown.domain.block_by_name[instance.block].roles
+        for role, name in instance.roles.items():
+            sort = roles[role]
+            if name in shown.token_by_name and isinstance(sort, type) and sort is not TOKEN:
+                found.setdefault(name, set()).add(sort)
+    return found
+
+
+def _able(task: Task, classes: set[type[ObjectClass]]) -> list[str]:
+    return [token.name for token in task.tokens if all(token.is_member(sort) for sort in classes)]
+
+
+def _goal_roles(shown: Task, task: Task, able: Mapping[str, list[str]]) -> Iterator[tuple[str, str]]:
+    """Yield which token takes whose role by the goal.
+
+    Raises:
+        NoPlan: the goals are not alike.
+    """
+    taken: dict[str, str] = {}
+    left = list(task.goal)
+    for atom in shown.goal:
+        same = [(other, _alike(shown, task, atom, other, taken, able)) for other in left]
+        other, roles = next(((other, roles) for other, roles in same if roles is not None), (None, {}))
+        if other is None:
+            raise _refused(f"{atom} was the goal, and nothing like it is a goal of {task.name}")
+        left.remove(other)
+        taken |= roles or {}
+    if left:
+        raise _refused(f"{left[0]} is a goal of {task.name}, and nothing like it was a goal in what was seen")
+    yield from taken.items()
+
+
+def _alike(
+    shown: Task, task: Task, one: Atom, other: Atom, taken: Mapping[str, str], able: Mapping[str, list[str]]
+) -> dict[str, str] | None:
+    """Return the roles under which two goal atoms are one, or None."""
+    if (one.predicate, one.positive) != (other.predicate, other.positive):
+        return None
+    found: dict[str, str] = {}
+    for a, b in zip(one.arguments, other.arguments, strict=True):
+        if a in shown.token_by_name and b in task.token_by_name:
+            known = {**taken, **found}
+            if known.get(a, b) != b or (b in known.values() and known.get(a) != b) or b not in able.get(a, [b]):
+                return None
+            found[a] = b
+        elif ANY not in (a, b) and a != b:
+            return None
+    return found
+
+
+def _assignments(able: Mapping[str, list[str]], fixed: dict[str, str]) -> Iterator[dict[str, str]]:
+    """Yield every assignment of roles in which each token has one."""
+    free = [token for token in able if token not in fixed]
+    if not free:
+        yield {token: fixed[token] for token in able}
+        return
+    token = min(free, key=lambda name: len(able[name]))
+    for name in able[token]:
+        if name not in fixed.values():
+            yield from _assignments(able, {**fixed, token: name})
+
+
+def _unlikeness(shown: Task, task: Task, roles: Mapping[str, str]) -> float:
+    """Return how much differently the tokens lie to each other, as a sum over pairs of tokens [m]."""
+    before = np.array([shown.state[name, "position"] for name in roles])
+    after = np.array([task.state[name, "position"] for name in roles.values()])
+    return float(np.linalg.norm((before[:, None] - before) - (after[:, None] - after), axis=-1).sum())
+
+
+def _counted(wanted: Mapping[str, set[type[ObjectClass]]], able: Mapping[str, list[str]]) -> str:
+    said: dict[tuple[str, tuple[str, ...]], list[str]] = {}
+    for token, names in able.items():
+        classes = ", ".join(sorted(sort.name for sort in wanted[token]))
+        said.setdefault((classes, tuple(names)), []).append(token)
+    return "; ".join(f"{' and '.join(t)} of {c} by {' or '.join(n)}" for (c, n), t in said.items())
+
+
+def _carried_over(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles: Mapping[str, str]) -> Transfer | str:
+    """Return the scheduled plan, or why there is none."""
+    instants = [time for time in plan.instants if any(at(i.start, time) for i in seen)]
+    ordered = [
+        OrderedInstance(
+            instance.name,
+            instance.block,
+            {slot: roles[name] for slot, name in instance.slots.items()},
+            {target: roles.get(name, name) for target, name in instance.targets.items()},
+            _index(instants, instance.start),
+            None if at(instance.end, plan.makespan) else _index(instants, instance.end),
+        )
+        for instance in seen
+    ]
+    try:
+        scheduled = schedule(task, [*_bystanders(task, set(roles.values())), *ordered])
+    except InfeasibleScheduleError as error:
+        return str(error)
+    breaches = check_law(task, scheduled)
+    if breaches:
+        return "; ".join(map(str, breaches[:_TOLD]))
+    ground = next(each for each in task.alternatives() if not check_law(each, scheduled))
+    actions = tuple(map(action_line, reencode(compile_task(ground), scheduled)))
+    return Transfer(replace(scheduled, actions=actions), ground, roles)
+
+
+def _index(instants: list[float], time: float) -> int:
+    return next(index for index, instant in enumerate(instants) if at(instant, time))
+
+
+def _bystanders(task: Task, acting: set[str]) -> Iterator[OrderedInstance]:
+    """Yield the tokens that nothing was seen of: they stay where they start."""
+    for token in task.assigned:
+        if token.name not in acting:
+            block = task.domain.block_by_name[task.assignment.get(token.name, task.domain.resting)]
+            slots = {block.anchor: token.name}
+            yield OrderedInstance(f"{block.action}-of-{token.name}", block.name, slots, {}, 0)

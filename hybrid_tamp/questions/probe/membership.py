@@ -1,0 +1,222 @@
+"""Whether a token never seen is a member of a class: predicted from a labelled one, then tried (paper, Sec. II-B).
+
+Features of its shape rank the classes. For each class the surface of a labelled member is warped onto the new one; what
+is known of the labelled one is carried along and gives the properties. With them the token is taken for a member in
+tasks of the domain's own, which are planned and run from several starts; what was measured is the verdict.
+"""
+
+import logging
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hybrid_tamp.errors import InputError, Issue, LimitReached, NoPlan
+from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.geometry.features import resting_poses
+from hybrid_tamp.geometry.warp import Warp, warp
+from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.trial import TrialRecipe
+from hybrid_tamp.physics.protocol import Backend
+from hybrid_tamp.questions.probe.verdicts import ProbeReport, Trial, Verdict
+
+STARTS = 4
+"""From so many starts a class is tried at first: of all or none of them the interval leaves out 1/2."""
+MOST_STARTS = 16
+"""From no more starts a class is tried that stays unsure: one that succeeds in 9 of 10 is told from 1/2 by then."""
+BLOCK_SECONDS = 8.0
+"""Whatever a block may take in a task, in a trial it is given up after so long [s]."""
+MOST_SECONDS = 60.0
+"""Simulated time within which a trial must have come to its end [s]."""
+
+FindPlan = Callable[[Task], TaskPlan]
+"""Task to plan; raises NoPlan or LimitReached."""
+Tell = Callable[[float, str], None]
+"""Told the share done, 0 to 1, and what is being done."""
+
+_logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Prober:
+    """What a probe works with.
+
+    Attributes:
+        find_plan: how tasks are planned.
+        backend: where plans are run.
+        starts: from how many starts a class is tried at first.
+        most_starts: up to so many further ones are tried while the verdict is unsure. Looking at the interval after
+            each makes it less sure than it says: a token that succeeds in half of the trials gets a verdict more often.
+        most_seconds: simulated time of a trial [s].
+        deadline: when all must be done, on the monotonic clock [s].
+        tell: told how far the work is.
+    """
+
+    find_plan: FindPlan
+    backend: Backend
+    starts: int = STARTS
+    most_starts: int = MOST_STARTS
+    most_seconds: float = MOST_SECONDS
+    deadline: float = float("inf")
+    tell: Tell = lambda share, what: None
+
+    def probe(self, task: Task, name: str, classes: Sequence[str] = (), seed: int = 0) -> ProbeReport:
+        """Find out of which of its unknown classes a token is a member.
+
+        Args:
+            task: the task, whose other tokens lend hands and labelled members.
+            name: the token.
+            classes: names of the classes to try; all that the token is unknown in by default.
+            seed: of the starts.
+
+        Raises:
+            InputError: there is no such token or class, or nothing to find out.
+            LimitReached: the deadline passed.
+        """
+        token = _token(task, name)
+        wanted = _classes(task, token, classes)
+        shape = token.shape
+        assert shape is not None, "refused before"
+        ranked = sorted(wanted, key=lambda each: (-each.features(shape), each.name))
+        verdicts = []
+        for number, object_class in enumerate(ranked):
+            self.tell(number / len(ranked), f"probing {token.name} as {object_class.name}")
+            verdicts.append(self._verdict(task, token, object_class, seed))
+        return ProbeReport(task.name, name, resting_poses(shape), tuple(verdicts), seed)
+
+    def _verdict(self, task: Task, token: Token, object_class: type[ObjectClass], seed: int) -> Verdict:
+        recipe = next((each for each in task.domain.trials if each.object_class is object_class), None)
+        assert token.shape is not None
+        likelihood = object_class.features(token.shape)
+        untried = Verdict(object_class.name, likelihood)
+        if recipe is None:
+            return replace(untried, obstacle=f"the domain {task.domain.name} does not say how it is tried")
+        found = _nearest(task, token, recipe)
+        if found is None:
+            return replace(untried, obstacle="no token of the task is a member with a shape that could be carried over")
+        labelled, warped = found
+        estimate = recipe.estimate(task, token, labelled, warped.carry)
+        known = Verdict(
+            object_class.name, likelihood, labelled.name, warped.residual, estimate.properties, estimate.contacts
+        )
+        member = as_member(token, {object_class: estimate.properties})
+        task = task.replaced(domain=impatient(task.domain))
+        try:
+            plan = self.find_plan(recipe.task(task, member, None))
+        except NoPlan as error:
+            return replace(known, obstacle=str(error))
+        return self.tried(known, recipe, task, member, plan, seed)
+
+    def tried(
+        self, known: Verdict, recipe: TrialRecipe, task: Task, member: Token, plan: TaskPlan, seed: int
+    ) -> Verdict:
+        """Return what is known of a class with the trials of a member, until they are enough.
+
+        Raises:
+            LimitReached: the deadline passed.
+        """
+        for number, rng in enumerate(_draws(seed, max(self.starts, self.most_starts))):
+            if number >= self.starts and known.verdict != "unsure":
+                break
+            known = replace(known, trials=(*known.trials, self.trial(recipe, recipe.task(task, member, rng), plan)))
+        return known
+
+    def trial(self, recipe: TrialRecipe, task: Task, plan: TaskPlan) -> Trial:
+        """Run one of a recipe's tasks.
+
+        Raises:
+            LimitReached: the deadline passed.
+        """
+        try:
+            recording = execute(task, plan, self.backend, self._watch)
+        except _NeverSettles:
+            return Trial(False, f"it did not settle within {self.most_seconds:g} s of simulated time", {})
+        measured = dict(task.domain.metrics(task, recording)) if task.domain.metrics else {}
+        faults = list(_faults(recipe, recording, measured))
+        _logger.info("%s: %s", task.name, "; ".join(faults) or "succeeded")
+        return Trial(not faults, "; ".join(faults), measured)
+
+    def _watch(self, simulated: float, expected: float) -> None:
+        if simulated > self.most_seconds:
+            raise _NeverSettles
+        if time.monotonic() > self.deadline:
+            raise LimitReached("the probe was not done in time; give it more by --time-limit", limit="time")
+
+
+class _NeverSettles(Exception):
+    """A trial goes on and on."""
+
+
+def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]]) -> Token:
+    """Return the token as a member of further classes, with their properties; of others it may remain unknown."""
+    classes = (*token.classes, *learnt)
+    unknown = tuple(each for each in token.unknown if each not in classes)
+    properties = {**token.properties}
+    for more in learnt.values():
+        properties |= more
+    return Token.make(token.name, classes, properties, token.shape, unknown)
+
+
+def _token(task: Task, name: str) -> Token:
+    token = task.token_by_name.get(name)
+    if token is None:
+        raise InputError([Issue("--token", "the name of a token", repr(name), tuple(task.token_by_name))])
+    if token.shape is None:
+        raise InputError([Issue("--token", f"a token with a shape, which {name} has not")])
+    return token
+
+
+def _classes(task: Task, token: Token, names: Sequence[str]) -> tuple[type[ObjectClass], ...]:
+    known = task.domain.class_by_name
+    for name in names:
+        if name not in known:
+            raise InputError([Issue("--class", "a class of the domain", repr(name), tuple(known))])
+        if known[name] in token.classes:
+            raise InputError([Issue("--class", f"a class of which {token.name} is not known to be a member", name)])
+    if not names and not token.unknown:
+        remedy = "write unknown: [CLASS, ...] in the task file, or say --class"
+        raise InputError([Issue("--token", "a token that is unknown in some class", token.name, remedy=remedy)])
+    return tuple(known[name] for name in names) or token.unknown
+
+
+def _nearest(task: Task, token: Token, recipe: TrialRecipe) -> tuple[Token, Warp] | None:
+    """Return the labelled member whose surface comes the nearest, and its warp."""
+    found = []
+    for labelled in task.tokens:
+        if labelled.is_member(recipe.object_class) and labelled.shape is not None and labelled.name != token.name:
+            assert token.shape is not None
+            found.append((labelled, warp(labelled.shape, token.shape, recipe.align(task, token, labelled))))
+    return min(found, key=lambda each: each[1].residual, default=None)
+
+
+def impatient(domain: Domain) -> Domain:
+    """Return the domain with blocks that give up sooner: most of a probe's time would go by in trials that fail."""
+    durations = [replace(block.duration, maximum=min(block.duration.maximum, BLOCK_SECONDS)) for block in domain.blocks]
+    blocks = zip(domain.blocks, durations, strict=True)
+    return domain.with_blocks([replace(block, duration=duration) for block, duration in blocks])
+
+
+def _draws(seed: int, count: int) -> Iterator[np.random.Generator]:
+    yield from (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(count))
+
+
+def _faults(recipe: TrialRecipe, recording: Recording, measured: Mapping[str, float]) -> Iterator[str]:
+    """Yield what was wrong with a trial."""
+    if recording.failure is not None:
+        yield f"{recording.failure.instance}: {recording.failure.reason}"
+    for key, (low, high) in recipe.bounds.items():
+        values = [value for name, value in measured.items() if name.partition(".")[2] == key]
+        if not values:
+            yield f"{key} was not measured"
+        yield from (
+            f"{key} {value:.4g} is not within {low:g} to {high:g}" for value in values if not low <= value <= high
+        )
+    if recording.failure is None:
+        yield from (f"{atom.atom} does not hold" for atom in recording.goal if not atom.holds)

@@ -1,0 +1,124 @@
+"""Plan actions back to block instances: which tokens entered which instance at which reassignment.
+
+Fills are order, not time: they only say who enters when their block begins. Each `begin` is one reassignment; the
+`leave` actions after it belong to the same instant. A chain begins with its first block; the reassignments inside it
+follow before the next `begin`.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from hybrid_tamp.model.plan import BlockInstance, split_mode
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.chaining.series import Link
+from hybrid_tamp.symbolic.encoding.problem import Compilation
+from hybrid_tamp.symbolic.pddl.operators import PlannedAction
+
+
+class UndecodableError(ValueError):
+    """A sequence of actions that is no sequence of reassignments."""
+
+
+@dataclass
+class OrderedInstance:
+    """A block instance whose times are numbers of reassignments.
+
+    Attributes:
+        name: unique name.
+        block: name of the block.
+        slots: slot to token.
+        targets: target to token or symbol.
+        begin: reassignment at which it begins; 0 is the start of the plan.
+        end: reassignment at which it ends, or None if it runs to the end.
+    """
+
+    name: str
+    block: str
+    slots: dict[str, str]
+    targets: dict[str, str]
+    begin: int
+    end: int | None = None
+
+    def timed(
+        self, start: float, end: float, hyperparameters: Mapping[str, float], reached: float | None
+    ) -> BlockInstance:
+        """Return the instance with times [s] and hyperparameters."""
+        slots, targets = dict(self.slots), dict(self.targets)
+        return BlockInstance(self.name, self.block, slots, start, end, targets, dict(hyperparameters), reached)
+
+
+@dataclass
+class _Decoding:
+    task: Task
+    instances: list[OrderedInstance] = field(default_factory=list)
+    where: dict[str, OrderedInstance] = field(default_factory=dict)
+    numbers: Counter[str] = field(default_factory=Counter)
+    reassignment: int = 0
+    coming: list[tuple[Link, Mapping[str, str]]] = field(default_factory=list)
+
+    def enter(self, links: Sequence[Link], named: Mapping[str, str]) -> None:
+        """Begin what one step stands for: its first block now, the others when the reassignment is complete."""
+        self._begin(links[0], named)
+        self.coming += [(link, named) for link in links[1:]]
+
+    def go_through(self) -> None:
+        """Go through the chains that have been entered, each junction a reassignment of its own."""
+        for link, named in self.coming:
+            self.reassignment += 1
+            self._begin(link, named)
+        self.coming.clear()
+
+    def _begin(self, link: Link, named: Mapping[str, str]) -> None:
+        roles = {own: named.get(role, role) for own, role in link.roles.items()}
+        slots = {slot.name: roles[slot.name] for slot in link.block.slots}
+        self.start(link.block.name, slots, {target.name: roles[target.name] for target in link.block.targets})
+
+    def start(self, block: str, slots: dict[str, str], targets: dict[str, str]) -> None:
+        """Begin an instance at the current reassignment; its tokens leave where they were."""
+        action = split_mode(block)[0]
+        self.numbers[action] += 1
+        instance = OrderedInstance(f"{action}-{self.numbers[action]}", block, slots, targets, self.reassignment)
+        for token in slots.values():
+            before = self.where.get(token)
+            if before is not None and before.end is None:
+                before.end = self.reassignment
+            self.where[token] = instance
+        self.instances.append(instance)
+
+
+def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[OrderedInstance]:
+    """Return the instances of a plan in the order in which they begin, initial ones first.
+
+    Args:
+        compilation: the compiled task that the actions are of.
+        actions: the planner's actions, in PDDL names.
+
+    Raises:
+        UndecodableError: an action is not one of the compilation's, or a block begins with an empty slot.
+    """
+    task, chains = compilation.task, compilation.encoded.chains
+    decoding = _Decoding(task)
+    for token in task.assigned:
+        block = task.domain.block_by_name[task.assignment.get(token.name, task.domain.resting)]
+        decoding.start(block.name, {block.anchor: token.name}, {})
+    claimed: dict[tuple[str, str], dict[str, str]] = {}
+    for name, *arguments in actions:
+        meaning = compilation.encoded.meanings.get(name)
+        if meaning is None:
+            raise UndecodableError(f"there is no action {name}")
+        block = chains.domain.block_by_name[meaning.block]
+        roles = {role: compilation.user(arguments[index]) for role, index in meaning.roles.items()}
+        anchor = roles[block.anchor]
+        if meaning.kind == "fill":
+            claimed.setdefault((block.name, anchor), {})[meaning.slot] = roles[meaning.slot]
+            continue
+        slots = {block.anchor: anchor, **claimed.pop((block.name, anchor), {})}
+        if set(slots) != {slot.name for slot in block.slots}:
+            raise UndecodableError(f"{block.name} of {anchor} begins with an empty slot")
+        if meaning.kind == "begin":
+            decoding.go_through()
+            decoding.reassignment += 1
+        decoding.enter(chains.expanded(block.name), {**roles, **slots})
+    decoding.go_through()
+    return decoding.instances

@@ -1,0 +1,216 @@
+"""A task as a ground planning problem: objects, the facts read off its continuous state, the goal."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise, permutations
+
+from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.facts import StaticFacts, facts, static_facts
+from hybrid_tamp.model.predicate import Atom, Predicate
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.symbolic.encoding.encoder import EncodedDomain, encode_domain, encode_task
+from hybrid_tamp.symbolic.encoding.goals import with_one_goal
+from hybrid_tamp.symbolic.encoding.vocabulary import COUNT, NONE, locked_targets, no_value, opposite
+from hybrid_tamp.symbolic.pddl.naming import Naming, legal
+from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem
+
+
+@dataclass(frozen=True, eq=False)
+class Compilation:
+    """A task compiled, with the way back to the user's names; what takes long is done when it is asked for.
+
+    Attributes:
+        task: the task.
+        encoded: its domain, encoded.
+        tokens: names of its tokens.
+        counts: how many instances could read one token at once.
+        goal: what is wanted in the end.
+        feasible: its facts of feasibility, or those of a larger task of which it is a part.
+    """
+
+    task: Task
+    encoded: EncodedDomain
+    tokens: Naming
+    counts: int
+    goal: tuple[Fact, ...]
+    feasible: StaticFacts
+
+    def name(self, user: str) -> str:
+        """Return the PDDL name of a token or symbol."""
+        return self.tokens.pddl(user) if user in self.task.token_by_name else self.encoded.vocabulary.word(user)
+
+    def user(self, pddl: str) -> str:
+        """Return the user's name of a PDDL object."""
+        return self.tokens.user(pddl) if self.tokens.knows(pddl) else self.encoded.vocabulary.names.user(pddl)
+
+    @cached_property
+    def problem(self) -> PlanningProblem:
+        """The planning problem: for many tokens it has very many facts of feasibility."""
+        vocabulary, writer = self.encoded.vocabulary, _Writer(self.task, self.encoded, self.tokens, self.counts)
+        tokens = sorted(self.task.tokens, key=lambda token: token.name)
+        return PlanningProblem(
+            name=legal(self.task.name),
+            domain=self.encoded.planning,
+            objects=(
+                *((self.tokens.pddl(token.name), vocabulary.token_type(token)) for token in tokens),
+                *((f"n{i}", vocabulary.word(COUNT)) for i in range(1, self.counts + 1)),
+            ),
+            init=tuple(sorted({*writer.changing(), *writer.lasting(self.feasible)})),
+            goal=self.goal,
+            comments=self.tokens.changed,
+        )
+
+    @cached_property
+    def changing(self) -> frozenset[Fact]:
+        """The initial facts but those of feasibility and difference, for which ask `always`."""
+        return frozenset(_Writer(self.task, self.encoded, self.tokens, self.counts).changing())
+
+    def always(self, fact: Fact) -> bool:
+        """Say whether a fact of feasibility or difference, which nothing ever changes, holds."""
+        predicate, *names = fact
+        if predicate == "distinct":
+            return len(set(names)) > 1
+        if predicate not in self._static:
+            return False
+        known, positive = self._static[predicate]
+        return (Atom(known.name, tuple(map(self.user, names))) in self.feasible) == positive
+
+    @cached_property
+    def _static(self) -> dict[str, tuple[Predicate, bool]]:
+        """Static predicates and their opposites by their names in the planning domain."""
+        vocabulary = self.encoded.vocabulary
+        static = {vocabulary.word(p.name): (p, True) for p in self.task.domain.predicates if p.static}
+        return static | {vocabulary.word(opposite(p)): (p, False) for p in vocabulary.denied}
+
+
+def compile_task(task: Task, whole: Compilation | None = None, chains: bool = True) -> Compilation:
+    """Compile a task to STRIPS.
+
+    Args:
+        task: the task.
+        whole: the compiled task of which this one is a part, with the same tokens in the same state: it has encoded
+            the domain already, and decided facts of feasibility.
+        chains: whether blocks in series are one step.
+
+    Raises:
+        InputError: the goal denies a predicate that changes or leaves a choice, which STRIPS goals cannot.
+    """
+    task = with_one_goal(task)
+    encoded = whole.encoded if whole else encode_task(task) if chains else encode_domain(task.domain)
+    own = {name for name, _ in encoded.planning.predicates}
+    counts = _counts(task)
+    taken = encoded.vocabulary.names.all | own | {f"n{i}" for i in range(1, counts + 1)}
+    tokens = Naming((token.name for token in task.tokens), taken)
+    goal = tuple(sorted(set(_Writer(task, encoded, tokens, counts).goal())))
+    return Compilation(task, encoded, tokens, counts, goal, whole.feasible if whole else StaticFacts(task))
+
+
+def _counts(task: Task) -> int:
+    """Return how many instances could read one token at once: as many as tokens could anchor them."""
+    anchors = {
+        token
+        for block in task.domain.blocks
+        if locked_targets(task.domain, block)
+        for token in task.values_of(block.slot(block.anchor).object_class)
+    }
+    return len(anchors)
+
+
+class _Writer:
+    """Writes initial facts and goal of one task in the words of its encoded domain."""
+
+    def __init__(self, task: Task, encoded: EncodedDomain, tokens: Naming, counts: int) -> None:
+        self.task = task
+        self.vocabulary = encoded.vocabulary
+        self.used = {name for name, _ in encoded.planning.predicates}
+        self.tokens = tokens
+        self.counts = counts
+
+    def name(self, user: str) -> str:
+        return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.word(user)
+
+    def fact(self, atom: Atom) -> Fact:
+        return (self.vocabulary.word(atom.predicate), *map(self.name, atom.arguments))
+
+    def changing(self) -> Iterator[Fact]:
+        """Yield the initial facts but those of feasibility and difference, of those predicates that the domain has."""
+        changing = facts(self.task)
+        yield from map(self.fact, changing)
+        yield from self._guards()
+        yield from self._no_values(changing)
+        yield from (fact for fact in self._assignment() if fact[0] in self.used)
+
+    def lasting(self, feasible: StaticFacts) -> Iterator[Fact]:
+        """Yield the facts of feasibility and difference."""
+        static = static_facts(self.task, feasible)
+        yield from map(self.fact, static)
+        yield from self._denials(static)
+        yield from self._distinct()
+
+    def _guards(self) -> Iterator[Fact]:
+        for token in self.task.tokens:
+            for member in token.classes:
+                if member is not TOKEN:
+                    yield from self.vocabulary.guard(self.tokens.pddl(token.name), member)
+
+    def _no_values(self, changing: frozenset[Atom]) -> Iterator[Fact]:
+        """A functional predicate without a value has the value 'none'."""
+        for predicate in self.task.domain.predicates:
+            index = predicate.functional_index
+            if index is None:
+                continue
+            valued = {a.arguments[:index] + a.arguments[index + 1 :] for a in changing if a.predicate == predicate.name}
+            for others in self._tuples(predicate, skip=index):
+                if others not in valued:
+                    names = list(map(self.name, others))
+                    names.insert(index, self.vocabulary.word(no_value(predicate)))
+                    yield (self.vocabulary.word(predicate.name), *names)
+
+    def _denials(self, static: frozenset[Atom]) -> Iterator[Fact]:
+        for predicate in self.vocabulary.denied:
+            for names in self._tuples(predicate):
+                if Atom(predicate.name, names) not in static:
+                    yield (self.vocabulary.word(opposite(predicate)), *map(self.name, names))
+
+    def _tuples(self, predicate: Predicate, skip: int | None = None) -> Iterator[tuple[str, ...]]:
+        """Yield the names of every well-typed tuple of arguments, without the skipped one."""
+        tuples: list[tuple[str, ...]] = [()]
+        for index, parameter in enumerate(predicate.parameters):
+            if index != skip:
+                values = self.task.values_of(parameter.sort)
+                tuples = [(*t, v if isinstance(v, str) else v.name) for t in tuples for v in values]
+        return iter(tuples)
+
+    def _assignment(self) -> Iterator[Fact]:
+        none = self.vocabulary.word(NONE)
+        yield ("idle",)
+        for token in self.task.assigned:
+            name = self.tokens.pddl(token.name)
+            block = self.task.assignment.get(token.name, self.task.domain.resting)
+            yield (f"in-{legal(block)}", name)
+            yield from ((word, name) for word in ("settled", "unclaimed", "completed"))
+            yield ("readers", name, none)
+        steps = [none, *(f"n{i}" for i in range(1, self.counts + 1))]
+        yield from (("next", one, more) for one, more in pairwise(steps))
+
+    def _distinct(self) -> Iterator[Fact]:
+        if "distinct" in self.used:
+            names = [self.tokens.pddl(token.name) for token in self.task.tokens]
+            yield from (("distinct", one, other) for one, other in permutations(names, 2))
+
+    def goal(self) -> Iterator[Fact]:
+        """Yield the goal: the user's atoms, and that no reassignment or bounded block is left half done."""
+        yield from map(self.fact, self.task.goal)
+        yield ("idle",)
+        for token in self.task.assigned:
+            yield from self._at_ease(token)
+
+    def _at_ease(self, token: Token) -> Iterator[Fact]:
+        blocks = self.vocabulary.domain.blocks
+        anchored = [block for block in blocks if token.is_member(block.slot(block.anchor).object_class)]
+        if any(block.others for block in anchored):
+            yield ("unclaimed", self.tokens.pddl(token.name))
+        if any(not block.hold for block in anchored):
+            yield ("completed", self.tokens.pddl(token.name))

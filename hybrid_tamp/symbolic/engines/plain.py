@@ -1,0 +1,195 @@
+"""A planning problem put so plainly that engines that do not follow PDDL to the letter get it right, too.
+
+Two things are taken in more than one way.
+
+An operator that deletes ``(inside ?thing ?old)`` and adds ``(inside ?thing ?new)`` does both to one fact where
+the two regions are the same. PDDL lets the add win; some engines delete the fact, or refuse the action, even for
+two adds. So each such case gets an operator of its own, in which the two are one parameter and one effect is
+left. The first operator stays: what such an engine makes of its cases is at worst a state in which less
+holds, and as all conditions and goals are positive, a plan that leads on from less leads on from more.
+
+A condition on constants alone that nothing changes is taken for false by some. So it is left out where it is
+true, and its operator is where it is false.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction, PlanningProblem
+
+Substitution = Mapping[str, str]
+"""Variables to the variables or constants in their place."""
+
+
+@dataclass(frozen=True)
+class _Case:
+    """A case of an operator.
+
+    Attributes:
+        operator: the operator of this case alone.
+        origin: name of the operator of which it is a case.
+        arguments: what that operator's parameters are in this case: parameters of `operator` or constants.
+    """
+
+    operator: Operator
+    origin: str
+    arguments: tuple[str, ...]
+
+
+def without_impossible(source: PlanningProblem) -> PlanningProblem:
+    """Return the problem without operators that facts which never change rule out, for want of boxes, say.
+
+    With them go the predicates that no operator and no goal mentions then, their facts, and the constants that no
+    fact, goal or parameter has a place for. Engines find that out by themselves, but what they do before grounding
+    takes time for every operator, and for some of them for every object.
+    """
+    fixed = _Fixed(source)
+    domain = source.domain
+    operators = tuple(operator for operator in domain.operators if fixed.allow(operator))
+    facts = [fact for o in operators for part in (o.precondition, o.add, o.delete) for fact in part]
+    used = {fact[0] for fact in (*facts, *source.goal)}
+    init = tuple(fact for fact in source.init if fact[0] in used)
+    named = {argument for fact in (*facts, *init, *source.goal) for argument in fact[1:]}
+    parents = dict(domain.types)
+    ranged = {name for operator in operators for _, name in operator.parameters}
+    smaller = replace(
+        domain,
+        operators=operators,
+        predicates=tuple(predicate for predicate in domain.predicates if predicate[0] in used),
+        constants=tuple((c, t) for c, t in domain.constants if c in named or ranged & set(lineage(t, parents))),
+    )
+    return replace(source, domain=smaller, init=init)
+
+
+def lineage(name: str, parents: Mapping[str, str]) -> Iterator[str]:
+    """Yield a type and the types above it."""
+    yield name
+    while name in parents:
+        name = parents[name]
+        yield name
+
+
+class _Fixed:
+    """What the initial state says once and for all: the facts of predicates that no operator changes."""
+
+    def __init__(self, source: PlanningProblem) -> None:
+        domain = source.domain
+        self._constants = dict(domain.constants)
+        changing = {fact[0] for operator in domain.operators for fact in (*operator.add, *operator.delete)}
+        self._rows: dict[str, list[Fact]] = {name: [] for name, _ in domain.predicates if name not in changing}
+        for fact in source.init:
+            self._rows.get(fact[0], []).append(fact)
+
+    def settle(self, fact: Fact) -> bool:
+        """Whether the initial state says once and for all if a fact holds."""
+        return fact[0] in self._rows and all(argument in self._constants for argument in fact[1:])
+
+    def allow(self, operator: Operator) -> bool:
+        """Whether facts that never change do not rule the operator out, each taken by itself."""
+        conditions = [fact for fact in operator.precondition if fact[0] in self._rows]
+        return all(any(self._fits(fact, row) for row in self._rows[fact[0]]) for fact in conditions)
+
+    def _fits(self, fact: Fact, row: Fact) -> bool:
+        """Whether a ground fact is an instance of a fact."""
+        values = {constant: constant for constant in self._constants}
+        return all(values.setdefault(argument, value) == value for argument, value in zip(fact, row, strict=True))
+
+
+class PlainProblem:
+    """A planning problem put plainly.
+
+    Attributes:
+        problem: the problem with plain operators.
+    """
+
+    def __init__(self, source: PlanningProblem) -> None:
+        domain = source.domain
+        self._parents = dict(domain.types)
+        self._constants = dict(domain.constants)
+        self._fixed = _Fixed(source)
+        possible = [self._shortened(operator) for operator in domain.operators if self._fixed.allow(operator)]
+        self._cases = {each.name: _Case(each, each.name, tuple(dict(each.parameters))) for each in possible}
+        for case in tuple(self._cases.values()):
+            self._separate(case)
+        operators = tuple(case.operator for case in self._cases.values())
+        self.problem = replace(source, domain=replace(domain, operators=operators))
+
+    def original(self, action: PlannedAction) -> PlannedAction:
+        """Return the action of the first problem that an action of this problem is."""
+        name, *objects = action
+        case = self._cases[name]
+        values = dict(zip((parameter for parameter, _ in case.operator.parameters), objects, strict=True))
+        return (case.origin, *(values.get(argument, argument) for argument in case.arguments))
+
+    def _shortened(self, operator: Operator) -> Operator:
+        """Return a possible operator without the conditions that hold for ever."""
+        return replace(operator, precondition=tuple(f for f in operator.precondition if not self._fixed.settle(f)))
+
+    def _separate(self, whole: _Case) -> None:
+        """Take in the cases of an operator in which effects meet, and the cases of those."""
+        found = {whole.arguments}
+        unexplored = [whole]
+        while unexplored:
+            case = unexplored.pop()
+            for substitution in self._meetings(case.operator):
+                narrower = self._narrowed(case, substitution)
+                if narrower.arguments not in found and self._fixed.allow(narrower.operator):
+                    found.add(narrower.arguments)
+                    unexplored.append(narrower)
+                    shortened = self._shortened(narrower.operator)
+                    self._cases[shortened.name] = replace(narrower, operator=shortened)
+
+    def _meetings(self, operator: Operator) -> Iterator[Substitution]:
+        """Yield the substitutions that make two effects of an operator effects on one fact."""
+        types = {**self._constants, **dict(operator.parameters)}
+        for one, other in combinations(dict.fromkeys((*operator.add, *operator.delete)), 2):
+            substitution = self._unified(one, other, types) if one[0] == other[0] else None
+            if substitution is not None:
+                yield substitution
+
+    def _unified(self, one: Fact, other: Fact, types: Mapping[str, str]) -> Substitution | None:
+        """Return the substitution that makes two facts of one predicate equal, if there is one."""
+        substitution: dict[str, str] = {}
+        for pair in zip(one[1:], other[1:], strict=True):
+            first, second = (_value(argument, substitution) for argument in pair)
+            if first == second:
+                continue
+            narrow, wide = (second, first) if self._is_narrower(second, first, types) else (first, second)
+            if wide in self._constants or not self._is_within(types[narrow], types[wide]):
+                return None
+            substitution[wide] = narrow
+        return {variable: _value(variable, substitution) for variable in substitution}
+
+    def _is_narrower(self, one: str, other: str, types: Mapping[str, str]) -> bool:
+        """Whether one argument can take another's place, if either can; nothing takes a constant's."""
+        if one in self._constants or other in self._constants:
+            return one in self._constants
+        return self._is_within(types[one], types[other])
+
+    def _is_within(self, narrow: str, wide: str) -> bool:
+        """Whether a type is another or one of its descendants."""
+        return wide in lineage(narrow, self._parents)
+
+    def _narrowed(self, case: _Case, substitution: Substitution) -> _Case:
+        """Return the case in which a substitution holds, too."""
+        operator = case.operator
+        parts = (operator.precondition, operator.add, operator.delete)
+        facts = [tuple(dict.fromkeys(_put(fact, substitution) for fact in part)) for part in parts]
+        parameters = tuple(parameter for parameter in operator.parameters if parameter[0] not in substitution)
+        number = sum(other.origin == case.origin for other in self._cases.values())
+        name = f"{case.origin}-case-{number}"
+        while name in self._cases:
+            name += "x"
+        return _Case(Operator(name, parameters, *facts), case.origin, _put(case.arguments, substitution))
+
+
+def _put(arguments: tuple[str, ...], substitution: Substitution) -> tuple[str, ...]:
+    return tuple(substitution.get(argument, argument) for argument in arguments)
+
+
+def _value(argument: str, substitution: Substitution) -> str:
+    """Return what an argument is in the end."""
+    while argument in substitution:
+        argument = substitution[argument]
+    return argument

@@ -1,0 +1,192 @@
+"""What the planner's process does: a planning problem and an engine's name in, a reply out.
+
+The reply is a dictionary for JSON. Its ``status`` is one of
+
+* ``solved``, with ``actions``, which unified_planning's validator accepted;
+* ``refused``: the engine returned a plan, and the validator did not accept it;
+* ``unsolvable``: the engine proved that there is no plan; ``not_found``: it ended without one;
+* ``crashed``: the engine says that something went wrong;
+* ``limit``, with ``limit`` (time or memory): the engine itself gave up;
+* ``unknown``, with ``available``: there is no such engine;
+* ``unsupported``: the engine does not take such problems, and no compiler can change that.
+"""
+
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+from hybrid_tamp.symbolic.engines.plain import PlainProblem, without_impossible
+from hybrid_tamp.symbolic.engines.registry import ENGINES, Engine
+from hybrid_tamp.symbolic.engines.unified import unify
+from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
+
+Reply = dict[str, Any]
+
+_LOG_LINES = 15  # How much of an engine's log goes into a message.
+
+# Compilation of unified_planning to the features of a problem that it removes, in the order of use.
+_REMOVERS = {
+    "QUANTIFIERS_REMOVING": ("EXISTENTIAL_CONDITIONS", "UNIVERSAL_CONDITIONS", "FORALL_EFFECTS"),
+    "CONDITIONAL_EFFECTS_REMOVING": ("CONDITIONAL_EFFECTS",),
+    "DISJUNCTIVE_CONDITIONS_REMOVING": ("DISJUNCTIVE_CONDITIONS",),
+    "NEGATIVE_CONDITIONS_REMOVING": ("NEGATIVE_CONDITIONS",),
+}
+
+
+class Solver:
+    """Unified_planning, imported and ready, with the engines that it finds.
+
+    unified_planning imports every engine that is installed; here each is imported when it is asked for,
+    which is faster and keeps a broken engine from breaking the others.
+    """
+
+    def __init__(self) -> None:
+        with _configspace_put_off():
+            from unified_planning.engines import factory
+
+            known = factory.DEFAULT_ENGINES
+            own = [name for name, (module, _) in known.items() if module.startswith("unified_planning.")]
+            self._installable = {name: known.pop(name) for name in sorted(known.keys() - own)}
+            from unified_planning.environment import get_environment
+
+            self._factory = get_environment().factory
+
+    def reply(self, source: PlanningProblem, name: str) -> Reply:
+        """Solve a problem with an engine and return the reply."""
+        try:
+            self._load(name)
+        except LookupError as error:
+            return {"status": "unknown", "message": str(error), "available": self._available()}
+        entry = _entry(name)
+        possible = without_impossible(source)
+        plain = None if entry.faithful else PlainProblem(possible)
+        problem = unify(plain.problem if plain else possible, sparse=entry.sparse)
+        with self._factory.OneshotPlanner(name=name) as planner:
+            for attribute, value in entry.settings.items():
+                setattr(planner, attribute, value)
+            given, compiled = simplify_for(planner, problem.problem)
+            missing = sorted(given.kind.features - planner.supported_kind().features)
+            if missing and not planner.supports(given.kind):
+                return {"status": "unsupported", "message": ", ".join(missing)}
+            result = planner.solve(given)
+        if result.plan is None:
+            return _without_plan(name, result)
+        actions = problem.planned(original_plan(result.plan, compiled))
+        if plain:
+            actions = tuple(map(plain.original, actions))
+        # Engines change the problem that they are given: its explicit initial values.
+        fault = unify(source).fault(actions)
+        return {"status": "refused" if fault else "solved", "actions": actions, "message": fault}
+
+    def _load(self, name: str) -> None:
+        """Import an engine and make it known to unified_planning.
+
+        Raises:
+            LookupError: if there is no such engine, or if it is no planner.
+        """
+        if name in self._installable:
+            with _configspace_put_off():
+                self._factory.add_engine(name, *self._installable[name])
+        elif ":" in name:
+            module, _, member = name.partition(":")
+            if not hasattr(getattr(import_module(module), member, None), "is_oneshot_planner"):
+                raise LookupError(f"there is no engine {member} in {module}")
+            self._factory.add_engine(name, module, member)
+        if name not in self._factory.engines or not self._finds_plans(name):
+            raise LookupError(f"{name} is no planner that unified_planning knows")
+
+    def _finds_plans(self, name: str) -> bool:
+        return bool(self._factory.engine(name).is_oneshot_planner())
+
+    def _available(self) -> list[str]:
+        loaded = [name for name in self._factory.engines if ":" not in name and self._finds_plans(name)]
+        return list(dict.fromkeys([*ENGINES, *loaded]))
+
+
+def _entry(name: str) -> Engine:
+    """Return what is known of an engine; of others the usual is assumed."""
+    return ENGINES.get(name, Engine(""))
+
+
+def _without_plan(name: str, result: Any) -> Reply:
+    """Return the reply to a result that has no plan."""
+    status = result.status.name
+    log = "\n".join(entry.message.strip() for entry in result.log_messages or ())
+    end = f"{name} ended with {status}"
+    if status == "TIMEOUT":
+        return {"status": "limit", "limit": "time", "message": end}
+    if status == "MEMOUT" or "OutOfMemoryError" in log:
+        return {"status": "limit", "limit": "memory", "message": end}
+    if not status.startswith("UNSOLVABLE"):
+        return {"status": "crashed", "message": "\n".join([end, *log.splitlines()[-_LOG_LINES:]])}
+    if _entry(name).proves(status, log):
+        return {"status": "unsolvable"}
+    return {"status": "not_found", "message": end}
+
+
+def simplify_for(engine: Any, problem: Any) -> tuple[Any, list[Any]]:
+    """Compile away, with unified_planning's compilers, what an engine does not take.
+
+    Args:
+        engine: an engine of unified_planning, or its class.
+        problem: a problem of unified_planning.
+
+    Returns:
+        The problem to give to the engine and the compilers' results, first to last. What no compiler
+        removes is still in the problem: ask ``engine.supports(problem.kind)``.
+    """
+    from unified_planning.engines import CompilationKind
+
+    results: list[Any] = []
+    for name, removed in _REMOVERS.items():
+        unwanted = problem.kind.features - engine.supported_kind().features
+        if not engine.supports(problem.kind) and unwanted.intersection(removed):
+            kind = CompilationKind[name]
+            compiler = problem.environment.factory.Compiler(problem_kind=problem.kind, compilation_kind=kind)
+            results.append(compiler.compile(problem, kind))
+            problem = results[-1].problem
+    return problem, results
+
+
+def original_plan(plan: Any, results: Sequence[Any]) -> Any:
+    """Return the plan of the problem that `simplify_for` was given from the plan of its compiled problem."""
+    for result in reversed(results):
+        if result.plan_back_conversion is not None:
+            plan = result.plan_back_conversion(plan)
+        else:
+            plan = plan.replace_action_instances(result.map_back_action_instance)
+    return plan
+
+
+class _ConfigurationSpace:
+    """Stands for ConfigSpace's class of that name; whoever makes one gets the real thing."""
+
+    def __new__(cls, *arguments: Any, **named: Any) -> Any:
+        return import_module("ConfigSpace").ConfigurationSpace(*arguments, **named)
+
+
+@contextmanager
+def _configspace_put_off() -> Iterator[None]:
+    """Keep ConfigSpace from being imported, and with it most of SciPy: it takes longer than all the rest.
+
+    unified_planning and its engines import one name from it, for an annotation and for a method that
+    nobody calls here. Who asks for another name gets it from the real module.
+    """
+    stand_in = ModuleType("ConfigSpace")
+
+    def from_real_module(name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        sys.modules.pop("ConfigSpace", None)
+        return getattr(import_module("ConfigSpace"), name)
+
+    vars(stand_in).update(ConfigurationSpace=_ConfigurationSpace, __getattr__=from_real_module)
+    before = sys.modules.setdefault("ConfigSpace", stand_in)
+    try:
+        yield
+    finally:
+        if before is stand_in and sys.modules.get("ConfigSpace") is stand_in:
+            del sys.modules["ConfigSpace"]

@@ -1,0 +1,223 @@
+"""A planning problem as unified_planning holds it, and its plans back in our names.
+
+unified_planning is imported when a function is called, never with this module: the import is slow.
+"""
+
+from collections import ChainMap, OrderedDict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import chain, count
+from typing import Any
+
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction, PlanningProblem, Typed
+
+
+@dataclass(frozen=True)
+class UnifiedProblem:
+    """A problem of unified_planning with the way back to our names.
+
+    Attributes:
+        problem: the ``unified_planning.model.Problem``.
+        actions: our operator's name to unified_planning's action.
+        objects: our object's or constant's name to unified_planning's object.
+    """
+
+    problem: Any
+    actions: Mapping[str, Any]
+    objects: Mapping[str, Any]
+
+    def planned(self, plan: Any) -> tuple[PlannedAction, ...]:
+        """Return a plan of unified_planning as actions in our names.
+
+        Raises:
+            unified_planning.exceptions.UPException: if the plan has no sequential form.
+        """
+        from unified_planning.plans import PlanKind
+
+        if plan.kind is not PlanKind.SEQUENTIAL_PLAN:
+            plan = plan.convert_to(PlanKind.SEQUENTIAL_PLAN, self.problem)
+        operators, objects = self._own_names
+        return tuple(
+            (operators[step.action.name], *(objects[value.object().name] for value in step.actual_parameters))
+            for step in plan.actions
+        )
+
+    def fault(self, actions: Sequence[PlannedAction]) -> str:
+        """Return why unified_planning's validator refuses a plan, or an empty text if it accepts it."""
+        from unified_planning.engines.plan_validator import SequentialPlanValidator
+        from unified_planning.engines.results import ValidationResultStatus
+        from unified_planning.plans import SequentialPlan
+
+        for index, action in enumerate(actions, 1):
+            misfit = self._misfit(action)
+            if misfit:
+                return f"action {index}, ({' '.join(action)}): {misfit}"
+        plan = SequentialPlan([self._instance(action) for action in actions], self.problem.environment)
+        result = SequentialPlanValidator().validate(self.problem, plan)
+        if result.status is ValidationResultStatus.VALID:
+            return ""
+        return "; ".join(entry.message for entry in result.log_messages or ()) or result.status.name
+
+    @cached_property
+    def _own_names(self) -> tuple[dict[str, str], dict[str, str]]:
+        """Unified_planning's names of actions, and of objects, to ours."""
+        return (
+            {action.name: own for own, action in self.actions.items()},
+            {thing.name: own for own, thing in self.objects.items()},
+        )
+
+    def _misfit(self, action: PlannedAction) -> str:
+        """Return why an action is no instance of an operator, or an empty text."""
+        name, *arguments = action
+        if name not in self.actions:
+            return f"there is no operator {name!r}"
+        parameters = self.actions[name].parameters
+        if len(parameters) != len(arguments):
+            return f"the operator takes {len(parameters)} objects"
+        for parameter, argument in zip(parameters, arguments, strict=True):
+            if argument not in self.objects:
+                return f"there is no object {argument!r}"
+            if not parameter.type.is_compatible(self.objects[argument].type):
+                return f"{argument!r} is not of the type of {parameter.name!r}"
+        return ""
+
+    def _instance(self, action: PlannedAction) -> Any:
+        """Return unified_planning's instance of an action that fits."""
+        from unified_planning.plans import ActionInstance
+
+        name, *arguments = action
+        express = self.problem.environment.expression_manager.ObjectExp
+        return ActionInstance(self.actions[name], tuple(express(self.objects[each]) for each in arguments))
+
+
+def unify(source: PlanningProblem, *, sparse: bool = False) -> UnifiedProblem:
+    """Return a planning problem as unified_planning holds it, in its global environment.
+
+    A private environment would break the optimal Fast Downward engine.
+
+    Args:
+        source: the problem.
+        sparse: let the problem name as its initial values only those that are true. The others are
+            thousands of times as many, and most engines leave them out after they have asked for them.
+    """
+    from unified_planning.environment import get_environment
+
+    environment = get_environment()
+    environment.error_used_name = False
+    environment.credits_stream = None
+    return _Builder(source, environment, sparse).build()
+
+
+class _Names:
+    """Gives each item one name that no other item of any kind has and that no PDDL keyword is.
+
+    unified_planning and its PDDL writer rename what collides, each in its own way; names that never
+    collide are left alone by both, and the way back is ours. A name is kept where it can be.
+    """
+
+    def __init__(self, keywords: Iterable[str]) -> None:
+        self._taken = set(keywords)
+        self._given: dict[tuple[str, str], str] = {}
+
+    def __call__(self, own: str, kind: str) -> str:
+        """Return the name of the item of that kind, the same one each time."""
+        if (own, kind) not in self._given:
+            name = own.removeprefix("?")
+            candidates = chain([name], (f"{name}-{number}" for number in count(2)))
+            self._given[own, kind] = next(each for each in candidates if each not in self._taken)
+            self._taken.add(self._given[own, kind])
+        return self._given[own, kind]
+
+
+@cache
+def _sparse_class() -> Any:
+    """Return a class of problems of unified_planning whose initial values are those that are true."""
+    from unified_planning.model import Problem
+
+    class SparseProblem(Problem):  # type: ignore[misc]
+        @property
+        def initial_values(self) -> dict[Any, Any]:
+            return dict(self.explicit_initial_values)
+
+    return SparseProblem
+
+
+class _Builder:
+    """Builds unified_planning's problem from ours."""
+
+    def __init__(self, source: PlanningProblem, environment: Any, sparse: bool) -> None:
+        from unified_planning.io import pddl_writer
+        from unified_planning.model import Problem
+
+        self._source = source
+        self._environment = environment
+        keywords = pddl_writer.PDDL3_KEYWORDS | pddl_writer.PDDL_PLUS_KEYWORDS
+        self._names = _Names({"object", "total-cost", *keywords})
+        self._parents = dict(source.domain.types)
+        self._problem = (_sparse_class() if sparse else Problem)(source.name, environment)
+        self._objects: dict[str, Any] = {}
+        self._actions: dict[str, Any] = {}
+        self._fluents: dict[str, Any] = {}
+
+    def build(self) -> UnifiedProblem:
+        """Return the problem; parts that others refer to come first."""
+        from unified_planning.model import Fluent, Object
+
+        domain = self._source.domain
+        for name, kind in (*domain.constants, *self._source.objects):
+            self._objects[name] = Object(self._names(name, "object"), self._type(kind), self._environment)
+            self._problem.add_object(self._objects[name])
+        for name, parameters in domain.predicates:
+            signature = self._signature(parameters)
+            fluent = Fluent(self._names(name, "predicate"), None, signature, self._environment)
+            self._fluents[name] = self._problem.add_fluent(fluent, default_initial_value=False)
+        for operator in domain.operators:
+            self._actions[operator.name] = self._action(operator)
+            self._problem.add_action(self._actions[operator.name])
+        for fact in self._source.init:
+            self._problem.set_initial_value(self._expression(fact), True)
+        for fact in self._source.goal:
+            self._problem.add_goal(self._expression(fact))
+        return UnifiedProblem(self._problem, self._actions, self._objects)
+
+    def _type(self, name: str) -> Any:
+        """Return the user type; the root is left out, unless something is of no narrower type."""
+        parent = self._parents.get(name)
+        topmost = parent is None or (parent == "object" and not self._root_is_used)
+        make = self._environment.type_manager.UserType
+        return make(self._names(name, "type"), None if topmost else self._type(str(parent)))
+
+    @cached_property
+    def _root_is_used(self) -> bool:
+        """Whether any object or parameter is of the root type itself."""
+        domain = self._source.domain
+        signatures = [domain.constants, self._source.objects, *(parameters for _, parameters in domain.predicates)]
+        signatures += [operator.parameters for operator in domain.operators]
+        return any(kind == "object" for signature in signatures for _, kind in signature)
+
+    def _signature(self, parameters: Iterable[Typed]) -> OrderedDict[str, Any]:
+        """Return the parameters' names, different from every object's, to their types."""
+        return OrderedDict((self._names(name, "parameter"), self._type(kind)) for name, kind in parameters)
+
+    def _action(self, operator: Operator) -> Any:
+        """Return one action; effects delete before they add, and what is added back is not deleted."""
+        from unified_planning.model import InstantaneousAction
+
+        signature = self._signature(operator.parameters)
+        action = InstantaneousAction(self._names(operator.name, "operator"), signature, self._environment)
+        variables = dict(zip((name for name, _ in operator.parameters), action.parameters, strict=True))
+        for fact in dict.fromkeys(operator.precondition):
+            action.add_precondition(self._expression(fact, variables))
+        for fact in dict.fromkeys(operator.delete):
+            if fact not in operator.add:
+                action.add_effect(self._expression(fact, variables), False)
+        for fact in dict.fromkeys(operator.add):
+            action.add_effect(self._expression(fact, variables), True)
+        return action
+
+    def _expression(self, fact: Fact, variables: Mapping[str, Any] | None = None) -> Any:
+        """Return a fact over variables, constants and objects as an expression."""
+        predicate, *arguments = fact
+        things = ChainMap(dict(variables or {}), self._objects)
+        return self._fluents[predicate](*(things[argument] for argument in arguments))

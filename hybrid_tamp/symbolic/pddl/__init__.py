@@ -1,0 +1,1 @@
+"""PDDL: operators and problems as values, legal names, text."""

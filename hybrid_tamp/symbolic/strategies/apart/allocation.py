@@ -1,0 +1,136 @@
+"""Who helps whom: tokens are given to groups of goals such that each gets what its plan needs, from close by.
+
+Where there are too few tokens for all groups at once, they serve in waves.
+"""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from hybrid_tamp.model.facts import StaticFacts
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.symbolic.strategies.apart.groups import Group, Helpers, Signature
+from hybrid_tamp.symbolic.strategies.apart.matching import cheapest_matching
+
+_NEAR = 6
+"""At least so many of the closest helpers are looked at for each group; the others only where these do not do."""
+_CHOICES = 8
+"""So many choices of kinds are tried for each group and number of helpers."""
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What a group needs: for each of its helpers what must be known of it, in the order of the plan's roles."""
+
+    group: Group
+    kinds: tuple[Signature, ...]
+
+
+@dataclass(frozen=True)
+class Share:
+    """A group with its helpers, in the order of the plan's roles.
+
+    Attributes:
+        group: the group.
+        helpers: the tokens.
+        returning: whether a later wave needs one of them again.
+    """
+
+    group: Group
+    helpers: tuple[str, ...]
+    returning: bool = False
+
+
+class Allocation:
+    """Gives the helpers of a task to its groups."""
+
+    def __init__(self, task: Task, groups: Sequence[Group], holding: Collection[Atom], feasible: StaticFacts) -> None:
+        self._views: Mapping[Group, Helpers] = {group: Helpers(task, group, holding, feasible) for group in groups}
+
+    def considered(self, group: Group, count: int) -> tuple[str, ...]:
+        """Return the helpers from which so many are chosen for a group, the closest first."""
+        return tuple(self._views[group].closest[: _near(count)])
+
+    def choices(self, group: Group, count: int) -> Iterator[tuple[str, ...]]:
+        """Yield helpers that a group could have, the closest first, of different kinds each time."""
+        view = self._views[group]
+        kinds: dict[Signature, list[str]] = {}
+        for name in self.considered(group, count):
+            kinds.setdefault(view.signature(name), []).append(name)
+        useful = [kind for kind in kinds if not any(map(kind.less_than, kinds))]
+        found: list[tuple[float, tuple[str, ...]]] = []
+        for chosen in combinations_with_replacement(sorted(useful), count):
+            wanted = {kind: chosen.count(kind) for kind in chosen}
+            if all(number <= len(kinds[kind]) for kind, number in wanted.items()):
+                names = tuple(name for kind, number in wanted.items() for name in kinds[kind][:number])
+                found.append((sum(map(view.distance, names)), names))
+        yield from (names for _, names in sorted(found)[:_CHOICES])
+
+    def demand(self, group: Group, helpers: Sequence[str]) -> Demand:
+        """Return the demand that these helpers meet."""
+        return Demand(group, tuple(map(self._views[group].signature, helpers)))
+
+    def shares(self, demands: Sequence[Demand]) -> list[list[Share]] | None:
+        """Return waves of shares, no token twice in one wave, or None if there is no way to meet a demand."""
+        waves: list[list[Share]] = []
+        left = list(demands)
+        while left:
+            wave, left = self._wave(left)
+            if not wave:
+                return None
+            waves.append(wave)
+        return _with_returns(waves)
+
+    def _wave(self, demands: Sequence[Demand]) -> tuple[list[Share], list[Demand]]:
+        """Return the shares of as many of the demands as can be met at once, and the other demands."""
+        names = self._views[demands[0].group].closest
+        at_once = min(len(demands), len(names) // max(1, len(demands[0].kinds)))
+        shares: list[Share] = []
+        for near in (True, False):
+            shares = self._matched([(demand, self._costs(demand, names, near)) for demand in demands], names)
+            if len(shares) >= at_once:
+                break
+        met = {share.group for share in shares}
+        return shares, [demand for demand in demands if demand.group not in met]
+
+    @staticmethod
+    def _matched(demands: Sequence[tuple[Demand, FloatArray]], names: Sequence[str]) -> list[Share]:
+        """Return the shares of as many of the demands, with their costs, as can be met, in their order."""
+        met: list[tuple[Demand, FloatArray]] = []
+        columns: list[int] = []
+        for each in demands:
+            matched = cheapest_matching(np.concatenate([costs for _, costs in [*met, each]]))
+            if matched is not None:
+                met, columns = [*met, each], matched
+            if len(columns) + len(each[0].kinds) > len(names):
+                break
+        chosen = iter(columns)
+        return [Share(demand.group, tuple(names[next(chosen)] for _ in demand.kinds)) for demand, _ in met]
+
+    def _costs(self, demand: Demand, names: Sequence[str], near: bool) -> FloatArray:
+        """Return the distances ``(kinds, names)`` [m] of the helpers, infinite for one of another kind, or not near."""
+        view, costs = self._views[demand.group], np.full((len(demand.kinds), len(names)), np.inf)
+        looked_at = self.considered(demand.group, len(demand.kinds)) if near else view.closest
+        for name in looked_at:
+            for row, kind in enumerate(demand.kinds):
+                if view.signature(name) == kind:
+                    costs[row, names.index(name)] = view.distance(name)
+        return costs
+
+
+def _near(count: int) -> int:
+    return max(_NEAR, 2 * count)
+
+
+def _with_returns(waves: list[list[Share]]) -> list[list[Share]]:
+    """Mark the shares whose helpers a later wave needs."""
+    marked: list[list[Share]] = []
+    needed: set[str] = set()
+    for wave in reversed(waves):
+        marked.insert(0, [Share(s.group, s.helpers, returning=bool(needed & set(s.helpers))) for s in wave])
+        needed.update(name for share in wave for name in share.helpers)
+    return marked

@@ -1,0 +1,172 @@
+"""Goals that can be planned apart: groups of goal atoms, the tokens that may help with them, and their own tasks.
+
+Two goal atoms belong together if a token other than a place is named in both. What helps is any token with basic
+actions that no goal names: a hand, say. A group's own task has its own tokens, some helpers, and places.
+"""
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from hybrid_tamp.model.facts import StaticFacts, static_facts
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
+
+
+@dataclass(frozen=True, order=True)
+class Signature:
+    """What the planner can know of a helper, in words that are the same for equal groups.
+
+    Attributes:
+        classes: names of its classes.
+        block: the block in which it starts.
+        facts: its facts, those with the group's tokens included: predicate and arguments.
+    """
+
+    classes: tuple[str, ...]
+    block: str
+    facts: tuple[tuple[str, tuple[str, ...]], ...]
+
+    def less_than(self, other: "Signature") -> bool:
+        """Say whether the other one has the same and more to offer."""
+        alike = (self.classes, self.block) == (other.classes, other.block)
+        return alike and set(self.facts) < set(other.facts)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Goal atoms that share tokens.
+
+    Attributes:
+        goal: the atoms.
+        tokens: the tokens that they name but for places, in the order of the atoms.
+        places: the places that they name.
+    """
+
+    goal: tuple[Atom, ...]
+    tokens: tuple[str, ...]
+    places: tuple[str, ...]
+
+
+def goal_groups(task: Task, holding: Collection[Atom]) -> list[Group]:
+    """Return the groups of goal atoms of which some do not hold yet.
+
+    Args:
+        task: the task.
+        holding: the atoms that hold in the beginning.
+    """
+    sets: list[tuple[set[str], list[Atom]]] = []
+    for atom in task.goal:
+        names = {name for name in atom.arguments if name in task.token_by_name and not task.token_by_name[name].place}
+        touched = [each for each in sets if each[0] & names]
+        sets = [each for each in sets if each not in touched]
+        atoms = [other for _, others in touched for other in others]
+        sets.append((names.union(*(each[0] for each in touched)), [*atoms, atom]))
+    order = {atom: index for index, atom in enumerate(task.goal)}
+    found = [_group(task, sorted(atoms, key=order.__getitem__)) for _, atoms in sets]
+    unmet = [group for group in found if not all(atom in holding for atom in group.goal)]
+    return sorted(unmet, key=lambda group: order[group.goal[0]])
+
+
+def _group(task: Task, atoms: list[Atom]) -> Group:
+    names = dict.fromkeys(name for atom in atoms for name in atom.arguments if name in task.token_by_name)
+    places = tuple(name for name in names if task.token_by_name[name].place)
+    return Group(tuple(atoms), tuple(name for name in names if name not in places), places)
+
+
+def goal_tokens(task: Task) -> set[str]:
+    """Return the names of the tokens that the goal names, places included."""
+    return {name for atom in task.goal for name in atom.arguments if name in task.token_by_name}
+
+
+def helpers(task: Task) -> list[Token]:
+    """Return the tokens with basic actions that no goal atom names."""
+    named = goal_tokens(task)
+    return [token for token in task.assigned if token.basic_actions and token.name not in named]
+
+
+def least_helpers(task: Task, group: Group, holding: Collection[Atom]) -> int:
+    """Return how many helpers a group needs at least: some block must bring each atom about, with all slots full."""
+    needed = [
+        min(
+            (
+                len(block.slots)
+                for block in task.domain.blocks
+                for e in block.exit
+                if e.predicate.name == atom.predicate
+            ),
+            default=1,
+        )
+        for atom in group.goal
+        if atom not in holding
+    ]
+    return max(1, max(needed, default=0) - len(group.tokens))
+
+
+def most_helpers(task: Task) -> int:
+    """Return how many helpers are of use for one group at once: those of a block, and those that take over."""
+    return max(1, 2 * max(len(block.slots) - 1 for block in task.domain.blocks))
+
+
+def own_task(task: Task, group: Group, chosen: Iterable[str], places: Collection[str]) -> Task:
+    """Return the task of a group with the chosen helpers and places, and nothing else."""
+    return task.part({*group.tokens, *chosen, *places}, goal=group.goal)
+
+
+class Helpers:
+    """The helpers as one group sees them: how close they are, and what can be known of them."""
+
+    def __init__(self, task: Task, group: Group, holding: Collection[Atom], feasible: StaticFacts) -> None:
+        """Look at the helpers of a task.
+
+        Args:
+            task: the task.
+            group: the group.
+            holding: the atoms that hold in the beginning.
+            feasible: the facts of feasibility.
+        """
+        self._task = task
+        self._group = group
+        self._holding = holding
+        self._feasible = feasible
+        self._signatures: dict[str, Signature] = {}
+
+    @cached_property
+    def closest(self) -> list[str]:
+        """The names of the helpers, the closest to the group's tokens first."""
+        return sorted((token.name for token in helpers(self._task)), key=lambda name: (self.distance(name), name))
+
+    def distance(self, name: str) -> float:
+        """Return how far [m] a helper is from the closest of the group's tokens; 0 for what has no position."""
+        here = self._position(name)
+        there = [place for place in map(self._position, self._group.tokens) if place is not None]
+        if here is None or not there:
+            return 0.0
+        return min(float(np.linalg.norm(here - place)) for place in there)
+
+    def _position(self, name: str) -> FloatArray | None:
+        key = (name, "position")
+        return self._task.state[key] if key in self._task.state.layout.slices else None
+
+    def signature(self, name: str) -> Signature:
+        """Return what can be known of a helper: its classes, its block, and its facts with the group's tokens."""
+        if name not in self._signatures:
+            self._signatures[name] = self._made(self._task.token_by_name[name])
+        return self._signatures[name]
+
+    def _made(self, helper: Token) -> Signature:
+        own = own_task(self._task, self._group, (helper.name,), self._group.places)
+        labels = {name: f"#{i}" for i, name in enumerate((*self._group.tokens, *self._group.places))}
+        labels[helper.name] = "#helper"
+        others = self._task.token_by_name.keys() - labels.keys()
+        known = [
+            (atom.predicate, tuple(labels.get(name, name) for name in atom.arguments))
+            for atom in (*static_facts(own, self._feasible), *self._holding)
+            if helper.name in atom.arguments and others.isdisjoint(atom.arguments)
+        ]
+        block = self._task.assignment.get(helper.name, self._task.domain.resting)
+        return Signature(tuple(c.name for c in helper.classes), block, tuple(sorted(known)))

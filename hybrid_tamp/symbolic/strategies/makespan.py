@@ -1,0 +1,139 @@
+"""Shorter in time: list scheduling that rebinds interchangeable tokens.
+
+A sequential planner has no reason to spread work over hands. An *episode* of a token is what it does from leaving
+RESTING until it rests again; a token that equals another in classes, properties and shape, and that no goal atom
+names, can take over an episode of the other. Episodes are rebound one by one, in their order, to a token that gives
+an earlier end, and tokens change places as a whole, until nothing improves or the time is up. Every candidate is
+applied action by action, so that what depends on where a token is (its workspace, say) is respected.
+"""
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.symbolic.decode import UndecodableError, decode
+from hybrid_tamp.symbolic.encoding.application import applicable
+from hybrid_tamp.symbolic.encoding.problem import Compilation
+from hybrid_tamp.symbolic.estimates import Estimates
+from hybrid_tamp.symbolic.pddl.operators import PlannedAction
+from hybrid_tamp.symbolic.pddl.text import action_line
+from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+
+__all__ = ["applicable", "interchangeable", "shortened"]
+
+Use = tuple[int, int]
+"""Action and parameter at which a token is named."""
+
+
+@dataclass
+class Episode:
+    """What one token does between two rests: where the actions name it."""
+
+    token: str
+    uses: list[Use]
+
+
+def interchangeable(task: Task) -> list[list[str]]:
+    """Return groups of two or more tokens that nothing but their place tells apart."""
+    named = {argument for atom in task.goal for argument in atom.arguments}
+    groups: dict[tuple[object, ...], list[str]] = {}
+    for token in task.assigned:
+        if token.name not in named:
+            groups.setdefault(_kind(token), []).append(token.name)
+    return [group for group in groups.values() if len(group) > 1]
+
+
+def _kind(token: Token) -> tuple[object, ...]:
+    return (tuple(c.name for c in token.classes), tuple(sorted(token.properties.items())), token.shape)
+
+
+def shortened(
+    compilation: Compilation,
+    plan: TaskPlan,
+    actions: Sequence[PlannedAction],
+    seconds: float,
+    estimates: Estimates | None = None,
+) -> TaskPlan:
+    """Return the plan, or one with rebound tokens that ends earlier.
+
+    Args:
+        compilation: the compiled task.
+        plan: the plan as it is scheduled.
+        actions: its actions.
+        seconds: how long to try [s].
+        estimates: those of the task, where others have made some already.
+    """
+    until = time.monotonic() + seconds
+    estimates = estimates or Estimates(compilation.task)
+    best, chosen = plan, list(actions)
+    improved = True
+    while improved:
+        improved = False
+        for candidate in _neighbours(compilation, chosen):
+            if time.monotonic() > until:
+                return best
+            shorter = _scheduled(compilation, candidate, estimates)
+            if shorter is not None and shorter.makespan < best.makespan - 1e-6:
+                best, chosen, improved = shorter, candidate, True
+                break
+    return best
+
+
+def _neighbours(compilation: Compilation, actions: Sequence[PlannedAction]) -> Iterator[list[PlannedAction]]:
+    """Yield the actions with one episode given to another token, and with two tokens in each other's place."""
+    for episode in _episodes(compilation, actions):
+        yield from _rebound(compilation, actions, episode)
+    for group in interchangeable(compilation.task):
+        for one, other in combinations(map(compilation.name, group), 2):
+            swap = {one: other, other: one}
+            yield [(name, *(swap.get(argument, argument) for argument in rest)) for name, *rest in actions]
+
+
+def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> list[Episode]:
+    """Return the episodes of interchangeable tokens, in the order in which they begin."""
+    names = {compilation.name(name) for group in interchangeable(compilation.task) for name in group}
+    resting = compilation.task.domain.resting
+    current: dict[str, Episode] = {}
+    found: list[Episode] = []
+    for index, (operator, *arguments) in enumerate(actions):
+        meaning = compilation.encoded.meanings[operator]
+        for place, name in enumerate(arguments):
+            if name not in names:
+                continue
+            if name not in current:
+                current[name] = Episode(name, [])
+                found.append(current[name])
+            current[name].uses.append((index, place))
+        if meaning.block == resting:
+            current.pop(arguments[meaning.roles[meaning.slot]], None)
+    return found
+
+
+def _rebound(
+    compilation: Compilation, actions: Sequence[PlannedAction], episode: Episode
+) -> Iterator[list[PlannedAction]]:
+    """Yield the actions with one episode given to each other token of its group."""
+    for group in interchangeable(compilation.task):
+        others = [compilation.name(name) for name in group]
+        if episode.token not in others:
+            continue
+        for other in others:
+            if other != episode.token:
+                changed = [list(action) for action in actions]
+                for row, place in episode.uses:
+                    changed[row][place + 1] = other
+                yield [tuple(action) for action in changed]
+
+
+def _scheduled(compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates) -> TaskPlan | None:
+    """Return the schedule of actions that can be applied one after the other and reach the goal, else None."""
+    if not applicable(compilation, actions):
+        return None
+    try:
+        return schedule(compilation.task, decode(compilation, actions), tuple(map(action_line, actions)), estimates)
+    except (UndecodableError, InfeasibleScheduleError):
+        return None  # this candidate is none; the plan as it was still stands

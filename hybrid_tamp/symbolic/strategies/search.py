@@ -1,0 +1,149 @@
+"""One search for a plan: what is asked of the planner, what is judged, and how long everything takes."""
+
+import logging
+import time
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol
+
+from hybrid_tamp.errors import LimitReached
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.task import Limits, Task
+from hybrid_tamp.symbolic.decode import UndecodableError, decode
+from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
+from hybrid_tamp.symbolic.estimates import Estimates
+from hybrid_tamp.symbolic.pddl.operators import PlannedAction, PlanningProblem
+from hybrid_tamp.symbolic.pddl.text import action_line
+from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+
+_LOG = logging.getLogger(__name__)
+
+
+class Planner(Protocol):
+    """Whatever answers a planning problem; `symbolic.planner.PlannerProcess` does."""
+
+    def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
+        """Return the engine's answer."""
+        ...
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A lawful plan.
+
+    Attributes:
+        way: how it was found.
+        plan: the plan.
+        proven: whether no plan has a shorter makespan.
+    """
+
+    way: str
+    plan: TaskPlan
+    proven: bool = False
+
+    @property
+    def actions(self) -> tuple[PlannedAction, ...]:
+        """The actions of the plan, of the whole task."""
+        return tuple(tuple(line.strip("()").split()) for line in self.plan.actions)
+
+
+class Search:
+    """The search for a plan of one task.
+
+    Attributes:
+        task: the task.
+        planner: a running planner process.
+        stages: seconds that each stage has taken so far.
+        refusals: why plans were refused.
+    """
+
+    def __init__(self, task: Task, planner: Planner) -> None:
+        self.task = task
+        self.planner = planner
+        self.stages: defaultdict[str, float] = defaultdict(float)
+        self.refusals: list[str] = []
+        self._began = self._counted = time.monotonic()
+        self._open: list[str] = []
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the search began [s]."""
+        return time.monotonic() - self._began
+
+    @cached_property
+    def compilation(self) -> Compilation:
+        """The whole task, compiled; parts of it are planned in the same words."""
+        with self.stage("compiling"):
+            return compile_task(self.task)
+
+    @cached_property
+    def estimates(self) -> Estimates:
+        """The estimates of the whole task's instances."""
+        return Estimates(self.task)
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Count the time that is spent inside, but for that of stages within it."""
+        self._count()
+        self._open.append(name)
+        try:
+            yield
+        finally:
+            self._count()
+            self._open.pop()
+
+    def _count(self) -> None:
+        now = time.monotonic()
+        if self._open:
+            self.stages[self._open[-1]] += now - self._counted
+        self._counted = now
+
+    def ask(self, problem: PlanningProblem, seconds: float = float("inf")) -> PlannerAnswer:
+        """Have the task's engine solve a problem, within what is left of the task's time and the given time [s].
+
+        Raises:
+            InputError: the engine is not installed or not known.
+            LimitReached: the engine ran into the time or memory limit.
+        """
+        limits = self.task.limits
+        left = limits.time - self.elapsed
+        try:
+            if left <= 0:
+                raise LimitReached("no time is left", limit="time")
+            with self.stage("planner"):
+                return self.planner.solve(problem, self.task.planner, replace(limits, time=min(left, seconds)))
+        except LimitReached as reached:
+            if reached.limit != "time" or self.elapsed < limits.time:
+                raise
+            # It was told what was left of the limit; people know the limit.
+            message = f"the planner reached its time limit of {limits.time:g} s"
+            raise LimitReached(message, limit="time") from reached
+
+    def candidate(self, way: str, actions: Sequence[PlannedAction]) -> Candidate | None:
+        """Return the actions of the whole task as a lawful plan, or None, and note why it is refused."""
+        compilation = self.compilation
+        try:
+            with self.stage("scheduling"):
+                instances = decode(compilation, actions)
+                plan = schedule(self.task, instances, tuple(map(action_line, actions)), self.estimates)
+        except (UndecodableError, InfeasibleScheduleError) as error:
+            self._refuse(way, str(error))
+            return None
+        return self.judged(Candidate(way, plan))
+
+    def judged(self, candidate: Candidate) -> Candidate | None:
+        """Return a candidate that obeys the law, or None, and note why it is refused."""
+        with self.stage("law"):
+            violations = check_law(self.task, candidate.plan)
+        if violations:
+            self._refuse(candidate.way, "; ".join(map(str, violations)))
+        return None if violations else candidate
+
+    def _refuse(self, way: str, reason: str) -> None:
+        _LOG.warning("the plan of %s (%s) was refused: %s", self.task.planner, way, reason)
+        self.refusals.append(reason)

@@ -1,0 +1,170 @@
+"""Parser events to plain data, with a stack of our own so that no depth of nesting exhausts Python's."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from ruamel.yaml.events import (
+    AliasEvent,
+    CollectionEndEvent,
+    CollectionStartEvent,
+    DocumentStartEvent,
+    Event,
+    MappingStartEvent,
+    NodeEvent,
+    ScalarEvent,
+)
+
+from hybrid_tamp.taskfile.places import Faults, KeyPath, Mark, cut, shown
+from hybrid_tamp.taskfile.yaml.scalars import Unresolvable, check_tag, resolve
+
+MAX_DEPTH = 50
+"""Deepest nesting of lists and mappings."""
+MAX_NODES = 50_000
+"""Most keys, values, lists and mappings of a file: about a thousand tokens, and some seconds of parsing."""
+
+
+def mark_of_event(event: Event) -> Mark:
+    """Return where an event begins."""
+    return Mark(event.start_mark.line + 1, event.start_mark.column + 1)
+
+
+@dataclass
+class _Frame:
+    """A list or mapping that is being filled; `key` is the key whose value comes next, or None."""
+
+    container: dict[str, Any] | list[Any]
+    path: KeyPath
+    key: str | None = None
+
+
+class Builder:
+    """Takes events one by one.
+
+    Attributes:
+        roots: the document's data; empty if there is none.
+        faults: the places of all parts, and the faults that leave the rest readable.
+    """
+
+    def __init__(self, source: str) -> None:
+        self.faults = Faults(source)
+        self.roots: list[Any] = []
+        self._frames = [_Frame(self.roots, ())]
+        self._nodes = 0
+
+    def take(self, event: Event) -> bool:
+        """Take one event and return whether to go on.
+
+        Raises:
+            InputError: the document is too deep or has too many parts.
+        """
+        if isinstance(event, DocumentStartEvent):
+            return self._take_document(event)
+        if isinstance(event, CollectionEndEvent):
+            self._frames.pop()
+        elif isinstance(event, NodeEvent):
+            self._check_bounds(event)
+            frame = self._frames[-1]
+            if isinstance(frame.container, dict) and frame.key is None:
+                self._take_key(event, frame, frame.container)
+            else:
+                self._take_value(event, frame)
+        return True
+
+    def _take_document(self, event: DocumentStartEvent) -> bool:
+        if event.version not in (None, (1, 2)):
+            came = f"YAML {'.'.join(map(str, event.version))}"
+            self.faults.add(Mark(), "a task file is YAML 1.2", came, remedy="remove the line that begins with %YAML")
+        if self.roots:
+            self.faults.add(
+                mark_of_event(event), "a task file is one document", "a second one", remedy="split the file"
+            )
+        return not self.roots
+
+    def _check_bounds(self, event: NodeEvent) -> None:
+        self._nodes += 1
+        mark = mark_of_event(event)
+        if self._nodes > MAX_NODES:
+            self.faults.add(mark, f"a task file has at most {MAX_NODES} keys and values", "more")
+            self.faults.raise_all()
+        if isinstance(event, CollectionStartEvent) and len(self._frames) > MAX_DEPTH:
+            self.faults.add(mark, f"lists and mappings nest at most {MAX_DEPTH} deep", "deeper nesting")
+            self.faults.raise_all()
+
+    def _take_key(self, event: NodeEvent, frame: _Frame, container: dict[str, Any]) -> None:
+        """Read a key; of what is no text, note the fault and go on with a text in its stead."""
+        mark = mark_of_event(event)
+        frame.key = self._key(event, frame, mark)
+        path = (*frame.path, frame.key)
+        if frame.key in container:
+            kind = "a second token of the name" if frame.path == ("tokens",) else "a second key"
+            came = f"{kind} {shown(frame.key)}, first on line {self.faults.keys[path].line}"
+            self.faults.add(mark, "a key may stand only once", came, remedy="rename or remove one")
+        self.faults.keys.setdefault(path, mark)
+        if isinstance(event, CollectionStartEvent):
+            self._frames.append(_Frame(_empty(event), path))
+
+    def _key(self, event: NodeEvent, frame: _Frame, mark: Mark) -> str:
+        if isinstance(event, ScalarEvent):
+            try:
+                value = resolve(event)
+            except Unresolvable as error:
+                self.faults.add(mark, error.wanted, error.came, remedy=error.remedy)
+            else:
+                if isinstance(value, str):
+                    return value
+                remedy = f'write "{cut(event.value)}" in quotes' if event.value else "write a key before the ':'"
+                self.faults.add(mark, "a key must be text", cut(event.value) or "nothing", remedy=remedy)
+                return str(event.value)
+        else:
+            came = cut(f"*{event.anchor}") if isinstance(event, AliasEvent) else "a list or mapping"
+            self.faults.add(mark, "a key must be text", came, remedy="write the key out")
+        # No text of a file can be equal to it: the place makes it unique.
+        stand_in = f"? {mark.line}:{mark.column}"
+        self.faults.unreadable((*frame.path, stand_in))
+        return stand_in
+
+    def _take_value(self, event: NodeEvent, frame: _Frame) -> None:
+        mark = mark_of_event(event)
+        path = self._next_path(frame)
+        if isinstance(event, ScalarEvent) and not event.value and not event.style and path in self.faults.keys:
+            # An empty value has no place of its own: the parser gives it that of whatever comes next.
+            mark = self.faults.keys[path]
+        value = self._value(event, path, mark)
+        self.faults.values.setdefault(path, mark)
+        self.faults.spans.setdefault(path, (event.start_mark.index, event.end_mark.index))
+        if isinstance(frame.container, dict):
+            # Of two equal keys the first one stays.
+            frame.container.setdefault(str(frame.key), value)
+            frame.key = None
+        else:
+            frame.container.append(value)
+        if isinstance(event, CollectionStartEvent):
+            self._frames.append(_Frame(value, path))
+
+    def _next_path(self, frame: _Frame) -> KeyPath:
+        if len(self._frames) == 1:
+            return ()
+        return (*frame.path, len(frame.container) if frame.key is None else frame.key)
+
+    def _value(self, event: NodeEvent, path: KeyPath, mark: Mark) -> Any:
+        """Return a scalar's value, or an empty list or mapping for what comes next to fill."""
+        try:
+            if isinstance(event, ScalarEvent):
+                value = resolve(event)
+                if value is not None and not isinstance(value, str):
+                    self.faults.written.setdefault(path, event.value)
+                return value
+            if isinstance(event, CollectionStartEvent):
+                check_tag(event)
+            else:
+                raise Unresolvable("a task file has no aliases", cut(f"*{event.anchor}"), "write the value out")
+        except Unresolvable as error:
+            self.faults.add(mark, error.wanted, error.came, remedy=error.remedy)
+            self.faults.unreadable(path)
+        return _empty(event)
+
+
+def _empty(event: NodeEvent) -> Any:
+    if isinstance(event, CollectionStartEvent):
+        return {} if isinstance(event, MappingStartEvent) else []
+    return None

@@ -1,0 +1,134 @@
+"""A file to plain data and the place of every part: YAML 1.2, core schema, bounded, nothing ever constructed."""
+
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.taskfile.places import Faults, Mark, mark_of, shown
+from hybrid_tamp.taskfile.yaml.builder import Builder, mark_of_event
+from hybrid_tamp.taskfile.yaml.syntax import add_syntax_fault
+
+MAX_BYTES = 1024 * 1024
+"""Largest task file that is read [bytes]."""
+MAX_RUN = 10_000
+"""Longest run without blanks and quotes [characters]: on some, the parser's time grows with the square of it."""
+_ENDLESS = re.compile(rf"[^\s\"']{{{MAX_RUN + 1}}}")
+
+_TASK_FILE = "a task file is a mapping with the keys domain, tokens and goal"
+
+
+@dataclass(frozen=True)
+class Document:
+    """One YAML document as plain data.
+
+    Attributes:
+        data: the root mapping; in it mappings with text keys, lists, texts, numbers, truth values and None.
+        faults: the place of every part, and the faults found while reading.
+    """
+
+    data: dict[str, Any]
+    faults: Faults
+
+
+def read_text(path: Path, what: str = "a task file", most: int = MAX_BYTES) -> str:
+    """Read a file of bounded size as UTF-8.
+
+    Args:
+        path: the file.
+        what: what messages call it.
+        most: its largest size [bytes].
+
+    Raises:
+        InputError: it is missing, a folder, too large, not to be read, or not UTF-8.
+    """
+    try:
+        if path.is_dir():
+            raise InputError([Issue(str(path), what, "a folder", remedy="name a file in it")])
+        with open(path, "rb", opener=_open_at_once) as file:
+            raw = file.read(most + 1)
+            size = max(os.fstat(file.fileno()).st_size, len(raw))
+    except FileNotFoundError as error:
+        raise InputError([Issue(str(path), what, "no file of this name")]) from error
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise InputError([Issue(str(path), "a file that can be read", reason)]) from error
+    check_size(size, str(path), what, most)
+    return decode(raw, str(path), what)
+
+
+def _open_at_once(name: str, flags: int) -> int:
+    """Open a file; a pipe that nobody writes to reads as an empty file instead of waiting for ever."""
+    descriptor = os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
+    os.set_blocking(descriptor, True)
+    return descriptor
+
+
+def check_size(size: int, source: str, what: str = "a task file", most: int = MAX_BYTES) -> None:
+    """Refuse a text of too many bytes, before anything reads it.
+
+    Raises:
+        InputError: there are more than `most`.
+    """
+    if size > most:
+        wanted = f"{what} has at most {most} bytes ({most // 1024**2} MiB)"
+        raise InputError([Issue(f"{source}:1:1", wanted, f"{size} bytes")])
+
+
+def decode(raw: bytes, source: str, what: str = "a task file") -> str:
+    """Decode UTF-8, with or without a byte order mark.
+
+    Raises:
+        InputError: a byte is not UTF-8, with its line and column.
+    """
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        # The codec counts from behind a byte order mark.
+        before = error.object[: error.start].decode("utf-8")
+        mark = mark_of(before, len(before))
+        where, came = f"{source}:{mark.line}:{mark.column}", f"the byte 0x{error.object[error.start]:02x}"
+        raise InputError([Issue(where, f"{what} must be UTF-8", came, remedy="save the file as UTF-8")]) from error
+
+
+def parse(text: str, source: str, wanted: str = _TASK_FILE) -> Document:
+    """Build plain data from YAML text.
+
+    Args:
+        text: the whole file.
+        source: its name as messages show it.
+        wanted: what is said of a text that is no mapping.
+
+    Returns:
+        The data, with the faults that leave the rest readable, e.g. duplicate keys.
+
+    Raises:
+        InputError: the text is empty, not YAML, no mapping, too deep or has too many parts.
+    """
+    builder, last = Builder(source), Mark()
+    if run := _ENDLESS.search(text):
+        limit = f"words have at most {MAX_RUN} characters"
+        builder.faults.add(mark_of(text, run.start()), limit, "a longer one", remedy="put blanks in between")
+        builder.faults.raise_all()
+    try:
+        for event in YAML(typ="safe", pure=True).parse(text):
+            last = mark_of_event(event)
+            if not builder.take(event):
+                break
+    # Malformed escapes and directives leave the parser as Python's own exceptions.
+    except (YAMLError, ValueError, OverflowError, IndexError, TypeError, AttributeError) as error:
+        add_syntax_fault(builder.faults, text, error, last)
+        builder.faults.raise_all()
+    root = builder.roots[0] if builder.roots else None
+    if not isinstance(root, dict):
+        if root is None and builder.faults.sound(()):
+            builder.faults.add(Mark(), wanted, "an empty file")
+        else:
+            builder.faults.at((), wanted, shown(root))
+        builder.faults.raise_all()
+    return Document(root, builder.faults)

@@ -1,0 +1,65 @@
+"""Why each token is in the plan: a chain that ends in the goal, each link of which the plan bears out."""
+
+import pytest
+from bank import problem
+from workshop import at, cut, workshop_task
+
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.questions.explain.causal_links import GOAL, Cause, causes, chain
+from hybrid_tamp.verbs import pipeline
+
+
+def planned(task: Task) -> TaskPlan:
+    return pipeline.plan(task).required()
+
+
+@pytest.fixture(scope="module")
+def robots() -> tuple[Task, TaskPlan]:
+    task = problem("tumble_two_robots")
+    return task, planned(task)
+
+
+def test_every_link_is_in_the_plan_and_leads_to_the_goal(robots: tuple[Task, TaskPlan]) -> None:
+    task, plan = robots
+    instances = {instance.name: instance for instance in plan.instances}
+    links = chain(task, plan)
+    assert {link.needed_by for link in links} >= {GOAL}
+    for link in links:
+        instance = instances[link.instance]
+        bound = task.bind(instance.roles)
+        block = task.domain.block_by_name[instance.block]
+        assert link.atom in {str(literal.ground(bound)) for literal in block.exit}
+        if link.needed_by == GOAL:
+            assert link.atom in map(str, task.goal)
+        else:
+            later = instances[link.needed_by]
+            entry = task.domain.block_by_name[later.block].entry
+            assert link.atom in {str(literal.ground(task.bind(later.roles))) for literal in entry}
+            assert instance.start < later.start
+            assert any(other.instance == link.needed_by for other in links)
+
+
+def test_both_robots_and_the_box_are_needed(robots: tuple[Task, TaskPlan]) -> None:
+    found = {cause.token: cause for cause in causes(*robots)}
+    assert all(cause.used for cause in found.values())
+    assert found["hand-a"].why.endswith("which brings about posture(box, flat right) for the goal")
+    assert found["hand-a"].why.startswith("slot first of TIPPING-")
+
+
+def test_why_others_are_not_needed() -> None:
+    task = workshop_task((cut(),), hands=(50.0, 50.0), parts=((60.0, 3.0), (60.0, 3.0)))
+    found: dict[str, Cause] = {cause.token: cause for cause in causes(task, planned(task))}
+    unused = {name for name, cause in found.items() if not cause.used}
+    assert len(unused & {"hand 0", "hand 1"}) == 1
+    (hand,) = unused & {"hand 0", "hand 1"}
+    (other,) = {"hand 0", "hand 1"} - unused
+    assert found[hand].why == f"it is not needed: hand of CUTTING-1 is {other}, and one is enough"
+    assert found["station 0"].why == "no block that the goal needs has a slot or target for a token of its classes"
+    assert "part 1" in unused
+
+
+def test_what_holds_at_the_beginning() -> None:
+    task = workshop_task((at(),))
+    done = task.replaced(goal=())
+    assert not any(cause.used for cause in causes(done, planned(task)))

@@ -1,0 +1,97 @@
+"""What a group affords that no member does, and what is said of a load that is too heavy: each sentence is true."""
+
+import pytest
+from bank import problem
+
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.questions.affordances.perspectives import agent, environment, team
+from hybrid_tamp.questions.changes import with_copy
+from hybrid_tamp.questions.explain.explanation import Reason, explain
+from hybrid_tamp.verbs import pipeline
+
+FOUR = {"LIFTING:four", "HOLDING:four", "LOWERING:four"}
+TWO = {"LIFTING:two", "HOLDING:two", "LOWERING:two"}
+
+
+def crate(mass: float, hands: str = "two") -> Task:
+    """Return the crate of a mass for two hands or for four."""
+    name = "lift_heavy_two_hands" if hands == "two" else "lift_four_hands"
+    return problem(name, ("mass: 24", f"mass: {mass}"))
+
+
+def reasons(task: Task) -> dict[str, Reason]:
+    return {f"{reason.block} {reason.kind}": reason for reason in explain(task)}
+
+
+def test_two_robots_lift_what_neither_can() -> None:
+    task = crate(24, "four")
+    assert {each.block for each in environment(task)} == TWO | FOUR
+    assert agent(task, "A") == agent(task, "B") == []
+    found = team(task)
+    assert {each.block for each in found} == FOUR
+    assert {(each.agents, each.thing) for each in found} == {(("A", "B"), "crate")}
+    hands = {"first": "a-left", "second": "b-left", "third": "a-right", "fourth": "b-right"}
+    assert all(each.witness == {**hands, "object": "crate"} for each in found)
+
+
+def test_a_light_crate_each_robot_lifts_alone() -> None:
+    for name in ("A", "B"):
+        assert {each.block for each in agent(crate(12, "four"), name)} == TWO
+    assert {each.block for each in team(crate(12, "four"))} == FOUR
+
+
+def test_a_weak_robot_is_of_no_help() -> None:
+    weak = problem("lift_four_hands", ("maximal_force: 300", "maximal_force: 150"))
+    assert team(weak) == []
+
+
+def test_too_heavy_for_two_and_two_more_would_do() -> None:
+    found = reasons(crate(24))
+    assert set(found) == {"LIFTING:two not_feasible", "LIFTING:four too_few_tokens"}
+    heavy, few = found["LIFTING:two not_feasible"], found["LIFTING:four too_few_tokens"]
+    assert heavy.atom == "bears(right-hand, crate, two hands)"
+    assert heavy.margin == pytest.approx(-40.42, abs=0.01)
+    assert "it takes 117.7 N from each of 2, 235.4 N together" in heavy.message
+    assert "there is 77.3 N (left-hand), 77.3 N (right-hand), 154.6 N together" in heavy.message
+    assert heavy.message.endswith("pooled, 4 like right-hand would bear it, 2 in each place")
+    assert few.message.endswith("needs 4 of class STATIC END-EFFECTOR, the task has 2; 2 more would do")
+
+
+def test_one_more_hand_is_not_suggested_and_would_not_do_but_two_do() -> None:
+    task = crate(24)
+    outcome = pipeline.plan(task, suggesting=60.0)
+    assert outcome.document.status == "unsolvable"
+    assert outcome.document.explanation is not None
+    said = outcome.document.explanation.suggestions
+    assert said
+    assert not any("hand" in each.what for each in said)
+    left, right = task.token_by_name["left-hand"], task.token_by_name["right-hand"]
+    one = with_copy(task, left, task.state[left, "position"] + [0.0, 0.3, 0.0])
+    assert pipeline.plan(one, suggesting=0.0).document.status == "unsolvable"
+    two = with_copy(one, right, task.state[right, "position"] + [0.0, 0.3, 0.0])
+    assert pipeline.plan(two).document.status == "solved"
+
+
+def test_too_heavy_for_four_and_more_hands_would_not_do() -> None:
+    found = reasons(crate(40))
+    few, heavy = found["LIFTING:four too_few_tokens"], found["LIFTING:four not_feasible"]
+    assert few.message.endswith("the task has 2; 2 more like these would not do")
+    assert "it takes 98.1 N from each of 4" in heavy.message
+    assert heavy.message.endswith("but no block of joint_lifting takes more than 4 at once")
+    assert "no block of joint_lifting takes more than 4 at once" in found["LIFTING:two not_feasible"].message
+    four = reasons(crate(40, "four"))
+    assert set(four) == {"LIFTING:two not_feasible", "LIFTING:four not_feasible"}
+    assert "309.2 N together" in four["LIFTING:four not_feasible"].message
+
+
+def test_hands_on_one_side_are_told_which_place_is_missing() -> None:
+    found = reasons(problem("lift_four_hands", ("[0.5, 0.3, 0.4]", "[-0.5, 0.6, 0.4]")))
+    assert found["LIFTING:four not_feasible"].atom == "on_side(a-right, crate, right back)"
+
+
+def test_a_narrow_crate_has_no_room_for_two_hands_side_by_side() -> None:
+    found = explain(problem("lift_four_hands", ("[0.2, 0.25, 0.15]", "[0.2, 0.08, 0.15]")))
+    narrow = [reason for reason in found if reason.block == "LIFTING:four"]
+    assert narrow
+    assert all("has no room at the place" in reason.message for reason in narrow)
+    assert [reason.margin for reason in narrow] == pytest.approx([0.08 - 0.02 - 0.07] * len(narrow))

@@ -1,0 +1,137 @@
+"""Whether hands can tip a box is decided before search, and the explanation says what is missing, in numbers."""
+
+from pathlib import Path
+
+import pytest
+from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import strength_needed
+
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.questions.explain.explanation import Reason, explain
+from hybrid_tamp.taskfile.loader import load_task_text
+from hybrid_tamp.verbs import pipeline
+
+PROBLEMS = Path(__file__).parents[2] / "problems"
+ALONG_Y = "rpy: [1.5707963267948966, 0, 0]"
+FORCE = "maximal_force: 300"
+
+
+def task(name: str, *edits: tuple[str, str], once: bool = False) -> Task:
+    text = (PROBLEMS / f"{name}.yaml").read_text(encoding="utf-8")
+    for old, new in edits:
+        assert old in text
+        text = text.replace(old, new, 1) if once else text.replace(old, new)
+    return load_task_text(text, name)
+
+
+def only(reasons: list[Reason]) -> Reason:
+    (reason,) = reasons
+    return reason
+
+
+@pytest.mark.parametrize(
+    "name", ["tumble_two_hands", "tumble_left", "tumble_twice", "tumble_four_hands", "tumble_two_boxes_four_hands"]
+)
+def test_what_can_be_done_has_no_reason(name: str) -> None:
+    assert explain(task(name)) == []
+
+
+def test_one_hand_too_few() -> None:
+    reason = only(explain(task("tumble_one_hand")))
+    assert (reason.kind, reason.block) == ("too_few_tokens", "TIPPING:lower")
+    assert "slot second of TIPPING:lower can be filled by no token" in reason.message
+    assert "needs 2 of class STATIC END-EFFECTOR, the task has 1; 1 more would do" in reason.message
+
+
+@pytest.mark.parametrize("name", ["tumble_two_hands", "tumble_four_hands"])
+def test_too_heavy_for_two_and_no_block_takes_more(name: str) -> None:
+    heavy = task(name, ("mass: 14", "mass: 40"))
+    reason = only(explain(heavy))
+    hand, box = heavy.token_by_name["hand-2"], heavy.token_by_name["box"]
+    needed = strength_needed(heavy.state, hand, box)
+    assert reason.atom == "strong_enough(hand-2, box)"
+    assert reason.unit == "N"
+    assert reason.margin == pytest.approx(300.0 - needed)
+    assert f"it takes {needed:.4g} N from each of 2, {2 * needed:.4g} N together" in reason.message
+    assert "300 N (hand-1), 300 N (hand-2), 600 N together" in reason.message
+    assert "box is too heavy for hand-2" in reason.message
+    assert ("the best 2 of 4 have" in reason.message) == (name == "tumble_four_hands")
+    assert "pooled, 4 like hand-2 would bear it, 2 in each place" in reason.message
+    assert "no block of rolling_tumbling takes more than 2 at once" in reason.message
+
+
+def test_one_strong_hand_does_not_make_up_for_a_weak_one() -> None:
+    reason = only(explain(task("tumble_two_hands", (FORCE, "maximal_force: 60"), once=True)))
+    assert reason.atom == "strong_enough(hand-1, box)"
+    assert "2 at once must meet it, and only hand-2 does" in reason.message
+    assert "together" not in reason.message
+
+
+def test_the_strongest_two_of_four_count() -> None:
+    weak = (FORCE, "maximal_force: 60")
+    assert explain(task("tumble_four_hands", weak, weak, once=True)) == []
+    reason = only(explain(task("tumble_four_hands", weak, weak, weak, once=True)))
+    assert "2 at once must meet it, and only hand-4 does" in reason.message
+
+
+def test_strong_enough_but_too_far() -> None:
+    reason = only(explain(task("tumble_two_hands", ("[0, 0, 0.18]", "[2.5, 0, 0.18]"))))
+    assert reason.atom == "within_reach(hand-2, box)"
+    assert reason.margin == pytest.approx(-0.697)
+    assert "(within_reach fails by 0.697 m)" in reason.message
+    assert "box is too far for hand-2, whose workspace does not reach" in reason.message
+
+
+def test_no_hand_on_the_other_side() -> None:
+    reason = only(explain(task("tumble_two_hands", ("[0.5, 0, 0.55]", "[-0.9, 0, 0.55]"))))
+    assert reason.block == "REACHING:beside"
+    assert reason.atom.startswith("on_side(hand-")
+    assert reason.atom.endswith("right, flat bottom)")
+
+
+def test_hands_that_stand_upright() -> None:
+    reason = only(explain(task("tumble_two_hands", (ALONG_Y, "rpy: [0, 0, 0]"))))
+    assert reason.block == "REACHING:beside"
+    assert reason.atom.startswith("aligned(")
+
+
+def test_a_weak_hand_and_a_far_one_are_each_said() -> None:
+    weak, low = (FORCE, "maximal_force: 60"), ("[2.0, 2.0, 1.5]", "[2.0, 2.0, 0.3]")
+    atoms = [reason.atom for reason in explain(task("tumble_two_hands", weak, low, once=True))]
+    assert atoms == ["strong_enough(hand-1, box)", "within_reach(hand-1, box)"]
+
+
+def test_a_strong_hand_that_is_far_and_a_near_one_that_is_weak() -> None:
+    low = ("[2.0, 2.0, 1.5]", "[2.0, 2.0, 0.3]")
+    kept = ("[2.0, 2.0, 0.3]", "[2.0, 2.0, 1.5]")
+    every = [(FORCE, "maximal_force: 60"), *[low] * 4, kept]
+    atoms = [reason.atom for reason in explain(task("tumble_four_hands", *every, once=True))]
+    assert atoms == ["within_reach(hand-2, box)"]
+
+
+def test_goals_that_exclude_each_other() -> None:
+    both = task("tumble_two_boxes_four_hands")
+    assert explain(both) == []
+    reason = only(explain(both, proven=True))
+    assert reason.kind == "together"
+    assert "each goal alone is possible as far as the feasibility facts tell; together they are not" in reason.message
+    assert reason.goal == "posture(box-1, flat right) and posture(box-2, flat right)"
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        ("mass: 14", "mass: 40"),
+        ("[0, 0, 0.18]", "[2.5, 0, 0.18]"),
+        ("[0.5, 0, 0.55]", "[-0.9, 0, 0.55]"),
+        (ALONG_Y, "rpy: [0, 0, 0]"),
+    ],
+)
+def test_the_planner_proves_what_the_explanation_says(edit: tuple[str, str]) -> None:
+    wrong = task("tumble_two_hands", edit)
+    document = pipeline.plan(wrong).document
+    assert document.status == "unsolvable"
+    assert document.explanation is not None
+    # What would do beside mending the fact, such as another hand, is a reason, too.
+    kinds = [reason.kind for reason in document.explanation.reasons]
+    assert kinds.count("not_feasible") == 1
+    assert set(kinds) <= {"not_feasible", "too_few_tokens"}
