@@ -5,9 +5,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator
 
-from hybrid_tamp.geometry.shapes import Cylinder, Shape
-from hybrid_tamp.model.affordance import BasicAction, CapabilityClass, PlaceClass, Vector3, quantity
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.authoring import BasicAction, CapabilityClass, Cylinder, PlaceClass, Shape, Token, Vector3, quantity
 
 
 def _all_positive(vector: Vector3) -> Vector3:

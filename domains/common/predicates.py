@@ -2,11 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.model.affordance import TOKEN, ObjectClass
-from hybrid_tamp.model.predicate import Parameter, Predicate
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import TOKEN, FloatArray, ObjectClass, Parameter, Predicate, State, Token
 
 from .classes import Region
 

@@ -6,10 +6,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.dmp import DMP
-from hybrid_tamp.motion.minimum_jerk import minimum_jerk
-from hybrid_tamp.motion.profile import Profile
+from hybrid_tamp.authoring import DMP, FloatArray, Profile, minimum_jerk
 
 _SAMPLES = 201
 _AHEAD = 0.5

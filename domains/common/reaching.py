@@ -11,23 +11,24 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import (
+from hybrid_tamp.authoring import (
+    DMP,
     Binding,
     Block,
     Commands,
     Duration,
+    FloatArray,
     Hyperparameter,
     Hyperparameters,
+    Literal,
     Movement,
     Policy,
+    Predicate,
     Slot,
+    State,
     Target,
+    Token,
 )
-from hybrid_tamp.model.predicate import Literal, Predicate
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.dmp import DMP
 
 from .classes import StaticEndEffector
 from .predicates import AT_REST

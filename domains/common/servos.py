@@ -4,11 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from hybrid_tamp.model.block import Commands
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply
+from hybrid_tamp.authoring import Commands, FloatArray, State, Token, quaternion_conjugate, quaternion_multiply
 
 STIFFNESS = 8000.0
 """Stiffness of the position servo [N/m]."""

@@ -4,9 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from hybrid_tamp.model.block import CONTROL_PERIOD
-from hybrid_tamp.model.state import State
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import CONTROL_PERIOD, FloatArray, State
 
 _ROWS = 64
 """Control periods that are read at once."""

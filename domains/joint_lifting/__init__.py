@@ -7,11 +7,7 @@ hands or by four), and `network`. REACHING (D5) and RESTING (D6) come from `..co
 
 from typing import cast
 
-from hybrid_tamp.model.block import Binding, Target
-from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import Binding, Domain, FloatArray, State, Target, Token
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST

@@ -12,13 +12,10 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import Binding, Commands, Hyperparameter, Policy
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import GRAVITY, Binding, Commands, FloatArray, Hyperparameter, Policy, State, Token
 
 from ..common.servos import STIFFNESS, damping, force_on
-from .load import GRAVITY, friction, largest_squeeze, load, squeeze_for
+from .load import friction, largest_squeeze, load, squeeze_for
 from .places import CREWS, UP, corner_heights, dot, gap_at, outward
 
 SLOTS = ("first", "second", "third", "fourth")

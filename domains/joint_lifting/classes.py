@@ -3,10 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar
 
-from hybrid_tamp.geometry.shapes import Box, Shape
-from hybrid_tamp.model.affordance import AffordanceClass, quantity
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.authoring import AffordanceClass, Box, Shape, State, Token, quantity
 
 from ..common.classes import Extents
 from .places import FLOOR_TOLERANCE, corner_heights

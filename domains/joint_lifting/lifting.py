@@ -11,21 +11,21 @@ from functools import partial
 
 import numpy as np
 
-from hybrid_tamp.model.block import (
+from hybrid_tamp.authoring import (
+    DMP,
     Binding,
     Block,
     Duration,
+    FloatArray,
     Hyperparameter,
     Hyperparameters,
+    Literal,
     Movement,
     Policy,
+    Profile,
     Slot,
+    State,
 )
-from hybrid_tamp.model.predicate import Literal
-from hybrid_tamp.model.state import State
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.dmp import DMP
-from hybrid_tamp.motion.profile import Profile
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST, REST_SPEED

@@ -7,11 +7,10 @@ sqrt(S^2 + W^2) <= F_max. So it bears at most W_max = F_max/sqrt(1 + (RESERVE/mu
 
 import numpy as np
 
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.authoring import GRAVITY, Token
 
 from .places import CREWS
 
-GRAVITY = 9.81
 HAND_FRICTION = 0.5
 """Friction coefficient of a hand, as physics takes it for tokens that have no such property."""
 RESERVE = 1.5

@@ -4,12 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from hybrid_tamp.model.plan import BlockInstance, split_mode
-from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, Token, rotate, split_mode
 
 from .lifting import GRASPED
 from .places import UP, corner_heights, offset_in_box

@@ -10,11 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from hybrid_tamp.model.predicate import SymbolSort
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
+from hybrid_tamp.authoring import FloatArray, State, SymbolSort, Token, quaternion_conjugate, rotate
 
 SPOTS: dict[str, tuple[float, float]] = {
     "left": (-1.0, 0.0),

@@ -7,7 +7,7 @@ The story of rolling, in order: `classes` (what rolls, what tumbles), `geometry`
 from `..common`. How membership is tried is in `probing_rolling` and `probing_tumbling`.
 """
 
-from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.authoring import Domain
 
 from ..common.classes import Region, StaticEndEffector
 from ..common.predicates import AT_REST

@@ -5,12 +5,20 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator
 
-from hybrid_tamp.geometry.features import rolling_likelihood, tumbling_likelihood
-from hybrid_tamp.geometry.meshes import MeshShape
-from hybrid_tamp.geometry.shapes import Box, Cylinder, Shape
-from hybrid_tamp.model.affordance import AffordanceClass, Direction, Vector3, quantity
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.authoring import (
+    AffordanceClass,
+    Box,
+    Cylinder,
+    Direction,
+    MeshShape,
+    Shape,
+    State,
+    Token,
+    Vector3,
+    quantity,
+    rolling_likelihood,
+    tumbling_likelihood,
+)
 
 from ..common.classes import Extents
 from .standing import start_complaint

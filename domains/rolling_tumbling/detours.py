@@ -6,11 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import rotate
-from hybrid_tamp.motion.profile import Profile
+from hybrid_tamp.authoring import FloatArray, Profile, State, Token, rotate
 
 from .faces import NORMALS, OPPOSITE
 from .tumbling_geometry import (

@@ -10,8 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from hybrid_tamp.model.predicate import SymbolSort
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import FloatArray, SymbolSort
 
 NORMALS: dict[str, FloatArray] = {
     "left": np.array([-1.0, 0.0, 0.0]),

@@ -2,11 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.geometry.shapes import Cylinder
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, rotate
 
 UP = np.array([0.0, 0.0, 1.0])
 STANDOFF = 0.03

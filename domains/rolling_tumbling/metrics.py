@@ -4,12 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import angle_about
+from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, Token, angle_about
 
 from .faces import edge_between, faces_of
 from .tumbling_geometry import edge_axis, edge_position, tilt

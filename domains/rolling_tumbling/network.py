@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable
 
-from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.network import ReassignmentNetwork
+from hybrid_tamp.authoring import Block, ReassignmentNetwork
 
 _EDGES = (
     ("RESTING.token", "REACHING.hand"),

@@ -2,10 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.model.predicate import Parameter, Predicate
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import FloatArray, Parameter, Predicate, State, Token
 
 from ..common.classes import Region, StaticEndEffector
 from ..common.predicates import inside

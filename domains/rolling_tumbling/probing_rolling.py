@@ -4,15 +4,25 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hybrid_tamp.geometry.features import across, rolling_radius, roundest_axis, silhouette
-from hybrid_tamp.geometry.surfaces import points_of, volume_of
-from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.model.trial import Carry, Estimate, TrialRecipe
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply, quaternion_of_rotation
+from hybrid_tamp.authoring import (
+    Atom,
+    Carry,
+    Estimate,
+    FloatArray,
+    State,
+    Task,
+    Token,
+    TrialRecipe,
+    across,
+    points_of,
+    quaternion_from_axis_angle,
+    quaternion_multiply,
+    quaternion_of_rotation,
+    rolling_radius,
+    roundest_axis,
+    silhouette,
+    volume_of,
+)
 
 from ..common.classes import Region, StaticEndEffector
 from .classes import Rollable

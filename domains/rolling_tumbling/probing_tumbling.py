@@ -2,14 +2,20 @@
 
 import numpy as np
 
-from hybrid_tamp.geometry.surfaces import points_of
-from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.model.trial import Carry, Estimate, TrialRecipe
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply, rotate
+from hybrid_tamp.authoring import (
+    Atom,
+    Carry,
+    Estimate,
+    FloatArray,
+    State,
+    Task,
+    Token,
+    TrialRecipe,
+    points_of,
+    quaternion_from_axis_angle,
+    quaternion_multiply,
+    rotate,
+)
 
 from ..common.classes import StaticEndEffector
 from .classes import Tumblable

@@ -9,22 +9,23 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import (
+from hybrid_tamp.authoring import (
+    ANY,
+    GRAVITY,
     Binding,
     Block,
     Commands,
     Duration,
+    FloatArray,
     Hyperparameter,
     Hyperparameters,
     Policy,
     Slot,
+    State,
     Target,
+    Token,
+    integrate,
 )
-from hybrid_tamp.model.predicate import ANY
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import integrate
 
 from ..common.classes import Region, StaticEndEffector
 from ..common.predicates import AT_REST
@@ -35,7 +36,6 @@ from .geometry import STANDOFF, UP, dot, standby, touching, way, working_height
 from .predicates import BEHIND, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .tumbling_predicates import FEASIBLE_TUMBLING, POSTURE
 
-_GRAVITY = 9.81
 _APPROACH_GAIN = 4.0
 _APPROACH_SPEED = 0.15
 _SPEED_RATE = 200.0
@@ -78,7 +78,7 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     origin = start[thing, "position"].copy()
     distance, speed, slowing = (np.asarray(hyperparameters[h]) for h in ("distance", "speed", "deceleration"))
 
-    resistance = _GRAVITY * thing["mass"] * thing["rolling_friction"] / thing["radius_of_rotation"]
+    resistance = GRAVITY * thing["mass"] * thing["rolling_friction"] / thing["radius_of_rotation"]
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         centre = state[thing, "position"]
@@ -108,7 +108,7 @@ def _system(binding: Binding, state: State, commands: Commands, dt: float) -> St
     direction = np.where((moving < -1e-9)[..., None], -direction, direction)
     pushed = touching(state, hand, thing, direction)
     inertia = 1.5 * thing["mass"]  # m + I / R^2 of a solid cylinder
-    slowing = thing["rolling_friction"] * _GRAVITY / (1.5 * thing["radius_of_rotation"])
+    slowing = thing["rolling_friction"] * GRAVITY / (1.5 * thing["radius_of_rotation"])
 
     hand_velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
     along = dot(hand_velocity, direction)

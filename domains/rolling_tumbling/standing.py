@@ -4,9 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import FloatArray, State, Token
 
 from ..common.classes import StaticEndEffector
 from .faces import FACE, NORMALS, POSTURES, faces_of, flat

@@ -10,23 +10,23 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import (
+from hybrid_tamp.authoring import (
+    DMP,
     Binding,
     Block,
     Commands,
     Duration,
+    FloatArray,
     Hyperparameter,
     Hyperparameters,
     Movement,
     Policy,
+    Profile,
     Slot,
+    State,
     Target,
+    Token,
 )
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.dmp import DMP
-from hybrid_tamp.motion.profile import Profile
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST, REST_SPEED

@@ -2,10 +2,19 @@
 
 from typing import cast
 
-from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameters, Policy, Slot, Target
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import (
+    Binding,
+    Block,
+    Commands,
+    Duration,
+    FloatArray,
+    Hyperparameters,
+    Policy,
+    Slot,
+    State,
+    Target,
+    Token,
+)
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST

@@ -10,13 +10,23 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import Binding, Block, Duration, Hyperparameter, Hyperparameters, Movement, Slot, Target
-from hybrid_tamp.model.predicate import Predicate
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.dmp import DMP
-from hybrid_tamp.motion.profile import Profile
+from hybrid_tamp.authoring import (
+    DMP,
+    GRAVITY,
+    Binding,
+    Block,
+    Duration,
+    FloatArray,
+    Hyperparameter,
+    Hyperparameters,
+    Movement,
+    Predicate,
+    Profile,
+    Slot,
+    State,
+    Target,
+    Token,
+)
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST, REST_SPEED
@@ -40,7 +50,6 @@ from .tumbling_predicates import (
 )
 from .turning import CLOSING, Roles, after_turning, make_turning, turning_system, turning_time
 
-_GRAVITY = 9.81
 _LEAN_SQUEEZE = 25.0
 _SETTLING = 0.05
 _BODY = ("position", "orientation", "velocity", "angular_velocity")
@@ -48,7 +57,7 @@ _KEPT = (*FEASIBLE_TUMBLING, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE
 
 
 def _opposed(binding: Binding, state: State) -> FloatArray:
-    return np.asarray(SQUEEZE * _GRAVITY * cast(Token, binding["object"])["mass"])
+    return np.asarray(SQUEEZE * GRAVITY * cast(Token, binding["object"])["mass"])
 
 
 def _light(binding: Binding, state: State) -> FloatArray:

@@ -2,11 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.geometry.shapes import Cylinder
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
+from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, quaternion_conjugate, rotate
 
 from .faces import NORMALS, faces_of
 from .geometry import FLOOR_CLEARANCE, dot

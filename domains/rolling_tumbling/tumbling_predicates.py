@@ -4,10 +4,7 @@ from collections.abc import Callable, Set
 
 import numpy as np
 
-from hybrid_tamp.model.predicate import Parameter, Predicate, Value
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Parameter, Predicate, State, Token, Value
 
 from ..common.classes import StaticEndEffector
 from .classes import Tumblable
@@ -24,7 +21,6 @@ from .tumbling_geometry import (
     to_the_right,
 )
 
-_GRAVITY = 9.81
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
 _FACE = Parameter("face", FACE)
@@ -68,7 +64,7 @@ def strength_needed(state: State, hand: Token, thing: Token) -> float:
     """
     short, long = sorted(_sections(state, hand, thing))
     tipping = long / (2.0 * GRIP * short)
-    return float(thing["mass"] * _GRAVITY * (SQUEEZE + tipping / 2.0))
+    return float(thing["mass"] * GRAVITY * (SQUEEZE + tipping / 2.0))
 
 
 def _share(state: State, hand: Token, thing: Token) -> tuple[float, float]:

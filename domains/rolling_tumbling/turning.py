@@ -12,13 +12,22 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import Binding, Commands, Hyperparameters, Policy
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.minimum_jerk import minimum_jerk
-from hybrid_tamp.motion.poses import integrate, quaternion_from_axis_angle, quaternion_multiply, rotate
-from hybrid_tamp.motion.profile import Profile
+from hybrid_tamp.authoring import (
+    GRAVITY,
+    Binding,
+    Commands,
+    FloatArray,
+    Hyperparameters,
+    Policy,
+    Profile,
+    State,
+    Token,
+    integrate,
+    minimum_jerk,
+    quaternion_from_axis_angle,
+    quaternion_multiply,
+    rotate,
+)
 
 from ..common.primitives import straight_profile
 from ..common.servos import STIFFNESS, damping, force_on
@@ -37,7 +46,6 @@ from .tumbling_geometry import (
 
 CLOSING = 0.35
 """How long the hands take to close on the box and to squeeze it [s]."""
-_GRAVITY = 9.81
 _TOUCH = 1e-4
 _CATCHING_UP = 0.7
 """How much further than planned the hands turn per angle that the box is behind: its edge may have slid a little."""
@@ -177,7 +185,7 @@ def turning_system(binding: Binding, state: State, commands: Commands, dt: float
     arm = state[thing, "position"] - pivot
     sides = [half_extent(thing, face) for face in roles.edge]
     inertia = np.asarray(thing["mass"] * 4.0 / 3.0 * (sides[0] ** 2 + sides[1] ** 2))
-    moment = dot(np.cross(arm, np.array([0.0, 0.0, -_GRAVITY * thing["mass"]])), axis)
+    moment = dot(np.cross(arm, np.array([0.0, 0.0, -GRAVITY * thing["mass"]])), axis)
     touching = np.asarray(True)
     for hand, face in zip(roles.hands, roles.faces, strict=True):
         lever = state[hand, "position"] - pivot

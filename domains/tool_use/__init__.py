@@ -6,7 +6,7 @@ one module a block: `grasping` (D7), `carrying` (D10), `pushing` (D9), `striking
 and `releasing` (D11), and `network` (Fig. 4). REACHING (D5) and RESTING (D6) come from `..common`.
 """
 
-from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.authoring import Domain
 
 from ..common.classes import Region, StaticEndEffector
 from ..common.predicates import AT_REST

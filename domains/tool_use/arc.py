@@ -4,11 +4,7 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import Binding, Hyperparameters
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import cross
+from hybrid_tamp.authoring import Binding, FloatArray, Hyperparameters, State, Token, cross
 
 from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE
 from .geometry import UP, dot, hand_in_tool, heading, norm, side, strike_place, swing_angle, top

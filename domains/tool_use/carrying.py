@@ -9,23 +9,23 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.affordance import AffordanceClass
-from hybrid_tamp.model.block import (
+from hybrid_tamp.authoring import (
+    AffordanceClass,
     Binding,
     Block,
     Commands,
     Duration,
+    FloatArray,
     Hyperparameter,
     Hyperparameters,
+    Literal,
     Policy,
     Slot,
+    State,
     Target,
+    Token,
+    rotate,
 )
-from hybrid_tamp.model.predicate import Literal
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import rotate
 
 from ..common.classes import Region
 from ..common.predicates import AT_REST

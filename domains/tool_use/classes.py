@@ -3,17 +3,18 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from hybrid_tamp.geometry.shapes import Box, Shape
-from hybrid_tamp.model.affordance import (
+from hybrid_tamp.authoring import (
     BODY_STATE,
     AffordanceClass,
     BasicAction,
+    Box,
+    Shape,
+    Token,
     VaryingProperty,
     Vector3,
+    aperture_property,
     quantity,
 )
-from hybrid_tamp.model.grasp import aperture_property
-from hybrid_tamp.model.token import Token
 
 from ..common.classes import Extents, StaticEndEffector
 

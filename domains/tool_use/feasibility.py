@@ -4,17 +4,21 @@ from collections.abc import Callable
 
 import numpy as np
 
-from hybrid_tamp.model.grasp import GRIP_FRICTION
-from hybrid_tamp.model.predicate import Parameter, Predicate
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
+from hybrid_tamp.authoring import (
+    GRAVITY,
+    GRIP_FRICTION,
+    FloatArray,
+    Parameter,
+    Predicate,
+    State,
+    Token,
+    quaternion_conjugate,
+    rotate,
+)
 
 from ..common.classes import Region
 from .classes import Pushable, Pusher, Strikable, Striker
 from .geometry import UP, foot, half_depth, handle_length, point, way
-from .holding import GRAVITY
 from .predicates import HAND, OPEN, TOOL
 from .swing import swing_of
 

@@ -9,11 +9,19 @@ from functools import cache
 
 import numpy as np
 
-from hybrid_tamp.geometry.shapes import Box, Cylinder, Part, parts_of
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import cross, quaternion_conjugate, quaternion_from_rpy, rotate
+from hybrid_tamp.authoring import (
+    Box,
+    Cylinder,
+    FloatArray,
+    Part,
+    State,
+    Token,
+    cross,
+    parts_of,
+    quaternion_conjugate,
+    quaternion_from_rpy,
+    rotate,
+)
 
 UP = np.array([0.0, 0.0, 1.0])
 LEVEL = -np.pi / 2

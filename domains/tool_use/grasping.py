@@ -4,22 +4,22 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import (
+from hybrid_tamp.authoring import (
+    FINGER_SPEED,
     Binding,
     Block,
     Commands,
     Duration,
+    FloatArray,
     Hyperparameter,
     Hyperparameters,
     Measure,
     Policy,
     Slot,
+    State,
     Target,
+    Token,
 )
-from hybrid_tamp.model.grasp import FINGER_SPEED
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
 
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile

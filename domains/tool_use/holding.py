@@ -14,18 +14,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid_tamp.model.block import Commands
-from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import cross, quaternion_from_rotation_vector, quaternion_multiply, rotate
+from hybrid_tamp.authoring import (
+    CAPTURE,
+    FINGER_SPEED,
+    GRAVITY,
+    Commands,
+    FloatArray,
+    State,
+    Token,
+    cross,
+    quaternion_from_rotation_vector,
+    quaternion_multiply,
+    rotate,
+)
 
 from ..common.servos import DAMPING_RATIO, turning_rate
 from .geometry import UP, dot, off_handle
 
-GRAVITY = 9.81
-"""[m/s^2]."""
 _LIFT = GRAVITY * UP
 """What compensates gravity [m/s^2]."""
 POSITION_RATE = 60.0

@@ -4,12 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import BlockInstance, FloatArray, Recording, State, Task, Token
 
 from .feasibility import resistance
 from .geometry import dot, hand_in_tool, location, norm, side

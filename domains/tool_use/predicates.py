@@ -2,12 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.model.grasp import CAPTURE
-from hybrid_tamp.model.predicate import Parameter, Predicate
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.authoring import CAPTURE, FloatArray, Parameter, Predicate, State, Token, rotate
 
 from ..common.classes import Region
 from ..common.predicates import inside

@@ -8,23 +8,25 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import (
+from hybrid_tamp.authoring import (
+    ANY,
     Binding,
     Block,
     Commands,
     Duration,
+    FloatArray,
     Hyperparameter,
     Hyperparameters,
     Measure,
     Policy,
     Slot,
+    State,
     Target,
+    Token,
+    cross,
+    quaternion_conjugate,
+    rotate,
 )
-from hybrid_tamp.model.predicate import ANY
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import cross, quaternion_conjugate, rotate
 
 from ..common.classes import Region
 from ..common.predicates import AT_REST

@@ -2,10 +2,18 @@
 
 from typing import cast
 
-from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameters, Policy, Slot
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import (
+    Binding,
+    Block,
+    Commands,
+    Duration,
+    FloatArray,
+    Hyperparameters,
+    Policy,
+    Slot,
+    State,
+    Token,
+)
 
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile

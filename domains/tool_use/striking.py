@@ -8,22 +8,23 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.model.block import (
+from hybrid_tamp.authoring import (
     CONTROL_PERIOD,
     Binding,
     Block,
     Commands,
     Duration,
+    FloatArray,
     Hyperparameter,
     Hyperparameters,
     Measure,
     Policy,
     Slot,
+    State,
+    Token,
+    cross,
+    rotate,
 )
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import cross, rotate
 
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile

@@ -4,12 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid_tamp.model.block import CONTROL_PERIOD
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.authoring import CONTROL_PERIOD, GRAVITY, FloatArray, Token
 
 from .geometry import LEVEL
-from .holding import GRAVITY
 
 _COASTING = 0.2
 """For how many control periods the tool goes on at its final speed until it should meet its target."""

@@ -58,7 +58,7 @@ TABLE: dict[str, tuple[str, ...]] = {
     "skills": (),
     "workers": (),
 }
-"""Package or module to what it may import besides `errors`, itself and `BASE`; what stands lower never imports higher."""
+"""Package or module to what it may import besides `errors`, itself and `BASE`."""
 
 LIBRARIES = {
     "unified_planning": ("symbolic.engines", "symbolic.temporal.unified", "interop"),

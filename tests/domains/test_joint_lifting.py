@@ -10,8 +10,8 @@ from hybrid_tamp_domains.joint_lifting.classes import Liftable
 from hybrid_tamp_domains.joint_lifting.load import HAND_FRICTION, bearable, largest_squeeze, load, squeeze_for
 from hybrid_tamp_domains.joint_lifting.places import CREWS, SPOTS, corner_heights, gap_at, place_at
 from hybrid_tamp_domains.joint_lifting.predicates import BEARS, FEASIBLE, FITS, ON_SIDE, PREDICATES, UPRIGHT
-from hybrid_tamp_domains.joint_lifting.trials import random_lifting
 from pydantic import ValidationError
+from random_tasks.lifting import random_lifting
 from validation import val_accepts
 
 from hybrid_tamp.errors import InputError

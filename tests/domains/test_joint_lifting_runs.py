@@ -8,7 +8,7 @@ from hybrid_tamp_domains.joint_lifting.bearing import Roles
 from hybrid_tamp_domains.joint_lifting.load import squeeze_for
 from hybrid_tamp_domains.joint_lifting.metrics import CONTROLLED
 from hybrid_tamp_domains.joint_lifting.places import gap_at
-from hybrid_tamp_domains.joint_lifting.trials import random_lifting
+from random_tasks.lifting import random_lifting
 
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.execution.prediction import predict

@@ -9,7 +9,7 @@ import pytest
 from hybrid_tamp_domains.tool_use import DOMAIN
 from hybrid_tamp_domains.tool_use.classes import Graspable, Striker
 from hybrid_tamp_domains.tool_use.geometry import RAISED, on_handle, push_pose, tool_orientation, top
-from hybrid_tamp_domains.tool_use.trials import Scene, hammer_shape, hammer_task, random_hammer
+from random_tasks.hammer import Scene, hammer_shape, hammer_task, random_hammer
 from validation import val_accepts
 
 from hybrid_tamp.model.block import CONTROL_PERIOD, Binding, Block

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from hybrid_tamp_domains.tool_use.classes import DexterousHand
-from hybrid_tamp_domains.tool_use.trials import Scene, hammer_task, random_hammer
+from random_tasks.hammer import Scene, hammer_task, random_hammer
 
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.model.law import check_law

@@ -20,8 +20,8 @@ from hybrid_tamp_domains.rolling_tumbling.faces import (
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import edge_axis, lowest_point, nominal_tilt
 from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import POSTURE, TUMBLING_PREDICATES
-from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import forced_push, random_tumbling
 from pydantic import ValidationError
+from random_tasks.tumbling import forced_push, random_tumbling
 
 from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.block import Block

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
-from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
+from random_tasks.tumbling import random_tumbling
 
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.model.law import check_law

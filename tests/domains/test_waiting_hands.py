@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.faces import over
-from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
+from random_tasks.tumbling import random_tumbling
 
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
+from random_tasks.tumbling import random_tumbling
 
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.execution.events import Event, EventLog

@@ -9,7 +9,7 @@ from hybrid_tamp_domains.common.classes import Region, StaticEndEffector
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Rollable
 from hybrid_tamp_domains.rolling_tumbling.predicates import INSIDE
-from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
+from random_tasks.tumbling import random_tumbling
 from scenes import rolling_task
 
 from hybrid_tamp.errors import DomainError

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import pytest
-from hybrid_tamp_domains.joint_lifting.trials import random_lifting
-from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
+from random_tasks.lifting import random_lifting
+from random_tasks.tumbling import random_tumbling
 from scenes import rolling_task
 from serial import COLOURS, Part, block, changing, domain, in_series, predicate, task
 

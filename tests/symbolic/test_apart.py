@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 from hypothesis import given
 from hypothesis import strategies as st
+from random_tasks.tumbling import random_tumbling
 from scenes import rolling_task
 from validation import val_accepts
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
+from random_tasks.tumbling import random_tumbling
 from scenes import reach_and_roll, rolling_task
 
 from hybrid_tamp.execution.prediction import predict

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from hybrid_tamp_domains.common.classes import Region
 from hybrid_tamp_domains.rolling_tumbling.classes import Rollable
-from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from random_tasks.tumbling import random_tumbling
 from scenes import DRUM, LYING, rolling_task
 
 from hybrid_tamp.geometry.shapes import Cylinder

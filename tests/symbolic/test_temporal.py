@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling
+from random_tasks.tumbling import random_tumbling
 from scenes import reach_and_roll, rolling_task
 from validation import val_accepts_temporal
 
@@ -76,7 +76,7 @@ def test_the_temporal_domain_does_not_depend_on_the_tokens() -> None:
 def test_the_temporal_problem_does_not_depend_on_the_order_of_sets() -> None:
     """Python gives strings other hashes in every process."""
     code = (
-        "from hybrid_tamp_domains.rolling_tumbling.tumbling_trials import random_tumbling;"
+        "from random_tasks.tumbling import random_tumbling;"
         "from hybrid_tamp.symbolic.temporal.compilation import compile_durative;"
         "from hybrid_tamp.symbolic.pddl.temporal_text import temporal_problem_text;"
         "print(temporal_problem_text(compile_durative(random_tumbling(3)).problem))"

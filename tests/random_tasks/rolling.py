@@ -1,6 +1,9 @@
 """Random tasks of rolling, for trials; those of tumbling are in `tumbling_trials`."""
 
 import numpy as np
+from hybrid_tamp_domains.common.classes import Region, StaticEndEffector
+from hybrid_tamp_domains.rolling_tumbling import DOMAIN
+from hybrid_tamp_domains.rolling_tumbling.classes import Rollable
 
 from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.predicate import Atom
@@ -8,10 +11,6 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
-
-from ..common.classes import Region, StaticEndEffector
-from . import DOMAIN
-from .classes import Rollable
 
 
 def random_rolling(seed: int) -> Task:

@@ -4,6 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from hybrid_tamp_domains.common.classes import Region
+from hybrid_tamp_domains.tool_use import DOMAIN
+from hybrid_tamp_domains.tool_use.classes import DexterousHand, Pushable, Pusher, Strikable, Striker
+from hybrid_tamp_domains.tool_use.geometry import foot
 
 from hybrid_tamp.geometry.shapes import BoxPart, Compound, SpherePart
 from hybrid_tamp.model.predicate import Atom
@@ -11,11 +15,6 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
-
-from ..common.classes import Region
-from . import DOMAIN
-from .classes import DexterousHand, Pushable, Pusher, Strikable, Striker
-from .geometry import foot
 
 _HAND = {
     "radius": 0.03,

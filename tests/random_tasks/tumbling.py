@@ -1,6 +1,20 @@
 """Random tumbling tasks, and the push by one hand that brings a box down uncontrolled."""
 
 import numpy as np
+from hybrid_tamp_domains.common.classes import StaticEndEffector
+from hybrid_tamp_domains.common.servos import STIFFNESS, damping
+from hybrid_tamp_domains.rolling_tumbling import DOMAIN
+from hybrid_tamp_domains.rolling_tumbling.classes import Tumblable
+from hybrid_tamp_domains.rolling_tumbling.faces import flat
+from hybrid_tamp_domains.rolling_tumbling.metrics import tumble_measures
+from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import (
+    balance,
+    edge_axis,
+    edge_position,
+    half_extent,
+    normal,
+    tilt,
+)
 from numpy.typing import ArrayLike
 
 from hybrid_tamp.model.block import CONTROL_PERIOD, Commands
@@ -11,14 +25,6 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_from_rpy, rotate
 from hybrid_tamp.physics.protocol import Backend
-
-from ..common.classes import StaticEndEffector
-from ..common.servos import STIFFNESS, damping
-from . import DOMAIN
-from .classes import Tumblable
-from .faces import flat
-from .metrics import tumble_measures
-from .tumbling_geometry import balance, edge_axis, edge_position, half_extent, normal, tilt
 
 HANDS = ((-0.5, 0.0, 0.55), (0.5, 0.0, 0.55), (-0.5, 0.0, 0.1), (0.6, 0.0, 0.8))
 """Where hands wait [m]: each on its side, clear of the ways of the others."""

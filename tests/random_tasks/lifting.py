@@ -1,18 +1,18 @@
 """Random tasks of joint lifting, for trials."""
 
 import numpy as np
+from hybrid_tamp_domains.common.classes import StaticEndEffector
+from hybrid_tamp_domains.joint_lifting import DOMAIN
+from hybrid_tamp_domains.joint_lifting.classes import Liftable
+from hybrid_tamp_domains.joint_lifting.load import bearable
 from numpy.typing import ArrayLike
 
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import quaternion_from_rpy
-
-from ..common.classes import StaticEndEffector
-from . import DOMAIN
-from .classes import Liftable
-from .load import GRAVITY, bearable
 
 _HAND = {
     "radius": 0.035,
