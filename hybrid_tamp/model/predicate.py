@@ -93,7 +93,7 @@ class Predicate:
         """Say the atom in words, e.g. ``drum is within goal``."""
         template = self.denial if self.denial and not positive else self.description
         if not template:
-            return str(Atom(self.name, names, positive))
+            return Atom(self.name, names, positive).text
         said = template.format(**{p.name: n for p, n in zip(self.parameters, names, strict=True)})
         return said if positive or self.denial else f"it is not so that {said}"
 
@@ -110,6 +110,11 @@ class Literal:
         return Literal(self.predicate, self.arguments, not self.positive)
 
     def __str__(self) -> str:
+        return self.text
+
+    @property
+    def text(self) -> str:
+        """The literal as text to print, e.g. ``not inside(object, region)``."""
         return f"{'' if self.positive else 'not '}{self.predicate.name}({', '.join(self.arguments)})"
 
     def ground(self, binding: Mapping[str, Value]) -> "Atom":
@@ -136,6 +141,11 @@ class Atom:
     positive: bool = True
 
     def __str__(self) -> str:
+        return self.text
+
+    @property
+    def text(self) -> str:
+        """The atom as text to print, e.g. ``not inside(drum, goal)``."""
         return f"{'' if self.positive else 'not '}{self.predicate}({', '.join(self.arguments)})"
 
     def matches(self, other: "Atom") -> bool:
