@@ -16,10 +16,9 @@ def load(text: str, domain: str | None, *, plans: bool = False) -> "Task":
     The planner that the file names is checked only where it is the one that plans.
     """
     from hybrid_tamp.symbolic.engines.registry import check_engine
-    from hybrid_tamp.taskfile.domains import find_task_file
     from hybrid_tamp.taskfile.loader import load_task
 
-    return load_task(find_task_file(text), finder(domain), check_engine if plans else None)
+    return load_task(text, finder(domain), check_engine if plans else None)
 
 
 def finder(name: str | None) -> "Callable[[str], Domain]":

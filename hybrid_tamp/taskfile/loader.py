@@ -10,7 +10,7 @@ from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Limits, MidLevel, Task
-from hybrid_tamp.taskfile.domains import installed_domain
+from hybrid_tamp.taskfile.domains import find_task_file, installed_domain
 from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.goals import read_goal
 from hybrid_tamp.taskfile.midlevel import check_bindings, read_midlevel
@@ -29,14 +29,14 @@ CheckPlanner = Callable[[str], None]
 
 
 def load_task(
-    path: Path | str,
+    source: Task | Path | str,
     find_domain: FindDomain = installed_domain,
     check_planner: CheckPlanner | None = None,
 ) -> Task:
-    """Load a task file.
+    """Load a task file, or return the task that is given: every verb takes its task through this function.
 
     Args:
-        path: the YAML file.
+        source: a task, the path of a YAML file, or a text: a path or the name of a bundled task.
         find_domain: how the domain is found that the file names. The default knows installed domains only, so that
             no file can run code; `domains.find_domain` also takes modules and paths.
         check_planner: how the planner that the file names is checked, or None to leave that to whoever plans.
@@ -44,7 +44,9 @@ def load_task(
     Raises:
         InputError: everything that is wrong with the file, each fault with its line and column, in order.
     """
-    path = Path(path)
+    if isinstance(source, Task):
+        return source
+    path = source if isinstance(source, Path) else find_task_file(source)
     return _load(read_text(path), str(path), path.stem, path, find_domain, check_planner)
 
 

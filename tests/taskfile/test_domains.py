@@ -14,7 +14,7 @@ from hybrid_tamp.taskfile.domains import (
     find_task_file,
     installed_domain,
 )
-from hybrid_tamp.taskfile.loader import load_task_text
+from hybrid_tamp.taskfile.loader import load_task, load_task_text
 
 SOURCE = """\
 from hybrid_tamp.model.affordance import TOKEN, PlaceClass
@@ -131,6 +131,9 @@ def test_a_bundled_task_is_found_by_name_from_any_folder(
     path = find_task_file(name)
     assert path.is_absolute()
     assert path.name == "roll_cylinder.yaml"
+    task = load_task(name)
+    assert (task.name, task.source) == ("roll_cylinder", path)
+    assert load_task(task) is task
 
 
 def test_a_file_that_is_there_goes_before_a_bundled_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

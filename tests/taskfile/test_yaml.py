@@ -199,9 +199,9 @@ def test_a_folder_is_no_task_file(tmp_path: Path) -> None:
 
 def test_a_name_that_no_file_can_have_is_refused() -> None:
     with pytest.raises(InputError, match="a file that can be read"):
-        load_task("a\0b")
+        load_task(Path("a\0b"))
     with pytest.raises(InputError, match="a file that can be read"):
-        load_task("a" * 5000)
+        load_task(Path("a" * 5000))
 
 
 def _only_refused(raw: bytes, domain: Domain) -> Task | None:
