@@ -13,7 +13,7 @@ from hybrid_tamp.errors import HybridTampError, InputError, Issue
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from hybrid_tamp.report.documents import ExplanationEntry, PlanDocument
+    from hybrid_tamp.report.plan_entries import ExplanationEntry, PlanDocument
 
 
 def say(document: dict[str, Any], as_json: bool, sentence: Callable[[], str]) -> None:

@@ -49,12 +49,12 @@ def imitate(
     _report(seen, segmentation, result, as_json)
     if output and not as_json:
         typer.echo(f"files: {output}")
-    document = result.outcome.document
-    if not document.success or document.law:
+    run = result.outcome.document
+    if not run.success or run.law:
         typer.echo("The imitation did not reach the goal.", err=True)
         raise typer.Exit(40)
     if not as_json:
-        typer.echo(f"The imitation reached the goal after {document.sim_seconds:.2f} s of simulated time.")
+        typer.echo(f"The imitation reached the goal after {run.recording.duration:.2f} s of simulated time.")
 
 
 def _show_segmentation(seen: "Shown", segmentation: "Segmentation") -> None:
@@ -69,16 +69,19 @@ def _report(seen: "Shown", segmentation: "Segmentation", result: "Imitation", as
     if as_json:
         print_json(_document(seen, segmentation, result))
         return
+    from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.tables import result_table
 
     roles = ", ".join(f"{name} as {token}" for token, name in result.roles.items())
     typer.echo(f"roles: {roles}")
     if result.primitives:
         typer.echo(f"learnt: {', '.join(result.primitives)}")
-    show(result_table(result.outcome.document))
+    show(result_table(document(result.outcome.document)))
 
 
 def _document(seen: "Shown", segmentation: "Segmentation", result: "Imitation") -> dict[str, Any]:
+    from hybrid_tamp.report.documents import document
+
     instances = sorted(segmentation.plan.instances, key=lambda i: (i.start, i.end, i.name))
     return {
         "schema": "hybrid-tamp/imitate/1",
@@ -99,5 +102,5 @@ def _document(seen: "Shown", segmentation: "Segmentation", result: "Imitation") 
         ],
         "roles": dict(result.roles),
         "primitives": {name: {"rms": each.rms, "unit": each.unit} for name, each in result.primitives.items()},
-        "result": result.outcome.document.dump(),
+        "result": document(result.outcome.document),
     }

@@ -156,26 +156,32 @@ def run(
         folder = RunFolder.create(output, force=force)
         with progress_bar() as progress:
             outcome = pipeline.run(loaded, folder, planner=process, backend=backend, video=video, progress=progress)
-    document = outcome.document
+    from hybrid_tamp.report.documents import document as document_of
+
+    result, document = outcome.document, document_of(outcome.document)
     if as_json:
-        print_json(document.dump())
+        print_json(document)
     else:
+        from hybrid_tamp.report.refinement import PerformanceEntry
         from hybrid_tamp.report.refinement_tables import refinement_tables
         from hybrid_tamp.report.tables import plan_table, result_table
 
+        measures = [PerformanceEntry(**each) for each in document["performance"]]
+
         show(plan_table(outcome.plan.document))
         if outcome.plan.document.refinement is not None:
-            show(refinement_tables(outcome.plan.document.refinement, document.performance))
+            show(refinement_tables(outcome.plan.document.refinement, measures))
         show(result_table(document))
         if video:
             typer.echo(f"video: {video}")
         typer.echo(f"files: {output}")
-    if document.failure is not None:
-        typer.echo(f"step {document.failure.step}, {document.failure.instance}: {document.failure.reason}", err=True)
-    for breach in document.law:
+    failure = result.recording.failure
+    if failure is not None:
+        typer.echo(f"step {failure.step}, {failure.instance}: {failure.reason}", err=True)
+    for breach in result.law:
         typer.echo(f"the recording breaks {breach}", err=True)
-    if not document.success or document.law:
+    if not result.success or result.law:
         typer.echo("The plan was run and the goal was not reached.", err=True)
         raise typer.Exit(40)
     if not as_json:
-        typer.echo(f"The goal was reached after {document.sim_seconds:.2f} s of simulated time.")
+        typer.echo(f"The goal was reached after {result.recording.duration:.2f} s of simulated time.")

@@ -47,6 +47,7 @@ class Performance:
         weight: what one `scale` of it adds to the value of the plan.
         scale: size of the figure that counts as one [unit].
         figure: what is expected [unit].
+        measured: what a run measured [unit], or None.
     """
 
     instance: str
@@ -55,6 +56,7 @@ class Performance:
     weight: float
     scale: float
     figure: float
+    measured: float | None = None
 
 
 @dataclass(frozen=True)

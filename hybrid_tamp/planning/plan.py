@@ -9,7 +9,7 @@ from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.tailoring import Tailoring
-from hybrid_tamp.report.documents import (
+from hybrid_tamp.report.plan_entries import (
     BroughtEntry,
     ExplanationEntry,
     NetworkEntry,

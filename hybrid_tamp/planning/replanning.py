@@ -16,7 +16,7 @@ from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.refined import RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import PlanOutcome
-from hybrid_tamp.report.documents import ExplanationEntry, ReasonEntry
+from hybrid_tamp.report.plan_entries import ExplanationEntry, ReasonEntry
 
 KIND = "not_refined"
 _SAID = "Plans exist, but none was found that the blocks' own forward models can carry out."

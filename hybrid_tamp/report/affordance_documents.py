@@ -4,8 +4,8 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from hybrid_tamp.report.documents import ExplanationEntry, json_schemas
 from hybrid_tamp.report.entries import Document
+from hybrid_tamp.report.plan_entries import ExplanationEntry, model_schemas
 
 
 class LinkEntry(Document):
@@ -81,4 +81,4 @@ class AffordancesDocument(Document):
 
 def affordance_schemas() -> dict[str, dict[str, Any]]:
     """Return the JSON Schemas of these documents, file stem to schema."""
-    return json_schemas({"explain-1": ExplainDocument, "affordances-1": AffordancesDocument})
+    return model_schemas({"explain-1": ExplainDocument, "affordances-1": AffordancesDocument})

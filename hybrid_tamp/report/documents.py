@@ -1,310 +1,154 @@
-"""The JSON documents that programs read, as pydantic models; their JSON Schemas are published in `schemas/`."""
+"""JSON documents and their JSON Schemas, both derived from the dataclasses of `model/` and the keys of `keys.py`.
 
-import math
-from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+A result, e.g. a `RunResult`, goes in; plain data with the published keys comes out. A document has no class of its
+own: each key names an attribute, and the type of that attribute gives the JSON Schema.
+"""
 
-from pydantic import Field
+import inspect
+import re
+from collections.abc import Mapping
+from dataclasses import field as dataclass_field
+from dataclasses import fields, is_dataclass, make_dataclass
+from enum import Enum
+from functools import cache, cached_property, reduce
+from keyword import iskeyword
+from math import isfinite
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.recording import AtomMargin, Recording
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.report.entries import Document
-from hybrid_tamp.report.refinement import PerformanceEntry, RefinementEntry
+from pydantic import ConfigDict, Field, TypeAdapter
 
+from hybrid_tamp.report.keys import DOCUMENTS, KEYS, TEXTS, Key, Keys
 
-class InstanceEntry(Document):
-    """One block instance within a step."""
-
-    block: str
-    mode: str | None
-    instance: str
-    slots: dict[str, str]
-    targets: dict[str, str]
-    hyperparameters: dict[str, float]
-
-
-class StepEntry(Document):
-    """A stretch of time in which no token is reassigned; shows where every token is."""
-
-    index: int
-    start: float = Field(description="[s]")
-    end: float = Field(description="[s]")
-    blocks: list[InstanceEntry]
+Json = dict[str, Any]
+"""Plain data: what `json.loads` returns of a document."""
 
 
-class PlannerEntry(Document):
-    """Which engine answered, how long it took, and how the plan was found."""
-
-    name: str
-    seconds: float
-    way: str = Field("", description="how the plan was found")
-    proven_shortest: bool = Field(False, description="whether no plan has a shorter makespan")
-    stages: dict[str, float] = Field(default_factory=dict, description="what each stage took [s]")
-
-
-class WholeEntry(Document):
-    """The task that a network was reduced from."""
-
-    blocks: int = Field(description="how many blocks the domain has")
-    edges: int = Field(description="how many edges its network has")
-    tokens: int = Field(description="how many tokens the task has")
-    blocks_left_out: list[str]
-    tokens_left_out: list[str] = Field(description="they rest all the time, but for places")
-
-
-class BroughtEntry(Document):
-    """An object that was brought into the network."""
-
-    token: str
-    classes: list[str]
-    blocks: list[str] = Field(description="blocks that it made fillable")
-    why: str
-
-
-class NetworkEntry(Document):
-    """The network that was planned on."""
-
-    blocks: list[str]
-    edges: list[list[str]] = Field(description="pairs of 'BLOCK.slot', source first")
-    tokens: list[str] = Field(default_factory=list, description="tokens that were planned with")
-    reduced_from: WholeEntry | None = Field(None, description="null where nothing was left out")
-    expanded_with: list[BroughtEntry] = Field(
-        default_factory=list, description="objects brought in because there was no plan without them, in their order"
-    )
-
-
-class ReasonEntry(Document):
-    """One reason why there is no plan."""
-
-    goal: str
-    block: str
-    kind: str
-    message: str
-    atom: str = ""
-    margin: float | None = None
-    unit: str = ""
-    lacks: str = Field("", description="the class or the slot 'BLOCK.slot' for which there is too little")
-
-
-class SuggestionEntry(Document):
-    """A single change with which there is a plan: it was planned."""
-
-    kind: Literal["token", "class", "edge", "fact", "property"]
-    what: str
-    solvable: Literal[True] = True
-    length: int = Field(description="number of PDDL actions of the plan that was found")
-    names: list[str] = Field(description="the token, class, slots, atom or property that it is about")
-
-
-class ExplanationEntry(Document):
-    """Why there is no plan."""
-
-    kind: str = Field(description="unsolvable, not_found, planner_crashed, plan_refused, class_unknown, time or memory")
-    message: str
-    reasons: list[ReasonEntry]
-    suggestions: list[SuggestionEntry] = Field(default_factory=list)
-    all_looked_at: bool = Field(False, description="whether no single change beyond the suggestions was left untried")
-    together: list[str] = Field(
-        default_factory=list, description="changes with which there is a plan if all are made; where no single one does"
-    )
-
-
-class PlanDocument(Document):
-    """What `plan --json` prints and `plan.json` holds."""
-
-    schema_: Literal["hybrid-tamp/plan/1"] = Field("hybrid-tamp/plan/1", alias="schema")
-    task: str
-    domain: str
-    status: Literal["solved", "unsolvable", "unknown", "limit"]
-    planner: PlannerEntry
-    seed: int
-    objective: Literal["length", "makespan"] = "length"
-    makespan: float | None = Field(description="[s]")
-    cost: float | None = Field(description="number of PDDL actions")
-    actions: list[str] = Field(description="the PDDL plan, a line each")
-    steps: list[StepEntry]
-    network: NetworkEntry
-    explanation: ExplanationEntry | None
-    refinement: RefinementEntry | None = Field(None, description="how hyperparameters were optimised; null if not")
-
-
-class AtomEntry(Document):
-    """A goal atom as measured at the end."""
-
-    atom: str
-    margin: float | None
-    holds: bool
-
-
-class ExitEntry(Document):
-    """An exit condition of an instance when it ended."""
-
-    atom: str
-    predicted: float | None
-    measured: float | None
-    holds: bool
-
-
-class RunEntry(Document):
-    """One block instance that ran."""
-
-    instance: str
-    start: float = Field(description="[s]")
-    end: float = Field(description="[s]")
-    exit: list[ExitEntry]
-
-
-class FailureEntry(Document):
-    """Why a run stopped early."""
-
-    step: int
-    instance: str
-    reason: str
-    margins: list[ExitEntry]
-
-
-class ResultDocument(Document):
-    """What `run --json` prints and `result.json` holds."""
-
-    schema_: Literal["hybrid-tamp/result/1"] = Field("hybrid-tamp/result/1", alias="schema")
-    task: str
-    success: bool
-    goal: list[AtomEntry]
-    blocks: list[RunEntry]
-    replans: int
-    metrics: dict[str, float]
-    sim_seconds: float
-    wall_seconds: float
-    seed: int
-    backend: str
-    versions: dict[str, str]
-    failure: FailureEntry | None
-    performance: list[PerformanceEntry] = Field(description="performance measures, predicted and measured")
-    law: list[str] = Field(description="breaches of the law of assignment by the recording; empty if none")
-
-
-def network_entry(whole: Task, task: Task, brought: Iterable[BroughtEntry] = ()) -> NetworkEntry:
-    """Return the network that was planned on as data.
+def document(result: Any) -> Json:
+    """Return the document of a result.
 
     Args:
-        whole: the task.
-        task: what it was reduced to.
-        brought: the objects that were brought in.
+        result: an instance of one of the classes in `DOCUMENTS`.
     """
-    kept = {block.name for block in task.domain.blocks}
-    reduced_from = WholeEntry(
-        blocks=len(whole.domain.blocks),
-        edges=whole.domain.network.graph.number_of_edges(),
-        tokens=len(whole.tokens),
-        blocks_left_out=sorted(block.name for block in whole.domain.blocks if block.name not in kept),
-        tokens_left_out=sorted(token.name for token in whole.tokens if token.name not in task.token_by_name),
-    )
-    return NetworkEntry(
-        blocks=sorted(kept),
-        edges=[[".".join(source), ".".join(target)] for source, target in task.domain.network.edges],
-        tokens=sorted(task.token_by_name),
-        reduced_from=reduced_from if reduced_from.blocks_left_out or reduced_from.tokens_left_out else None,
-        expanded_with=list(brought),
-    )
+    (stem,) = (stem for stem, of in DOCUMENTS.items() if isinstance(result, of))
+    return {"schema": _schema_name(stem), **_object(result, None)}
 
 
-def plan_document(
-    task: Task,
-    *,
-    status: Literal["solved", "unsolvable", "unknown", "limit"],
-    planner: PlannerEntry,
-    plan: TaskPlan | None,
-    network: NetworkEntry,
-    explanation: ExplanationEntry | None,
-) -> PlanDocument:
-    """Return the document of one planning attempt."""
-    return PlanDocument(
-        task=task.name,
-        domain=task.domain.name,
-        status=status,
-        planner=planner,
-        seed=task.seed,
-        objective="makespan" if task.objective == "makespan" else "length",
-        makespan=plan.makespan if plan else None,
-        cost=float(len(plan.actions)) if plan else None,
-        actions=list(plan.actions) if plan else [],
-        steps=steps_of(plan) if plan else [],
-        network=network,
-        explanation=explanation,
-    )
+def parse_document(stem: str, content: bytes) -> Json:
+    """Return the document in a JSON file, with the default of every key that it leaves out.
+
+    Args:
+        stem: which document it should be, e.g. ``plan-1``.
+        content: the content of the file.
+
+    Raises:
+        ValidationError: it is not JSON, or does not follow the published JSON Schema.
+    """
+    adapter = _adapter(stem)
+    found: Json = adapter.dump_python(adapter.validate_json(content), by_alias=True, mode="json")
+    return found
 
 
-def steps_of(plan: TaskPlan) -> list[StepEntry]:
-    """Return the stretches between reassignments, with where every token is in each."""
-    return [
-        StepEntry(index=s.index, start=s.start, end=s.end, blocks=list(map(_instance, s.instances))) for s in plan.steps
-    ]
-
-
-def _instance(instance: BlockInstance) -> InstanceEntry:
-    return InstanceEntry(
-        block=instance.action,
-        mode=instance.mode,
-        instance=instance.name,
-        slots=dict(instance.slots),
-        targets=dict(instance.targets),
-        hyperparameters=dict(instance.hyperparameters),
-    )
-
-
-def result_document(
-    task: Task,
-    recording: Recording,
-    *,
-    wall_seconds: float,
-    metrics: Mapping[str, float],
-    versions: Mapping[str, str],
-    law: Iterable[str],
-    performance: Iterable[PerformanceEntry] = (),
-    replans: int = 0,
-) -> ResultDocument:
-    """Return the document of one run."""
-    failure = recording.failure
-    return ResultDocument(
-        task=task.name,
-        success=recording.success,
-        goal=[AtomEntry(atom=a.atom, margin=_finite(a.measured), holds=a.holds) for a in recording.goal],
-        blocks=[
-            RunEntry(instance=i.name, start=i.start, end=i.end, exit=_exits(recording.exits.get(i.name, ())))
-            for i in recording.instances
-        ],
-        replans=replans,
-        metrics={name: value for name, value in metrics.items() if math.isfinite(value)},
-        sim_seconds=recording.duration,
-        wall_seconds=wall_seconds,
-        seed=task.seed,
-        backend=recording.backend,
-        versions=dict(versions),
-        failure=FailureEntry(
-            step=failure.step, instance=failure.instance, reason=failure.reason, margins=_exits(failure.margins)
-        )
-        if failure
-        else None,
-        performance=list(performance),
-        law=list(law),
-    )
-
-
-def _exits(margins: Iterable[AtomMargin]) -> list[ExitEntry]:
-    return [
-        ExitEntry(atom=m.atom, predicted=_finite(m.predicted), measured=_finite(m.measured), holds=m.holds)
-        for m in margins
-    ]
-
-
-def _finite(value: float | None) -> float | None:
-    """JSON has neither infinity nor NaN."""
-    return value if value is not None and math.isfinite(value) else None
-
-
-def json_schemas(documents: Mapping[str, type[Document]] | None = None) -> dict[str, dict[str, Any]]:
-    """Return the JSON Schemas of the documents, file stem to schema; of plans and results where none are given."""
+def json_schemas() -> dict[str, Json]:
+    """Return the JSON Schemas of all documents, file stem to schema."""
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    found = documents or {"plan-1": PlanDocument, "result-1": ResultDocument}
-    return {stem: dialect | document.model_json_schema(by_alias=True) for stem, document in found.items()}
+    return {stem: dialect | _adapter(stem).json_schema(by_alias=True) for stem in DOCUMENTS}
+
+
+def _schema_name(stem: str) -> str:
+    name, _, version = stem.rpartition("-")
+    return f"hybrid-tamp/{name}/{version}"
+
+
+@cache
+def _adapter(stem: str) -> TypeAdapter[Any]:
+    name = _schema_name(stem)
+    schema = ("schema", Literal[name], dataclass_field(default=name))
+    return TypeAdapter(_form(DOCUMENTS[stem], None, schema))
+
+
+def _object(value: Any, keys: Keys | None) -> Json:
+    """Return a dataclass instance as plain data."""
+    return {key.name: _data(_read(value, key), key.keys) for key in _keys(type(value), keys)}
+
+
+def _data(value: Any, keys: Keys | None = None) -> Any:
+    """Return any value as plain data; JSON has neither infinity nor NaN."""
+    text = TEXTS.get(type(value))
+    if text is not None:
+        return text(value)
+    if is_dataclass(value):
+        return _object(value, keys)
+    if isinstance(value, Mapping):
+        return {name: _data(each, keys) for name, each in value.items()}
+    if isinstance(value, tuple | list):
+        return [_data(each, keys) for each in value]
+    if isinstance(value, Enum):
+        return value.value
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def _read(value: Any, key: Key) -> Any:
+    if isinstance(key.source, str):
+        return reduce(getattr, key.source.split("."), value)
+    return key.source(value)
+
+
+def _keys(of: type, keys: Keys | None) -> tuple[Key, ...]:
+    """Return the keys of a dataclass: those given, else those of the table, else one for each field."""
+    wanted = keys or KEYS.get(of) or tuple(field.name for field in fields(of))
+    return tuple(Key(each) if isinstance(each, str) else each for each in wanted)
+
+
+@cache
+def _form(of: type, keys: Keys | None, *more: Any) -> type:
+    """Return the dataclass that has the keys of a document as fields, from which pydantic makes the schema."""
+    namespace = {"__doc__": (of.__doc__ or "").partition("\n")[0], "__pydantic_config__": ConfigDict(extra="forbid")}
+    made = [_form_field(of, key) for key in _keys(of, keys)]
+    return make_dataclass(of.__name__, [*more, *made], namespace=namespace, kw_only=True)
+
+
+def _form_field(of: type, key: Key) -> tuple[str, Any, Any]:
+    shown, described = _resolve(of, key)
+    kind: Any = _form_type(shown, key.keys)
+    name = f"{key.name}_" if iskeyword(key.name) else key.name
+    form = Field(key.default, alias=key.name, description=described or None)
+    return name, kind | None if key.nullable else kind, dataclass_field(default=form)
+
+
+def _form_type(kind: Any, keys: Keys | None) -> Any:
+    """Return the type that a value of some type has in a document."""
+    if kind in TEXTS:
+        return str
+    if isinstance(kind, type) and is_dataclass(kind):
+        return _form(kind, keys)
+    origin = get_origin(kind)
+    if origin in (None, Literal):
+        return kind
+    inner: Any = tuple(_form_type(each, keys) for each in get_args(kind) if each is not Ellipsis)
+    if origin in (Union, UnionType):
+        return Union[inner]  # noqa: UP007
+    return dict.__class_getitem__(inner) if issubclass(origin, Mapping) else list[Union[inner]]  # noqa: UP007
+
+
+def _resolve(of: type, key: Key) -> tuple[Any, str]:
+    """Return the type of what a key shows, and what its docstring says."""
+    if not isinstance(key.source, str):
+        return get_type_hints(key.source)["return"], inspect.getdoc(key.source) or ""
+    kind: Any = of
+    described = ""
+    for name in key.source.split("."):
+        described = _described(kind, name)
+        member = inspect.getattr_static(kind, name, None)
+        function = member.func if isinstance(member, cached_property) else getattr(member, "fget", None)
+        kind = get_type_hints(function)["return"] if function else get_type_hints(kind)[name]
+    return kind, described
+
+
+def _described(of: type, name: str) -> str:
+    """Return what the docstring says of an attribute."""
+    member = inspect.getattr_static(of, name, None)
+    if isinstance(member, property | cached_property):
+        return (inspect.getdoc(member) or "").partition("\n")[0]
+    found = re.search(rf"^    {name}: (.*(?:\n {{8}}.*)*)", inspect.getdoc(of) or "", re.MULTILINE)
+    return " ".join(found[1].split()) if found else ""

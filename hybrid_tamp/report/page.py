@@ -1,5 +1,7 @@
 """The page of a run: report.html, made from the documents in its folder; pictures and video are files beside it."""
 
+from collections.abc import Callable
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
@@ -7,15 +9,15 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from hybrid_tamp.errors import InputError, Issue
-from hybrid_tamp.report.documents import PlanDocument, ResultDocument
-from hybrid_tamp.report.entries import Document
+from hybrid_tamp.report.documents import Json, parse_document
 from hybrid_tamp.report.folder import NUMBERED_FILES, RUN_FILES, RunFolder
+from hybrid_tamp.report.plan_entries import PlanDocument
 from hybrid_tamp.report.refinement_tables import KEPT, efforts, given_up, number, values
 from hybrid_tamp.report.tables import allocation, allocations, margin, network_text, plan_footer, reasons
 
 PAGE = "report.html"
 
-_Document = TypeVar("_Document", bound=Document)
+_Document = TypeVar("_Document")
 
 
 def write_page(folder: RunFolder) -> Path:
@@ -27,10 +29,10 @@ def write_page(folder: RunFolder) -> Path:
     Raises:
         InputError: a document is not there or is none, or the folder cannot be written to.
     """
-    plan = _read(folder.path / "plan.json", PlanDocument)
+    plan = _read(folder.path / "plan.json", PlanDocument.model_validate_json)
     result = None
     if (folder.path / "result.json").exists():
-        result = _read(folder.path / "result.json", ResultDocument)
+        result = _read(folder.path / "result.json", partial(parse_document, "result-1"))
     return folder.write_text(PAGE, _template().render(_content(folder.path, plan, result)))
 
 
@@ -43,7 +45,7 @@ def _template() -> Any:
     return environment.from_string(files("hybrid_tamp.report").joinpath("page.html").read_text(encoding="utf-8"))
 
 
-def _content(path: Path, plan: PlanDocument, result: ResultDocument | None) -> dict[str, Any]:
+def _content(path: Path, plan: PlanDocument, result: Json | None) -> dict[str, Any]:
     refinement, task_file = plan.refinement, path / "task.yaml"
     there = sorted(name for name in RUN_FILES if name != PAGE and (path / name).exists())
     return {
@@ -52,7 +54,7 @@ def _content(path: Path, plan: PlanDocument, result: ResultDocument | None) -> d
         "lanes": lanes(plan),
         "footer": plan_footer(plan) if plan.steps else "",
         "network": network_text(plan).splitlines(),
-        "performance": result.performance if result else refinement.performance if refinement else [],
+        "performance": result["performance"] if result else refinement.performance if refinement else [],
         "values": list(values(refinement)) if refinement else [],
         "effort": "; ".join(efforts(refinement)) if refinement else "",
         "kept": KEPT,
@@ -82,14 +84,14 @@ def lanes(plan: PlanDocument) -> dict[str, list[dict[str, Any]]]:
     return dict(sorted(found.items()))
 
 
-def _read(file: Path, document: type[_Document]) -> _Document:
+def _read(file: Path, parse: Callable[[bytes], _Document]) -> _Document:
     """Return the document in a file.
 
     Raises:
         InputError: it is not there, or it is not such a document.
     """
     try:
-        return document.model_validate_json(file.read_bytes())
+        return parse(file.read_bytes())
     except OSError as error:
         wanted = f"{file.name} as `plan -o` and `run -o` leave it"
         raise InputError([Issue(str(file), wanted, str(error.strerror))]) from error

@@ -108,7 +108,7 @@ def refinement_entry(refined: RefinedPlan, given_up: GivenUp = ()) -> Refinement
         defaults=_value(refined.defaults),
         apart=None if refined.apart is None else _value(refined.apart),
         hyperparameters=[_hyperparameter(tuned) for tuned in refined.hyperparameters],
-        performance=list(performance_entries(refined.performance)),
+        performance=[_performance(each) for each in refined.performance],
         history=_history(refined.history),
         rounds=[RoundEntry(block=block, roles=dict(roles), **short.__dict__) for block, roles, short in given_up],
         physics=refined.physics and _physics(refined.physics),
@@ -136,19 +136,15 @@ def _hyperparameter(tuned: Tuned) -> HyperparameterEntry:
     return HyperparameterEntry(**{**tuned.__dict__, "moves": list(tuned.moves)})
 
 
-def performance_entries(
-    expected: Iterable[Performance], measured: Mapping[tuple[str, str], float] | None = None
-) -> Iterable[PerformanceEntry]:
-    """Yield the measures, predicted and, where a run measured them, measured."""
-    for each in expected:
-        yield PerformanceEntry(
-            instance=each.instance,
-            measure=each.measure,
-            unit=each.unit,
-            weight=each.weight,
-            predicted=_finite(each.figure),
-            measured=_finite((measured or {}).get((each.instance, each.measure))),
-        )
+def _performance(each: Performance) -> PerformanceEntry:
+    return PerformanceEntry(
+        instance=each.instance,
+        measure=each.measure,
+        unit=each.unit,
+        weight=each.weight,
+        predicted=_finite(each.figure),
+        measured=_finite(each.measured),
+    )
 
 
 def _finite(value: float | None) -> float | None:

@@ -8,7 +8,8 @@ from rich.text import Text
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.report.documents import ExplanationEntry, InstanceEntry, PlanDocument, ResultDocument, StepEntry
+from hybrid_tamp.report.documents import Json
+from hybrid_tamp.report.plan_entries import ExplanationEntry, InstanceEntry, PlanDocument, StepEntry
 
 _WIDTH = 60
 """Characters of a timeline."""
@@ -127,24 +128,26 @@ def reasons(entry: ExplanationEntry) -> list[str]:
     return lines
 
 
-def result_table(document: ResultDocument) -> RenderableType:
+def result_table(document: Json) -> RenderableType:
     """Return what a run did: predicted against measured exit margins, the goal, the domain's measures."""
-    table = Table(title=f"\nRun of {document.task} in {document.backend}", title_justify="left", header_style="bold")
+    table = Table(
+        title=f"\nRun of {document['task']} in {document['backend']}", title_justify="left", header_style="bold"
+    )
     table.box, table.pad_edge = None, False
     # Folded, not cut: a condition without its last argument says nothing.
     table.add_column("exit conditions", overflow="fold")
     table.add_column("predicted", justify="right")
     table.add_column("measured", justify="right")
     table.add_column("")
-    for run in (each for each in document.blocks if each.exit):
-        table.add_row(Text(f"{run.instance}, {run.start:.2f} to {run.end:.2f} s"))
-        for condition in run.exit:
-            numbers = (margin(condition.predicted), margin(condition.measured))
-            table.add_row(Text(f"  {condition.atom}"), *numbers, "holds" if condition.holds else "FAILS")
+    for run in (each for each in document["blocks"] if each["exit"]):
+        table.add_row(Text(f"{run['instance']}, {run['start']:.2f} to {run['end']:.2f} s"))
+        for condition in run["exit"]:
+            numbers = (margin(condition["predicted"]), margin(condition["measured"]))
+            table.add_row(Text(f"  {condition['atom']}"), *numbers, "holds" if condition["holds"] else "FAILS")
     goal = Table(box=None, show_header=False, pad_edge=False)
-    for atom in document.goal:
-        goal.add_row("goal", Text(atom.atom), margin(atom.margin), "holds" if atom.holds else "FAILS")
-    for name, value in document.metrics.items():
+    for atom in document["goal"]:
+        goal.add_row("goal", Text(atom["atom"]), margin(atom["margin"]), "holds" if atom["holds"] else "FAILS")
+    for name, value in document["metrics"].items():
         goal.add_row("measured", Text(name), f"{value:.4g}", "")
     return Group(table, goal)
 

@@ -2,7 +2,7 @@
 
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.explain.explanation import Explanation, explain_alternatives, explain_wholly
-from hybrid_tamp.report.documents import ExplanationEntry, ReasonEntry, SuggestionEntry
+from hybrid_tamp.report.plan_entries import ExplanationEntry, ReasonEntry, SuggestionEntry
 
 SUGGESTING = 4.0
 """How long `plan` looks for a single change with which there would be a plan [s]."""

@@ -20,8 +20,8 @@ from hybrid_tamp.planning.plan import PlanOutcome
 from hybrid_tamp.questions.imitate.observation import ALLOWANCE, Observation
 from hybrid_tamp.questions.imitate.segmentation import Segmentation, segment
 from hybrid_tamp.questions.imitate.transfer import KIND, transfer
-from hybrid_tamp.report.documents import PlannerEntry, network_entry, plan_document
 from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.report.plan_entries import PlannerEntry, network_entry, plan_document
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import load_task

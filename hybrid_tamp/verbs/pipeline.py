@@ -6,6 +6,7 @@ Each function is one verb of the command line; the stages know nothing of each o
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -15,16 +16,18 @@ from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.refined import Milestone
+from hybrid_tamp.model.run_result import RunResult
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.physics_rollouts import Rehearsal, available_processors
 from hybrid_tamp.planning.plan import PlanOutcome, plan
 from hybrid_tamp.planning.replanning import Rounds, plan_in_rounds
 from hybrid_tamp.report.convergence import convergence_picture
-from hybrid_tamp.report.documents import ResultDocument, result_document, steps_of
+from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.report.measures import run_measures
 from hybrid_tamp.report.page import write_page
-from hybrid_tamp.report.refinement import performance_entries, refinement_entry
+from hybrid_tamp.report.plan_entries import steps_of
+from hybrid_tamp.report.refinement import refinement_entry
 from hybrid_tamp.report.versions import versions
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.pddl.text import domain_text, problem_text
@@ -63,7 +66,7 @@ class RunOutcome:
 
     plan: PlanOutcome
     recording: Recording
-    document: ResultDocument
+    document: RunResult
 
 
 def export(
@@ -223,7 +226,7 @@ def run(
             recording = execute(task, chosen, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
     outcome = judge(task, rounds, recording, began)
     save(outcome.recording, folder.path / "recording.npz")
-    folder.write_json("result.json", outcome.document.dump())
+    folder.write_json("result.json", document(outcome.document))
     draw(task, outcome.recording, folder, video, tell)
     write_page(folder)
     return outcome
@@ -243,19 +246,22 @@ def judge(task: Task, rounds: Rounds, recording: Recording, began: float) -> Run
 
     assert rounds.refined is not None, "what was run was refined"
     recording = with_predictions(recording, rounds.refined.expected)
-    metrics = task.domain.metrics(task, recording) if task.domain.metrics else {}
+    metrics = {**(task.domain.metrics(task, recording) if task.domain.metrics else {})}
+    metrics |= run_measures(rounds.outcome.required(), recording)
     figures = {key: float(figure[0]) for key, figure in measured_rollout(task, recording).figures.items()}
-    document = result_document(
+    result = RunResult(
         task,
         recording,
-        wall_seconds=time.monotonic() - began,
-        metrics={**metrics, **run_measures(rounds.outcome.required(), recording)},
-        versions=versions(),
-        law=map(str, [] if recording.failure else check_law(task, recording.plan, recording.at)),
-        performance=performance_entries(rounds.refined.performance, figures),
         replans=len(rounds.given_up),
+        metrics={name: value for name, value in metrics.items() if isfinite(value)},
+        wall_seconds=time.monotonic() - began,
+        versions=versions(),
+        performance=tuple(
+            replace(each, measured=figures.get((each.instance, each.measure))) for each in rounds.refined.performance
+        ),
+        law=tuple([] if recording.failure else check_law(task, recording.plan, recording.at)),
     )
-    return RunOutcome(rounds.outcome, recording, document)
+    return RunOutcome(rounds.outcome, recording, result)
 
 
 def check_video(path: Path | None) -> None:

@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.report.documents import (
+from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.report.page import lanes, write_page
+from hybrid_tamp.report.plan_entries import (
     ExplanationEntry,
     InstanceEntry,
     NetworkEntry,
@@ -14,8 +16,6 @@ from hybrid_tamp.report.documents import (
     ReasonEntry,
     StepEntry,
 )
-from hybrid_tamp.report.folder import RunFolder
-from hybrid_tamp.report.page import lanes, write_page
 
 
 def instance(block: str, number: int, **slots: str) -> InstanceEntry:

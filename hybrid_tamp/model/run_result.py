@@ -1,0 +1,59 @@
+"""The result of a run: what was measured, held against what was predicted, the law and the domain's measures."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from hybrid_tamp.model.law import Violation
+from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.recording import AtomMargin, Recording
+from hybrid_tamp.model.refined import Performance
+from hybrid_tamp.model.task import Task
+
+
+@dataclass(frozen=True)
+class ExecutedInstance:
+    """One block instance that ran.
+
+    Attributes:
+        instance: the instance, with the instants at which it really began and ended.
+        exits: its exit conditions when it ended.
+    """
+
+    instance: BlockInstance
+    exits: tuple[AtomMargin, ...]
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """The result of one run.
+
+    Attributes:
+        task: the task that was run.
+        recording: what was measured, with what was predicted beside it.
+        replans: how many plans were given up before the one that was run.
+        metrics: the domain's own measures and those of every run, name (with unit) to value.
+        wall_seconds: how long all the work took [s].
+        versions: versions of what the result depends on.
+        performance: performance measures, predicted and measured.
+        law: breaches of the law of assignment by the recording.
+    """
+
+    task: Task
+    recording: Recording
+    replans: int
+    metrics: Mapping[str, float]
+    wall_seconds: float
+    versions: Mapping[str, str]
+    performance: tuple[Performance, ...]
+    law: tuple[Violation, ...]
+
+    @property
+    def success(self) -> bool:
+        """Whether the plan ran to its end and the goal held there."""
+        return self.recording.success
+
+    @property
+    def blocks(self) -> tuple[ExecutedInstance, ...]:
+        """The block instances that ran."""
+        exits = self.recording.exits
+        return tuple(ExecutedInstance(each, exits.get(each.name, ())) for each in self.recording.instances)
