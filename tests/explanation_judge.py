@@ -4,10 +4,9 @@ from collections.abc import Collection, Iterator
 
 from brute_force import Key, solvable
 
-from hybrid_tamp.feasibility.reasons import Reason
+from hybrid_tamp.model.explanation import Explanation, Reason, Suggestion
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.explain.explanation import Explanation
-from hybrid_tamp.questions.explain.repairs import Suggestion
+from hybrid_tamp.questions.changes import apply_change
 
 
 def faults(task: Task, explanation: Explanation, every: Collection[Key]) -> Iterator[str]:
@@ -16,7 +15,7 @@ def faults(task: Task, explanation: Explanation, every: Collection[Key]) -> Iter
         change, key = suggestion.change, key_of(suggestion)
         if key not in every:
             yield f"{key} is no single repair"
-        if not solvable(change.made()):
+        if not solvable(apply_change(task, change)):
             yield f"{change.what}: there is still no plan"
     if every and not explanation.suggestions:
         yield "there are single repairs and none is suggested"
@@ -32,21 +31,22 @@ def faults(task: Task, explanation: Explanation, every: Collection[Key]) -> Iter
 def key_of(suggestion: Suggestion) -> Key:
     """Return the key of the repair that is suggested."""
     change = suggestion.change
-    return (change.kind, *change.key[: 1 if change.kind in ("token", "fact") else 2])
+    return (change.kind, *change.names[: 1 if change.kind in ("token", "fact") else 2])
 
 
 def is_among(task: Task, reason: Reason, every: Collection[Key]) -> bool:
     """Say whether what a reason complains of is what one of the repairs repairs."""
+    lacks = _lacks(reason)
     for kind, *names in every:
-        if kind == "fact" and names[0] == reason.atom:
+        if reason.atom is not None and kind == "fact" and names[0] == reason.atom.text:
             return True
-        if kind == "property" and reason.atom and names[0] in reason.atom.partition("(")[2].rstrip(")").split(", "):
+        if reason.atom is not None and kind == "property" and names[0] in reason.atom.arguments:
             return True
-        if kind == "edge" and reason.kind == "no_edge" and names[1] == reason.lacks:
+        if kind == "edge" and reason.kind == "no_edge" and names[1] == lacks:
             return True
-        if kind == "class" and names[1] == reason.lacks:
+        if kind == "class" and names[1] == lacks:
             return True
-        if kind == "token" and reason.lacks in (names[0], *_classes(task, names[0])):
+        if kind == "token" and lacks in (names[0], *_classes(task, names[0])):
             return True
     return False
 
@@ -54,20 +54,25 @@ def is_among(task: Task, reason: Reason, every: Collection[Key]) -> bool:
 def is_true(task: Task, reason: Reason) -> bool:
     """Say whether what a reason says can be read off the task."""
     blocks = [b for b in task.domain.blocks if reason.block in (b.name, b.action, "")]
+    lacks = _lacks(reason)
     if reason.kind == "not_feasible":
-        positive = not reason.atom.startswith("not ")
-        name, _, rest = reason.atom.removeprefix("not ").partition("(")
-        values = [task.token_by_name.get(each, each) for each in rest.rstrip(")").split(", ")]
-        margin = float(task.domain.predicate_by_name[name].evaluate(task.state, *values))
-        return margin < 0 if positive else margin >= 0
+        assert reason.atom is not None
+        values = [task.token_by_name.get(each, each) for each in reason.atom.arguments]
+        margin = float(task.domain.predicate_by_name[reason.atom.predicate].evaluate(task.state, *values))
+        return margin < 0 if reason.atom.positive else margin >= 0
     if reason.kind in ("no_token", "too_few_tokens"):
-        have = sum(reason.lacks in _classes(task, token.name) for token in task.tokens)
-        needed = max(sum(slot.object_class.name == reason.lacks for slot in block.slots) for block in blocks)
-        said = f"{have} of class {reason.lacks}" in reason.message or f"the task has {have}" in reason.message
+        have = sum(lacks in _classes(task, token.name) for token in task.tokens)
+        needed = max(sum(slot.object_class.name == lacks for slot in block.slots) for block in blocks)
+        said = f"{have} of class {lacks}" in reason.message or f"the task has {have}" in reason.message
         return said and (reason.block == "" or have < needed)
     if reason.kind == "no_edge":
-        return any(f"{b.name}.{s.name}" == reason.lacks for b in task.domain.blocks for s in b.slots)
+        return any(f"{b.name}.{s.name}" == lacks for b in task.domain.blocks for s in b.slots)
     return reason.kind in ("no_block", "together")
+
+
+def _lacks(reason: Reason) -> str:
+    lacks = reason.lacks
+    return "" if lacks is None else ".".join(lacks) if isinstance(lacks, tuple) else lacks.name
 
 
 def _classes(task: Task, name: str) -> tuple[str, ...]:

@@ -20,9 +20,10 @@ from hybrid_tamp.feasibility.bindings import (
     symbolic,
 )
 from hybrid_tamp.feasibility.passages import Passages
-from hybrid_tamp.feasibility.reasons import BLOCK, Reason, about
+from hybrid_tamp.feasibility.reasons import BLOCK, reason_of
 from hybrid_tamp.feasibility.shares import amount, best_choice, failing
 from hybrid_tamp.model.block import Block, Slot
+from hybrid_tamp.model.explanation import Reason, ReasonKind
 from hybrid_tamp.model.facts import StaticFacts, facts
 from hybrid_tamp.model.predicate import Atom, Literal
 from hybrid_tamp.model.task import Task
@@ -105,7 +106,7 @@ class Backwards:
                 ways.reasons.append(member)
             elif not feasible(self._margins, filter(symbolic, literals), allowed):
                 outcome = ", ".join(value for value in fixed.values() if isinstance(value, str))
-                never.append(about(block, "no_block", f"{BLOCK} never brings about {outcome or atom.predicate}"))
+                never.append(reason_of(block, "no_block", f"{BLOCK} never brings about {outcome or atom.predicate}"))
             elif missing := self._missing(block, literals, allowed):
                 ways.reasons.extend(missing)
             elif bounds := feasible(self._margins, literals, allowed):
@@ -115,7 +116,7 @@ class Backwards:
                 ways.reasons.extend(self._infeasible(block, literals, allowed))
         if not ways.waits and not ways.reasons:
             message = f"no block of {self.task.domain.name} brings about {atom.predicate}, whatever its conditions are"
-            ways.reasons = never or [Reason("", "", "no_block", message)]
+            ways.reasons = never or [Reason((), "", "no_block", message)]
         return ways
 
     def at_hand(self, atom: Atom, reached: set[Atom]) -> list[Reason]:
@@ -183,8 +184,8 @@ class Backwards:
                 f"{slot.object_class.name}, the task has {have}; {wanted - have} more "
                 f"{'like these would not do' if unable else 'would do'}"
             )
-            kind = "too_few_tokens" if have else "no_token"
-            found += [about(block, kind, message, lacks=slot.object_class.name), *unable]
+            kind: ReasonKind = "too_few_tokens" if have else "no_token"
+            found += [reason_of(block, kind, message, lacks=slot.object_class), *unable]
         return found
 
     def _infeasible(self, block: Block, literals: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
@@ -198,15 +199,15 @@ class Backwards:
             f"{BLOCK} cannot: no choice of tokens meets all its conditions at once; in the best one {said} "
             f"({literal.predicate.name} fails by {amount(-margin, literal.predicate.unit)})"
         )
-        return [about(block, "not_feasible", message, str(atom), margin, literal.predicate.unit)]
+        return [reason_of(block, "not_feasible", message, atom, margin, literal.predicate.unit)]
 
 
 def _no_member(task: Task, block: Block, fixed: Bound) -> Reason | None:
     for role, value in fixed.items():
         sort = block.roles.get(role)
-        if isinstance(value, Token) and sort is not None and value not in task.values_of(sort):
+        if isinstance(value, Token) and isinstance(sort, type) and value not in task.values_of(sort):
             message = f"{value.name} is not a member of {sort.name}, which {role} of {BLOCK} needs"
-            return about(block, "no_token", message, lacks=sort.name)
+            return reason_of(block, "no_token", message, lacks=sort)
     return None
 
 

@@ -6,9 +6,10 @@ from functools import cached_property
 import networkx as nx
 
 from hybrid_tamp.feasibility.bindings import Bound, Choices
-from hybrid_tamp.feasibility.reasons import BLOCK, Reason, about
+from hybrid_tamp.feasibility.reasons import BLOCK, reason_of
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.network import SlotName
+from hybrid_tamp.model.explanation import Reason
+from hybrid_tamp.model.network import SlotName, slot_text
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
@@ -62,11 +63,12 @@ class Passages:
         for slot in block.slots:
             tokens = [token for token in allowed[slot.name] if isinstance(token, Token)]
             if tokens and not any((block.name, slot.name) in self.slots(token) for token in tokens):
-                where = sorted({".".join(place) for token in tokens for place in self.slots(token)})
+                where = sorted({slot_text(place) for token in tokens for place in self.slots(token)})
                 shown = ", ".join(where[:_SHOWN]) + (", ..." if len(where) > _SHOWN else "")
                 names = ", ".join(sorted(token.name for token in tokens))
                 message = (
-                    f"no edge of the network leads to slot {slot.name} of {BLOCK} from where {names} can come: {shown}"
+                    f"no edge of the network leads to slot {slot.name} of {BLOCK} "
+                    f"from any slot that {names} can reach: {shown}"
                 )
-                found.append(about(block, "no_edge", message, lacks=f"{block.name}.{slot.name}"))
+                found.append(reason_of(block, "no_edge", message, lacks=(block.name, slot.name)))
         return found

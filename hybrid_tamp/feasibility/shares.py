@@ -11,8 +11,9 @@ from itertools import product
 from math import ceil
 
 from hybrid_tamp.feasibility.bindings import Bound, Choices, Margins, completed, feasible
-from hybrid_tamp.feasibility.reasons import BLOCK, Reason, about
+from hybrid_tamp.feasibility.reasons import BLOCK, reason_of
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import Literal, Value, name_of
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import different
@@ -115,7 +116,7 @@ def _reason(
         message += f"; {len(shared.slots)} at once must meet it, and only {', '.join(meeting)} does"
     if predicate.share is not None:
         message += f": {_pooled(margins.task, shared, ranked, candidates)}"
-    return about(block, "not_feasible", message, str(atom), margin, predicate.unit)
+    return reason_of(block, "not_feasible", message, atom, margin, predicate.unit)
 
 
 def amount(number: float, unit: str) -> str:

@@ -36,6 +36,12 @@ class ReassignmentNetwork:
         part.graph.add_edges_from((one, other) for one, other in inside if other[0] in blocks)
         return part
 
+    def extended(self, edges: Iterable[tuple[SlotName, SlotName]]) -> "ReassignmentNetwork":
+        """Return the network with more edges."""
+        more = ReassignmentNetwork(())
+        more.graph.add_edges_from((*self.edges, *edges))
+        return more
+
     @property
     def edges(self) -> tuple[tuple[SlotName, SlotName], ...]:
         """All edges, sorted."""
@@ -64,3 +70,8 @@ def parse_slot(text: str) -> SlotName:
     if not (block and dot and slot):
         raise ValueError(f"a slot is written 'BLOCK.slot', got {text!r}")
     return (block, slot)
+
+
+def slot_text(slot: SlotName) -> str:
+    """Write a slot as ``"BLOCK.slot"``."""
+    return ".".join(slot)

@@ -1,88 +1,96 @@
-"""Single changes of a task: one more token, one more class for a token, one more edge, one fact granted, one property.
+"""Changed tasks: with one more token, one more class for a token, more edges, facts granted, another property.
 
-A changed task is a task as any other, and is solved as any other. What is not known of it is taken to be as good as it
-takes: a token of a class of which the task has no member meets every feasibility fact that is asked of it as such.
+A changed task is solved as any other. What is not known of it is assumed to be ideal: a token of a class of which the
+task has no member meets every feasibility fact that is asked of it as a member.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
-from typing import Literal as OneOf
 
 import numpy as np
 
 from hybrid_tamp.geometry.surfaces import points_of
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.change import AddEdge, Change, CopyToken, GrantFact, IdealToken, JoinClass, SetProperty
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.network import ReassignmentNetwork, SlotName
+from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.predicate import Atom, Literal, Predicate, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
-Kind = OneOf["token", "class", "edge", "fact", "property"]
 
-Place = tuple[float, float, float]
+def apply_change(task: Task, change: Change) -> Task:
+    """Return the changed task."""
+    match change:
+        case CopyToken(like, across_from):
+            return with_copy(task, like, _copy_position(task, like, across_from))
+        case IdealToken(object_class):
+            return with_ideal(task, object_class)
+        case JoinClass(token, object_class):
+            return with_class(task, token, object_class)
+        case AddEdge(source, target):
+            return with_edges(task, [(source, target)])
+        case GrantFact(atom):
+            return with_facts(task, [atom])
+        case SetProperty():
+            return with_token(task, change.token)
 
 
-@dataclass(frozen=True)
-class Change:
-    """One change of a task.
+def apply_together(task: Task, changes: Collection[Change]) -> Task:
+    """Return the task with many edges or many facts, or with any single change or none."""
+    if len(changes) == 1:
+        (change,) = changes
+        return apply_change(task, change)
+    edges = [(change.source, change.target) for change in changes if isinstance(change, AddEdge)]
+    atoms = [change.atom for change in changes if isinstance(change, GrantFact)]
+    assert len(changes) in (len(edges), len(atoms)), "many changes at once are all edges or all facts"
+    return with_facts(task, atoms) if atoms else with_edges(task, edges)
 
-    Attributes:
-        kind: what sort of change it is.
-        key: what tells it from others of its kind: the names of a class, a token, slots, an atom or a property.
-        what: the change in words, as something to do.
-        made: makes the changed task.
+
+def more_tokens(task: Task, like: Token) -> Iterator[CopyToken]:
+    """Yield one more token like one that is there: beside it, then on the other side of each object.
+
+    Symbols do not ask whether two objects are in one place; the copy is put as far away as it is long all the same.
     """
-
-    kind: Kind
-    key: tuple[str, ...]
-    what: str
-    made: Callable[[], Task]
-
-
-def more_tokens(task: Task, like: Token) -> Iterator[Change]:
-    """Yield the change by one more token like one that is there: beside it, then on the other side of each thing.
-
-    Symbols do not ask whether two things are in one place; the copy is put as far away as it is long all the same.
-    """
+    yield CopyToken(like)
     position = task.state[like, "position"]
-    aside = position + np.array([0.0, _extent(like), 0.0])
-    said = f"one more token like {like.name} ({_classes(like)})"
-    yield Change("token", (like.name, ""), said, lambda: with_copy(task, like, aside))
     for other in task.assigned:
         if other is not like and set(other.classes).isdisjoint(set(like.classes) - {task_root(task)}):
-            middle = task.state[other, "position"]
-            across = np.array([*(2.0 * middle - position)[:2], position[2]])
+            across = _copy_position(task, like, other)
             if np.linalg.norm((across - position)[:2]) > 1e-6:
-                made = _across(task, like, across)
-                yield Change("token", (like.name, other.name), f"{said} on the other side of {other.name}", made)
+                yield CopyToken(like, other)
 
 
-def _across(task: Task, like: Token, place: FloatArray) -> Callable[[], Task]:
-    return lambda: with_copy(task, like, place)
+def _copy_position(task: Task, like: Token, across_from: Token | None) -> FloatArray:
+    """Return where a copy is: beside the token, or on the other side of another one [m]."""
+    position = task.state[like, "position"]
+    if across_from is None:
+        return np.asarray(position + np.array([0.0, _extent(like), 0.0]))
+    middle = task.state[across_from, "position"]
+    return np.array([*(2.0 * middle - position)[:2], position[2]])
 
 
 def task_root(task: Task) -> type[ObjectClass]:
-    """Return the class that every token of the task but places is a member of."""
+    """Return the class of which every token of the task but places is a member."""
     return task.domain.resting_block.slots[0].object_class
 
 
 def with_copy(task: Task, like: Token, position: FloatArray) -> Task:
-    """Return the task with one more token like one that is there, at a place; it belongs to the same agent."""
+    """Return the task with a copy of a token at a position [m]; the copy belongs to the same agent."""
     copy = replace(like, name=free_name(task, like.name))
     state = {(copy.name, varying.name): task.state[like, varying.name] for varying in like.varying}
     agents = {agent: (*names, copy.name) if like.name in names else names for agent, names in task.agents.items()}
-    return _with_token(task, copy, {**state, (copy.name, "position"): position}, like, agents)
+    return _add_token(task, copy, {**state, (copy.name, "position"): position}, like, agents)
 
 
 def with_ideal(task: Task, object_class: type[ObjectClass]) -> Task:
-    """Return the task with a token of a class of which it has none, which meets every fact that is asked of it."""
+    """Return the task with a token of a class that has no members yet; it meets every fact that is asked of it."""
     ideal = replace(Token(free_name(task, object_class.name.lower()), (), {}), classes=_with_root(task, object_class))
-    more = _with_token(task, ideal, {}, None, task.agents)
+    more = _add_token(task, ideal, {}, None, task.agents)
     return more.replaced(domain=granted(more.domain, lambda _, values: any(v is ideal for v in values)))
 
 
@@ -90,7 +98,7 @@ def _with_root(task: Task, object_class: type[ObjectClass]) -> tuple[type[Object
     return tuple(sorted({object_class, task_root(task)}, key=lambda each: each.name))
 
 
-def _with_token(
+def _add_token(
     task: Task,
     token: Token,
     given: Mapping[tuple[str, str], Any],
@@ -104,7 +112,7 @@ def _with_token(
 
 
 def without_token(task: Task, token: Token) -> Task:
-    """Return the task without a token; goals that name it go with it."""
+    """Return the task without a token and without the goals that name it."""
     tokens = tuple(each for each in task.tokens if each is not token)
     given = {key: value for key, value in _given(task).items() if key[0] != token.name}
     return task.replaced(
@@ -129,7 +137,7 @@ def free_name(task: Task, name: str) -> str:
 
 
 def with_token(task: Task, token: Token) -> Task:
-    """Return the task with another token in place of the one of the same name; where it is stays the same."""
+    """Return the task with another token in place of the one of the same name; its state stays the same."""
     tokens = tuple(token if each.name == token.name else each for each in task.tokens)
     names = {(each.name, varying.name) for each in tokens for varying in each.varying}
     state = State.of(tokens, {key: value for key, value in _given(task).items() if key in names})
@@ -139,8 +147,8 @@ def with_token(task: Task, token: Token) -> Task:
 def with_class(task: Task, token: Token, object_class: type[ObjectClass]) -> Task:
     """Return the task in which a token is a member of one more class.
 
-    What the class asks of it is as it is of the first member of the class; without one, it meets every fact that is
-    asked of a member.
+    The token takes the properties that the class asks for from the first member of the class. If there is none, the
+    token meets every fact that is asked of a member.
     """
     members = [each for each in task.values_of(object_class) if isinstance(each, Token)]
     classes = tuple(sorted({*token.classes, object_class}, key=lambda each: each.name))
@@ -161,12 +169,11 @@ def with_class(task: Task, token: Token, object_class: type[ObjectClass]) -> Tas
 
 def with_edges(task: Task, more: Iterable[tuple[SlotName, SlotName]]) -> Task:
     """Return the task whose network has more edges."""
-    edges = [(".".join(one), ".".join(other)) for one, other in (*task.domain.network.edges, *more)]
-    return task.replaced(domain=replace(task.domain, network=ReassignmentNetwork(edges)))
+    return task.replaced(domain=replace(task.domain, network=task.domain.network.extended(more)))
 
 
 def with_facts(task: Task, atoms: Iterable[Atom]) -> Task:
-    """Return the task in which feasibility facts are as conditions want them, whatever their margins are."""
+    """Return the task in which feasibility facts are as conditions need them, whatever their margins are."""
     domain = task.domain
     for positive in (True, False):
         wanted = {(atom.predicate, *atom.arguments) for atom in atoms if atom.positive is positive}
@@ -183,16 +190,16 @@ Granted = Callable[[Predicate, tuple[Value, ...]], bool]
 
 
 def granted(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collection[str] = ()) -> Domain:
-    """Return the domain in which feasibility facts that are wanted are so by decree.
+    """Return the domain in which some feasibility facts are decreed.
 
-    Of the tokens that they speak of not everything may be known: what cannot be said of them at first does not hold,
-    and how long blocks last is not estimated from them.
+    Not everything may be known of the tokens that they speak of: a changing predicate that cannot be evaluated does
+    not hold, and durations are not estimated.
 
     Args:
         domain: the domain.
         wanted: says which facts.
-        margin: what they are decreed to be.
-        names: the predicates that they may be of; any where there are none.
+        margin: the margin that they get.
+        names: the predicates of these facts; any predicate if empty.
     """
     changed = {
         predicate: _granted(predicate, wanted, margin)
@@ -235,8 +242,3 @@ def _granted(predicate: Predicate, wanted: Granted, margin: float) -> Predicate:
 def _extent(token: Token) -> float:
     """Return how long a token is along its longest side [m], as far as is known."""
     return 0.1 if token.shape is None else float(np.ptp(points_of(token.shape), axis=0).max())
-
-
-def _classes(token: Token) -> str:
-    own = [member.name for member in token.classes if member.model_fields]
-    return ", ".join(own or [member.name for member in token.classes])

@@ -1,11 +1,13 @@
 """Why there is no plan, as a document shows it."""
 
+from hybrid_tamp.model.explanation import Explanation, Reason
+from hybrid_tamp.model.network import slot_text
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.explain.explanation import Explanation, explain_alternatives, explain_wholly
+from hybrid_tamp.questions.explain.explanation import explain_failure
 from hybrid_tamp.report.plan_entries import ExplanationEntry, ReasonEntry, SuggestionEntry
 
 SUGGESTING = 4.0
-"""How long `plan` looks for a single change with which there would be a plan [s]."""
+"""How long `plan` searches for a single change with which there is a plan [s]."""
 
 
 def explained(task: Task, kind: str, said: str, proven: bool, suggesting: float, most: int = 1) -> ExplanationEntry:
@@ -15,25 +17,39 @@ def explained(task: Task, kind: str, said: str, proven: bool, suggesting: float,
         task: the task.
         kind: in a word.
         said: in a sentence.
-        proven: whether it is proven; only then single changes are looked for.
+        proven: whether it is proven; only then single changes are searched for.
         suggesting: how long [s].
         most: how many of them are enough.
     """
-    if proven and suggesting:
-        found = explain_wholly(task, suggesting, most)
-    else:
-        found = Explanation(tuple(explain_alternatives(task, proven)), (), complete=False)
+    found = explain_failure(task, kind, seconds=suggesting if proven else 0.0, most=most)
+    return entry_of(found).model_copy(update={"message": said})
+
+
+def entry_of(explanation: Explanation) -> ExplanationEntry:
+    """Return an explanation as data."""
     suggestions = [
-        SuggestionEntry(
-            kind=each.change.kind, what=each.change.what, length=each.length, names=[n for n in each.change.key if n]
-        )
-        for each in found.suggestions
+        SuggestionEntry(kind=s.change.kind, what=s.change.what, length=s.length, names=list(s.change.names))
+        for s in explanation.suggestions
     ]
     return ExplanationEntry(
-        kind=kind,
-        message=said,
-        reasons=[ReasonEntry(**reason.__dict__) for reason in found.reasons],
+        kind=explanation.kind,
+        message=explanation.message,
+        reasons=[_reason_entry(reason) for reason in explanation.reasons],
         suggestions=suggestions,
-        all_looked_at=found.complete,
-        together=list(found.together),
+        all_looked_at=explanation.complete,
+        together=[change.what for change in explanation.together],
+    )
+
+
+def _reason_entry(reason: Reason) -> ReasonEntry:
+    lacks = reason.lacks
+    return ReasonEntry(
+        goal=reason.goal_text,
+        block=reason.block,
+        kind=reason.kind,
+        message=reason.message,
+        atom="" if reason.atom is None else reason.atom.text,
+        margin=reason.margin,
+        unit=reason.unit,
+        lacks="" if lacks is None else slot_text(lacks) if isinstance(lacks, tuple) else lacks.name,
     )

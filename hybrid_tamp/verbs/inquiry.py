@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Literal
 
 from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.explanation import Link
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan
 from hybrid_tamp.questions.affordances import perspectives
@@ -43,13 +44,17 @@ def explain_task(task: Task, planner: Planner, seconds: float, most: int) -> tup
     if document.status == "unsolvable" and explanation is not None:
         explanation = explained(task, explanation.kind, explanation.message, True, seconds, most)
     tokens = [
-        TokenEntry(token=c.token, used=c.used, why=c.why, links=[LinkEntry(**link.__dict__) for link in c.links])
+        TokenEntry(token=c.token, used=c.used, why=c.why, links=list(map(_link_entry, c.links)))
         for c in (causes(outcome.chosen or task, outcome.plan) if outcome.plan else ())
     ]
     answer = ExplainDocument(
         task=task.name, domain=task.domain.name, status=document.status, explanation=explanation, tokens=tokens
     )
     return answer, 0 if outcome.error is None else outcome.error.exit_status
+
+
+def _link_entry(link: Link) -> LinkEntry:
+    return LinkEntry(instance=link.instance, atom=link.atom.text, needed_by=link.needed_by_text)
 
 
 def affordances(task: Task, view: View, agent: str | None, questions: Sequence[str]) -> AffordancesDocument:

@@ -10,6 +10,7 @@ from serial import Part, Tool, block, changing
 from tools import CROWBAR, HAMMER, Ball, domain, task
 
 from hybrid_tamp.feasibility.relevance import relevant_blocks, relevant_part
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.widening import Widening
 from hybrid_tamp.questions.explain.explanation import explain_wholly
@@ -116,7 +117,7 @@ def test_an_explanation_asks_nothing_about_what_is_irrelevant() -> None:
             object.__setattr__(predicate, "margin", _never)
     odd = {f"odd {i}": [c] for i, c in enumerate(of.classes[-3:])}
     found = explain_wholly(task({"light hammer": HAMMER, **odd}, of=of), 60.0, most=1)
-    assert [reason.atom for reason in found.reasons] == ["heavy_enough(light hammer, nail)"]
+    assert [reason.atom for reason in found.reasons] == [Atom("heavy_enough", ("light hammer", "nail"))]
     assert [each.change.kind for each in found.suggestions] == ["fact"]
 
 

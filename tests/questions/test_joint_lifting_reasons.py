@@ -3,10 +3,12 @@
 import pytest
 from bank import problem
 
+from hybrid_tamp.model.explanation import Reason
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.affordances.perspectives import agent, environment, team
 from hybrid_tamp.questions.changes import with_copy
-from hybrid_tamp.questions.explain.explanation import Reason, explain
+from hybrid_tamp.questions.explain.explanation import explain
 from hybrid_tamp.verbs import pipeline
 
 FOUR = {"LIFTING:four", "HOLDING:four", "LOWERING:four"}
@@ -49,7 +51,7 @@ def test_too_heavy_for_two_and_two_more_would_do() -> None:
     found = reasons(crate(24))
     assert set(found) == {"LIFTING:two not_feasible", "LIFTING:four too_few_tokens"}
     heavy, few = found["LIFTING:two not_feasible"], found["LIFTING:four too_few_tokens"]
-    assert heavy.atom == "bears(right-hand, crate, two hands)"
+    assert heavy.atom == Atom("bears", ("right-hand", "crate", "two hands"))
     assert heavy.margin == pytest.approx(-40.42, abs=0.01)
     assert "it takes 117.7 N from each of 2, 235.4 N together" in heavy.message
     assert "there is 77.3 N (left-hand), 77.3 N (right-hand), 154.6 N together" in heavy.message
@@ -86,7 +88,7 @@ def test_too_heavy_for_four_and_more_hands_would_not_do() -> None:
 
 def test_hands_on_one_side_are_told_which_place_is_missing() -> None:
     found = reasons(problem("lift_four_hands", ("[0.5, 0.3, 0.4]", "[-0.5, 0.6, 0.4]")))
-    assert found["LIFTING:four not_feasible"].atom == "on_side(a-right, crate, right back)"
+    assert found["LIFTING:four not_feasible"].atom == Atom("on_side", ("a-right", "crate", "right back"))
 
 
 def test_a_narrow_crate_has_no_room_for_two_hands_side_by_side() -> None:

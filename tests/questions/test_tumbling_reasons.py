@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import strength_needed
 
+from hybrid_tamp.model.explanation import Reason
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.explain.explanation import Reason, explain
+from hybrid_tamp.questions.explain.explanation import explain
 from hybrid_tamp.taskfile.loader import load_task_text
 from hybrid_tamp.verbs import pipeline
 
@@ -48,7 +50,7 @@ def test_too_heavy_for_two_and_no_block_takes_more(name: str) -> None:
     reason = only(explain(heavy))
     hand, box = heavy.token_by_name["hand-2"], heavy.token_by_name["box"]
     needed = strength_needed(heavy.state, hand, box)
-    assert reason.atom == "strong_enough(hand-2, box)"
+    assert reason.atom == Atom("strong_enough", ("hand-2", "box"))
     assert reason.unit == "N"
     assert reason.margin == pytest.approx(300.0 - needed)
     assert f"it takes {needed:.4g} N from each of 2, {2 * needed:.4g} N together" in reason.message
@@ -61,7 +63,7 @@ def test_too_heavy_for_two_and_no_block_takes_more(name: str) -> None:
 
 def test_one_strong_hand_does_not_make_up_for_a_weak_one() -> None:
     reason = only(explain(task("tumble_two_hands", (FORCE, "maximal_force: 60"), once=True)))
-    assert reason.atom == "strong_enough(hand-1, box)"
+    assert reason.atom == Atom("strong_enough", ("hand-1", "box"))
     assert "2 at once must meet it, and only hand-2 does" in reason.message
     assert "together" not in reason.message
 
@@ -75,7 +77,7 @@ def test_the_strongest_two_of_four_count() -> None:
 
 def test_strong_enough_but_too_far() -> None:
     reason = only(explain(task("tumble_two_hands", ("[0, 0, 0.18]", "[2.5, 0, 0.18]"))))
-    assert reason.atom == "within_reach(hand-2, box)"
+    assert reason.atom == Atom("within_reach", ("hand-2", "box"))
     assert reason.margin == pytest.approx(-0.697)
     assert "(within_reach fails by 0.697 m)" in reason.message
     assert "box is too far for hand-2, whose workspace does not reach" in reason.message
@@ -84,20 +86,22 @@ def test_strong_enough_but_too_far() -> None:
 def test_no_hand_on_the_other_side() -> None:
     reason = only(explain(task("tumble_two_hands", ("[0.5, 0, 0.55]", "[-0.9, 0, 0.55]"))))
     assert reason.block == "REACHING:beside"
-    assert reason.atom.startswith("on_side(hand-")
-    assert reason.atom.endswith("right, flat bottom)")
+    assert reason.atom is not None
+    assert reason.atom.text.startswith("on_side(hand-")
+    assert reason.atom.text.endswith("right, flat bottom)")
 
 
 def test_hands_that_stand_upright() -> None:
     reason = only(explain(task("tumble_two_hands", (ALONG_Y, "rpy: [0, 0, 0]"))))
     assert reason.block == "REACHING:beside"
-    assert reason.atom.startswith("aligned(")
+    assert reason.atom is not None
+    assert reason.atom.predicate == "aligned"
 
 
 def test_a_weak_hand_and_a_far_one_are_each_said() -> None:
     weak, low = (FORCE, "maximal_force: 60"), ("[2.0, 2.0, 1.5]", "[2.0, 2.0, 0.3]")
     atoms = [reason.atom for reason in explain(task("tumble_two_hands", weak, low, once=True))]
-    assert atoms == ["strong_enough(hand-1, box)", "within_reach(hand-1, box)"]
+    assert atoms == [Atom("strong_enough", ("hand-1", "box")), Atom("within_reach", ("hand-1", "box"))]
 
 
 def test_a_strong_hand_that_is_far_and_a_near_one_that_is_weak() -> None:
@@ -105,7 +109,7 @@ def test_a_strong_hand_that_is_far_and_a_near_one_that_is_weak() -> None:
     kept = ("[2.0, 2.0, 0.3]", "[2.0, 2.0, 1.5]")
     every = [(FORCE, "maximal_force: 60"), *[low] * 4, kept]
     atoms = [reason.atom for reason in explain(task("tumble_four_hands", *every, once=True))]
-    assert atoms == ["within_reach(hand-2, box)"]
+    assert atoms == [Atom("within_reach", ("hand-2", "box"))]
 
 
 def test_goals_that_exclude_each_other() -> None:
@@ -114,7 +118,7 @@ def test_goals_that_exclude_each_other() -> None:
     reason = only(explain(both, proven=True))
     assert reason.kind == "together"
     assert "each goal alone is possible as far as the feasibility facts tell; together they are not" in reason.message
-    assert reason.goal == "posture(box-1, flat right) and posture(box-2, flat right)"
+    assert reason.goal_text == "posture(box-1, flat right) and posture(box-2, flat right)"
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from hybrid_tamp.model.affordance import is_place
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.questions.affordances.perspectives import Affordance
-from hybrid_tamp.questions.changes import more_tokens, with_ideal, without_token
+from hybrid_tamp.questions.changes import apply_change, more_tokens, with_ideal, without_token
 
 View = Callable[[Task], list[Affordance]]
 
@@ -42,7 +42,7 @@ def asked(task: Task, question: str, view: View) -> Task:
     # An agent's token first: whatever belongs to nobody acts for nobody.
     owned = {token for tokens in task.agents.values() for token in tokens}
     members.sort(key=lambda token: token.name not in owned)
-    more = [change.made() for change in more_tokens(task, members[0])]
+    more = [apply_change(task, change) for change in more_tokens(task, members[0])]
     return max(more, key=lambda changed: len(view(changed)))
 
 

@@ -1,64 +1,48 @@
-"""The single changes that might give a task a plan, those first to which the reasons point."""
+"""The single changes that might give a task a plan; those first to which the reasons point."""
 
 from collections.abc import Iterable, Iterator
-from functools import partial
 from itertools import product
 
 from hybrid_tamp.feasibility.bindings import Bound, Choices, Margins, choices, extensions, static_entry, symbolic
 from hybrid_tamp.feasibility.passages import Passages
-from hybrid_tamp.feasibility.reasons import Reason
 from hybrid_tamp.feasibility.shares import amount
 from hybrid_tamp.model.affordance import ObjectClass, is_place
-from hybrid_tamp.model.network import SlotName, parse_slot
+from hybrid_tamp.model.change import AddEdge, Change, CopyToken, GrantFact, IdealToken, JoinClass, SetProperty
+from hybrid_tamp.model.explanation import Reason
+from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import Atom, Literal
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.changes import (
-    Change,
-    more_tokens,
-    task_root,
-    with_class,
-    with_edges,
-    with_facts,
-    with_ideal,
-)
+from hybrid_tamp.questions.changes import more_tokens, task_root
 from hybrid_tamp.questions.explain.property_changes import property_changes
 
 
 def candidates(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
-    """Yield every single change, each once, in the order in which they are worth a try."""
-    seen: set[str] = set()
+    """Yield every single change, each once, in the order in which they are worth trying."""
+    seen: set[Change] = set()
     for change in _ordered(_Space(task), reasons):
         # One property may make several facts hold.
-        if change.what not in seen:
-            seen.add(change.what)
+        if change not in seen:
+            seen.add(change)
             yield change
 
 
 def answers(task: Task, reason: Reason) -> Iterator[Change]:
-    """Yield the single changes that take away what a reason complains of."""
+    """Yield the single changes that remove what a reason complains of."""
     return _Space(task).pointed(reason)
 
 
-def together(task: Task, changes: list[Change]) -> Task:
-    """Return the task with several edges or several facts, or with any single change or none."""
-    if len(changes) == 1:
-        return changes[0].made()
-    if all(change.kind == "edge" for change in changes):
-        return with_edges(task, [(parse_slot(one), parse_slot(other)) for one, other in (c.key for c in changes)])
-    return with_facts(task, [parsed(change.key[0]) for change in changes])
-
-
-def points_to(task: Task, reason: Reason, change: Change) -> bool:
-    """Say whether a change takes away what a reason complains of."""
-    if change.kind == "token":
-        classes = [each.name for each in task.token_by_name[change.key[0]].classes] if change.key[1:] else change.key
-        return reason.lacks in classes
-    if change.kind == "class":
-        return reason.lacks == change.key[1]
-    if change.kind == "edge":
-        return reason.kind == "no_edge" and reason.lacks == change.key[1]
-    return reason.atom in (change.key[0], change.key[-1])
+def points_to(reason: Reason, change: Change) -> bool:
+    """Say whether a change removes what a reason complains of."""
+    match change:
+        case CopyToken(like):
+            return reason.lacks in like.classes
+        case IdealToken(object_class) | JoinClass(_, object_class):
+            return reason.lacks is object_class
+        case AddEdge(_, target):
+            return reason.lacks == target
+        case GrantFact(atom) | SetProperty(atom=atom):
+            return reason.atom == atom
 
 
 def _ordered(space: "_Space", reasons: Iterable[Reason]) -> Iterator[Change]:
@@ -89,27 +73,24 @@ class _Space:
         self._slots = {(b.name, s.name): s.object_class for b in task.domain.blocks for s in b.slots}
 
     def pointed(self, reason: Reason) -> Iterator[Change]:
-        """Yield the changes that take away what a reason complains of."""
-        if reason.kind == "no_edge":
-            yield from self.edges(parse_slot(reason.lacks))
-        elif reason.lacks in self.task.domain.class_by_name:
-            object_class = self.task.domain.class_by_name[reason.lacks]
-            yield from self.tokens(object_class)
-            yield from self.classes(object_class)
-        elif reason.atom:
-            atom = parsed(reason.atom)
-            yield from property_changes(self.task, atom)
-            yield self.fact(atom)
+        """Yield the changes that remove what a reason complains of."""
+        if isinstance(reason.lacks, tuple):
+            yield from self.edges(reason.lacks)
+        elif reason.lacks is not None and reason.lacks in self.task.domain.classes:
+            yield from self.tokens(reason.lacks)
+            yield from self.classes(reason.lacks)
+        elif reason.atom is not None:
+            yield from property_changes(self.task, reason.atom)
+            yield self.fact(reason.atom)
 
     def tokens(self, wanted: type[ObjectClass] | None = None) -> Iterator[Change]:
-        """Yield one more token, like each that is there, or one of a class of which there is none."""
+        """Yield one more token, like each that is there, or one of a class that has no members yet."""
         for token in self.task.assigned:
             if wanted is None or token.is_member(wanted):
                 yield from more_tokens(self.task, token)
         for each in self.task.domain.classes if wanted is None else (wanted,):
             if not is_place(each) and not self.task.values_of(each):
-                what = f"a token of class {each.name} that is able to do what is asked of it"
-                yield Change("token", (each.name,), what, partial(with_ideal, self.task, each))
+                yield IdealToken(each)
 
     def classes(self, wanted: type[ObjectClass] | None = None) -> Iterator[Change]:
         """Yield one more class for a token."""
@@ -117,14 +98,12 @@ class _Space:
         for each, token in product(self.task.domain.classes if wanted is None else (wanted,), self.task.assigned):
             own = set(token.classes) - {task_root(self.task)}
             if not is_place(each) and each not in own and all(relations.can_share_token(each, one) for one in own):
-                what = f"{token.name} as a member of {each.name}"
-                made = partial(with_class, self.task, token, each)
-                yield Change("class", (token.name, each.name), what, made)
+                yield JoinClass(token, each)
 
     def edges(self, towards: SlotName | None = None) -> Iterator[Change]:
-        """Yield one more edge from where a token can come; first those that lead to where none can, then likely ones.
+        """Yield one more edge from a slot that tokens can reach: to slots that none can reach first, then likely ones.
 
-        Likely is an edge like one that is there, between the same actions and from or into the same slot.
+        An edge is likely if the network has one between the same actions that leaves or enters the same slot.
         """
         sources = {slot for token in self.task.assigned for slot in self._passages.slots(token)}
         network, relations = self.task.domain.network, self.task.domain.relations
@@ -141,17 +120,12 @@ class _Space:
 
         # Last what stays in one block: an action that follows itself.
         pairs.sort(key=lambda pair: (pair[1] in sources, not likely(*pair), pair[0][0] == pair[1][0]))
-        for one, other in pairs:
-            source, target = ".".join(one), ".".join(other)
-            what = f"an edge {source} -> {target} of the network"
-            yield Change("edge", (source, target), what, partial(with_edges, self.task, [(one, other)]))
+        return (AddEdge(source, target) for source, target in pairs)
 
     def fact(self, atom: Atom) -> Change:
         """Return the change by a feasibility fact that is as it has to be."""
         predicate = self.task.domain.predicate_by_name[atom.predicate]
-        short = amount(-self.task.margin(atom), predicate.unit)
-        what = f"{atom} as a fact, which fails by {short}"
-        return Change("fact", (str(atom),), what, partial(with_facts, self.task, [atom]))
+        return GrantFact(atom, amount(-self.task.margin(atom), predicate.unit))
 
     def failing(self) -> list[Atom]:
         """Return the feasibility facts that alone keep some tokens out of some block, the nearest first."""
@@ -177,10 +151,3 @@ class _Space:
             elif failed is None and not symbolic(literal):
                 found[atom] = margin / literal.predicate.scale
                 yield more, atom
-
-
-def parsed(text: str) -> Atom:
-    """Return the atom that was written as a text: names of tokens have no ', ' in them, else nothing is found."""
-    positive = not text.startswith("not ")
-    name, _, rest = text.removeprefix("not ").partition("(")
-    return Atom(name, tuple(rest.removesuffix(")").split(", ")), positive)

@@ -1,60 +1,26 @@
-"""Why each token is in a plan: from the goal back, which instance brings about what, and who it needs for that."""
+"""Why each token is in a plan: back from the goal, which instance brings about which condition of which other one."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import inf
 
+from hybrid_tamp.model.explanation import Cause, Link
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
-GOAL = "the goal"
-
-
-@dataclass(frozen=True)
-class Link:
-    """One link of the causal chain that ends in the goal.
-
-    Attributes:
-        instance: the instance that brings something about.
-        atom: what it brings about.
-        needed_by: the instance that asks for it at its beginning, or `GOAL`.
-    """
-
-    instance: str
-    atom: str
-    needed_by: str
-
-
-@dataclass(frozen=True)
-class Cause:
-    """Why a token is in a plan, or why it is not.
-
-    Attributes:
-        token: the token.
-        used: whether an instance that the goal needs has it in a slot or as a target.
-        why: the reason in a sentence.
-        links: the links in whose instances it is, the goal's first.
-    """
-
-    token: str
-    used: bool
-    why: str
-    links: tuple[Link, ...]
-
 
 def chain(task: Task, plan: TaskPlan) -> list[Link]:
-    """Return the links from the goal back to what holds at the beginning, each once."""
+    """Return the links from the goal back to what holds initially, each once."""
     found: dict[Link, None] = {}
-    open_atoms = [(atom, GOAL, inf) for atom in task.goal]
+    open_atoms: list[tuple[Atom, str | None, float]] = [(atom, None, inf) for atom in task.goal]
     seen = set()
     while open_atoms:
         atom, needed_by, before = open_atoms.pop(0)
         producer = _producer(task, plan, atom, before)
         if producer is None:
             continue
-        found[Link(producer.name, str(atom), needed_by)] = None
+        found[Link(producer.name, atom, needed_by)] = None
         if producer.name not in seen:
             seen.add(producer.name)
             open_atoms += [(each, producer.name, producer.start) for each in _asked(task, producer)]
@@ -72,7 +38,7 @@ def causes(task: Task, plan: TaskPlan) -> list[Cause]:
         if own:
             why = _why(token, own[0], instances)
         elif any(token.name in atom.arguments for atom in task.goal):
-            why = "the goal speaks of it, and what the goal asks of it holds at the beginning"
+            why = "the goal speaks of it, and what the goal asks of it holds initially"
         else:
             why = _why_not(task, plan, token, needed)
         found.append(Cause(token.name, bool(own), why, own))
@@ -80,7 +46,7 @@ def causes(task: Task, plan: TaskPlan) -> list[Cause]:
 
 
 def _producer(task: Task, plan: TaskPlan, atom: Atom, before: float) -> BlockInstance | None:
-    """Return the last instance that begins before a time and has an atom as its exit condition."""
+    """Return the last instance that begins before a time and brings an atom about."""
     makers = [i for i in plan.instances if i.start < before and atom in _brought(task, i)]
     return max(makers, key=lambda instance: instance.start, default=None)
 
@@ -101,7 +67,7 @@ def _why(token: Token, link: Link, instances: dict[str, BlockInstance]) -> str:
     instance = instances[link.instance]
     roles = " and ".join(role for role, name in instance.roles.items() if name == token.name)
     part = "target" if token.place or token.name in instance.targets.values() else "slot"
-    return f"{part} {roles} of {instance.name}, which brings about {link.atom} for {link.needed_by}"
+    return f"{part} {roles} of {instance.name}, which brings about {link.atom.text} for {link.needed_by_text}"
 
 
 def _why_not(task: Task, plan: TaskPlan, token: Token, needed: set[str]) -> str:

@@ -1,77 +1,92 @@
 """Why a task has no plan, read from its declarations: each reason is true and can be checked by hand.
 
-For every goal atom that cannot be reached, the blocks that could bring it about are examined, and in turn the blocks
-that could bring about what those wait for. A block is of no use where a slot can be filled by no token, where tokens
-are short, or where its feasibility facts hold for no choice of tokens; then the margin of the best choice is told.
+For every goal atom that cannot be reached, the search examines the blocks that could bring it about, and in turn the
+blocks that could bring about what those wait for. A block is useless if no token can fill one of its slots, if there
+are too few tokens, or if its feasibility facts hold for no choice of tokens; the reason then names the margin of the
+best choice.
 """
 
 import math
+import shlex
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from hybrid_tamp.feasibility.backward_search import Backwards
 from hybrid_tamp.feasibility.bindings import TooMany
-from hybrid_tamp.feasibility.reasons import TOGETHER, Reason, merged
+from hybrid_tamp.feasibility.reasons import merge_reasons
 from hybrid_tamp.feasibility.relevance import relevant_part
+from hybrid_tamp.model.explanation import Explanation, Reason, Suggestion
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.explain.candidates import points_to
-from hybrid_tamp.questions.explain.minimal_reasons import needed, together
-from hybrid_tamp.questions.explain.repairs import Repairs, Suggestion, but_for, repairs
-from hybrid_tamp.questions.explain.trial_plans import Trying
-
-__all__ = ["Explanation", "Reason", "explain", "explain_wholly"]
+from hybrid_tamp.questions.explain.minimal_reasons import keep_necessary, remove_together
+from hybrid_tamp.questions.explain.repairs import Repairs, counterfactual_reasons, find_repairs
+from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_EXPLAINED = 5
-"""Of a goal with a choice, why so many alternatives cannot be reached is told."""
+"""Of how many alternatives of a goal with a choice is explained why they cannot be reached."""
+
+MESSAGES = {
+    "unsolvable": "No plan exists; the planner has proven it.",
+    "not_found": "The planner found no plan, but has not proven that there is none.",
+    "planner_crashed": "The planner crashed.",
+    "plan_refused": "The planner returned a plan that is wrong; it was refused.",
+    "class_unknown": "Whether there is a plan is not known: the goal speaks of a token that nobody has tried yet.",
+}
+"""Status of planning to the sentence that explains it."""
 
 
-@dataclass(frozen=True)
-class Explanation:
-    """Why a task has no plan, and what would give it one.
-
-    Attributes:
-        reasons: the reasons; those first that a suggestion takes away.
-        suggestions: single changes with which there is a plan; each was planned.
-        complete: whether every single change was looked at, or as many were found as were asked for.
-        together: changes that give a plan together, where no single one was found.
-    """
-
-    reasons: tuple[Reason, ...]
-    suggestions: tuple[Suggestion, ...]
-    complete: bool
-    together: tuple[str, ...] = ()
-
-
-def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
-    """Return why a task that is proven to have no plan has none, and single changes with which it has one.
-
-    What only a change shows is a reason, too: but for this, there would be a plan.
+def explain_failure(task: Task, status: str, detail: str = "", seconds: float = 0.0, most: int = 1) -> Explanation:
+    """Explain why planning a task gave no plan.
 
     Args:
         task: the task.
-        seconds: how long changes are looked for.
+        status: ``unsolvable``, ``not_found``, ``planner_crashed``, ``plan_refused``, ``class_unknown``, or the limit
+            that was reached, ``time`` or ``memory``.
+        detail: what the planner, the refusal or the limit says; then no reasons are searched for.
+        seconds: how long single changes are searched for if it is proven that there is no plan [s].
+        most: how many changes are enough.
+    """
+    message = " ".join(filter(None, [MESSAGES.get(status, ""), detail]))
+    if status == "class_unknown":
+        return Explanation(status, message, _unknown_classes(task))
+    if detail:
+        return Explanation(status, message)
+    if status == "unsolvable" and seconds:
+        return explain_wholly(task, seconds, most)
+    return Explanation(status, message, tuple(explain_alternatives(task, status == "unsolvable")))
+
+
+def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
+    """Explain why a task that is proven to have no plan has none, and find single changes with which it has one.
+
+    What only a change shows is a reason, too: without the change there is no plan.
+
+    Args:
+        task: the task.
+        seconds: how long changes are searched for [s].
         most: how many changes are enough.
 
     Returns:
-        The suggestions, and the smallest set of reasons that was found in the time (see `smallest`).
+        The suggestions, and the smallest set of reasons that was found in the time (see `minimal_reasons`).
     """
     part = relevant_part(task)
     reasons = explain_alternatives(part, proven=True)
-    with Trying(time.monotonic() + seconds) as trying:
-        found = _repairs(part, reasons, trying, most)
+    with TrialPlanner(time.monotonic() + seconds) as trials:
+        found = _find_repairs(part, reasons, trials, most)
         if part is not task and not found.suggestions:
-            # A change may make use of what nobody needs as things are: an edge through another block.
-            found = _repairs(task, reasons, trying, most)
+            # A change may use what is irrelevant without it: an edge through another block.
+            found = _find_repairs(task, reasons, trials, most)
         elif part is not task:
             found = replace(found, complete=len(found.suggestions) >= most)
-        told = [*reasons, *but_for(task, reasons, found.suggestions)]
-        pointed = [r for r in told if any(points_to(task, r, each.change) for each in found.suggestions)]
-        others = [r for r in told if r not in pointed and not (pointed and r.kind == TOGETHER)]
+        true = [*reasons, *counterfactual_reasons(task, reasons, found.suggestions)]
+        pointed = [r for r in true if any(points_to(r, each.change) for each in found.suggestions)]
+        others = [r for r in true if r not in pointed and not (pointed and r.kind == "together")]
+        whole = Explanation("unsolvable", MESSAGES["unsolvable"], (), found.suggestions, found.complete)
         if found.suggestions:
-            return Explanation((*pointed, *needed(part, others, trying)), found.suggestions, found.complete)
-        kept, changes = together(part, others, trying)
-        return Explanation(tuple(kept), (), found.complete, tuple(each.what for each in changes))
+            return replace(whole, reasons=(*pointed, *keep_necessary(part, others, trials)))
+        kept, changes = remove_together(part, others, trials)
+        return replace(whole, reasons=tuple(kept), together=tuple(changes))
 
 
 def explain(task: Task, proven: bool = False) -> list[Reason]:
@@ -79,27 +94,27 @@ def explain(task: Task, proven: bool = False) -> list[Reason]:
 
     Args:
         task: the task.
-        proven: whether it is proven that there is no plan; then it is also said if no single fact excludes one.
+        proven: whether it is proven that there is no plan; then a reason says if no single fact excludes one.
     """
     search = Backwards(task)
     open_atoms = [atom for atom in task.goal if not search.holds(atom)]
-    # First what is told by the last blocks alone: looking further back is bounded.
+    # The last blocks come first, because the search further back is bounded.
     direct = {atom: search.direct(atom) for atom in open_atoms}
     reasons = {atom: told or _reasons(search, atom) for atom, told in direct.items()}
-    found = [reason for atom in open_atoms for reason in merged(str(atom), reasons[atom])]
+    found = [reason for atom in open_atoms for reason in merge_reasons(atom, reasons[atom])]
     return found if found or not proven else [_hidden(open_atoms)]
 
 
 def explain_alternatives(task: Task, proven: bool = False) -> list[Reason]:
-    """Return why the goal cannot be reached; of a goal with a choice, why none of the nearest alternatives can."""
+    """Return why the goal cannot be reached, or none of the nearest alternatives of a goal with a choice."""
     return list(dict.fromkeys(r for each in task.alternatives()[:MOST_EXPLAINED] for r in explain(each, proven)))
 
 
-def _repairs(task: Task, reasons: list[Reason], trying: Trying, most: int) -> Repairs:
-    """Look for changes with which one of the nearest alternatives can be reached."""
+def _find_repairs(task: Task, reasons: list[Reason], trials: TrialPlanner, most: int) -> Repairs:
+    """Search for changes with which one of the nearest alternatives can be reached."""
     found, complete = list[Suggestion](), True
     for each in task.alternatives()[:MOST_EXPLAINED]:
-        more = repairs(each, reasons, trying, most - len(found))
+        more = find_repairs(each, reasons, trials, most - len(found))
         found += more.suggestions
         complete = complete and more.complete
         if len(found) >= most:
@@ -107,13 +122,22 @@ def _repairs(task: Task, reasons: list[Reason], trying: Trying, most: int) -> Re
     return Repairs(tuple(found), complete)
 
 
+def _unknown_classes(task: Task) -> tuple[Reason, ...]:
+    """Return a reason for every goal atom that asks for a class in which its token is unknown."""
+    reasons = []
+    for atom, token, object_class in task.unsettled:
+        probe = f"hybrid-tamp probe {task.source or task.name} --token {shlex.quote(token.name)} --write NEW.yaml"
+        message = f"it is unknown whether {token.name} is a member of {object_class.name}; '{probe}' finds out"
+        reasons.append(Reason((atom,), "", "class_unknown", message, lacks=object_class))
+    return tuple(reasons)
+
+
 def _hidden(atoms: list[Atom]) -> Reason:
-    goal = " and ".join(map(str, atoms))
     if len(atoms) > 1:
         message = "each goal alone is possible as far as the feasibility facts tell; together they are not"
     else:
         message = "no single feasibility fact excludes it; what its blocks need cannot be brought about together"
-    return Reason(goal, "", TOGETHER, message)
+    return Reason(tuple(atoms), "", "together", message)
 
 
 def _reasons(search: Backwards, goal: Atom) -> list[Reason]:
@@ -124,7 +148,7 @@ def _reasons(search: Backwards, goal: Atom) -> list[Reason]:
 
 
 class _Walk:
-    """From an atom that cannot be reached to what is at the bottom of it."""
+    """From an atom that cannot be reached back to the reasons for it."""
 
     def __init__(self, search: Backwards) -> None:
         self._search = search
@@ -132,9 +156,9 @@ class _Walk:
         self._known: dict[Atom, list[Reason]] = {}
 
     def reasons(self, atom: Atom) -> list[Reason]:
-        """Return why blocks that bring it about are of no use, and what keeps the nearest of the others."""
+        """Return why blocks that bring it about are useless, and what prevents the nearest of the others."""
         if atom not in self._known:
-            # A way that comes round in a circle has no reason of its own.
+            # A way that leads back to itself has no reason of its own.
             self._known[atom] = []
             ways = self._search.ways[atom]
             at_hand = [] if ways.reasons else self._search.at_hand(atom, self._reached)
@@ -145,11 +169,10 @@ class _Walk:
         return self._known[atom]
 
     def _nearness(self, reasons: list[Reason]) -> float:
-        """Return how little is missing by the worst of the reasons, in units of violation."""
+        """Return the worst margin among the reasons, in units of violation."""
         return min(self._violation(reason) for reason in reasons)
 
     def _violation(self, reason: Reason) -> float:
-        if reason.margin is None:
+        if reason.margin is None or reason.atom is None:
             return -math.inf
-        name = reason.atom.removeprefix("not ").partition("(")[0]
-        return reason.margin / self._search.task.domain.predicate_by_name[name].scale
+        return reason.margin / self._search.task.domain.predicate_by_name[reason.atom.predicate].scale

@@ -2,16 +2,16 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from math import floor, isfinite, log10
 from typing import Any
 
 from pydantic import AfterValidator, ValidationError
 
+from hybrid_tamp.model.change import SetProperty
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.questions.changes import Change, task_root, with_token
+from hybrid_tamp.questions.changes import task_root
 
 _STEPS = (0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 2.0, 5.0, 10.0, 100.0, 1000.0)
 """Steps by which a property is changed, as parts of its value, or where that is 0 in its own unit."""
@@ -19,8 +19,8 @@ _HALVINGS = 40
 _DIGITS = 3
 
 
-def property_changes(task: Task, atom: Atom) -> Iterator[Change]:
-    """Yield the changes of one property of one token that make a feasibility fact hold, the least that do."""
+def property_changes(task: Task, atom: Atom) -> Iterator[SetProperty]:
+    """Yield the smallest changes of one property of one token that make a feasibility fact hold."""
     for name in atom.arguments:
         token = task.token_by_name.get(name)
         for key in sorted(token.properties) if token else ():
@@ -28,16 +28,13 @@ def property_changes(task: Task, atom: Atom) -> Iterator[Change]:
             for part in _parts(token, key):
                 found = _least(task, token, key, part, atom)
                 if found is not None:
-                    yield _change(task, token, key, part, found, atom)
+                    yield _change(token, key, part, found, atom)
 
 
-def _change(task: Task, token: Token, key: str, part: int | None, changed: Token, atom: Atom) -> Change:
-    unit = _unit(token, key)
-    before, after = (f"{_value(each, key, part):.4g}" for each in (token, changed))
-    label = key if part is None else f"{key}, {'xyz'[part]}"
-    what = f"{label} of {token.name} at {after} {unit} instead of {before}".replace(" 1 instead", " instead")
-    name = key if part is None else f"{key}.{'xyz'[part]}"
-    return Change("property", (token.name, name, str(atom)), what, partial(with_token, task, changed))
+def _change(token: Token, key: str, part: int | None, changed: Token, atom: Atom) -> SetProperty:
+    before, after = (_value(each, key, part) for each in (token, changed))
+    label = key if part is None else f"{key}.{'xyz'[part]}"
+    return SetProperty(token.name, label, after, before, _unit(token, key), changed, atom)
 
 
 def _unit(token: Token, key: str) -> str:

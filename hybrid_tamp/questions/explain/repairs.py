@@ -1,9 +1,9 @@
 """Which single change of a task gives it a plan, found by planning the changed task.
 
-A change is first looked at without what blocks delete, which takes some hundredths of a second and can only prove that
-it is of no use; what remains is put to the planner, and its plan is judged by the law as any other. Where that look
-proves nothing, because the task has no plan only by what blocks delete, many edges or facts are put to the planner
-together: if all of them are of no use, none is.
+The delete relaxation of a changed task takes some hundredths of a second and can prove that the change is useless.
+The planner is asked about the rest, and the law judges its plans as any other. If the task has no plan only because of
+what blocks delete, the relaxation proves nothing; then the planner gets many edges or facts at once: if all of them
+together are useless, each one is.
 """
 
 from collections import Counter
@@ -11,62 +11,53 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
-from hybrid_tamp.feasibility.reasons import TOGETHER, Reason
+from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.change import AddEdge, Change, CopyToken, GrantFact, IdealToken, JoinClass, SetProperty
+from hybrid_tamp.model.explanation import Reason, Suggestion
 from hybrid_tamp.model.facts import StaticFacts
+from hybrid_tamp.model.network import slot_text
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.changes import Change
-from hybrid_tamp.questions.explain.candidates import candidates, parsed, points_to, together
-from hybrid_tamp.questions.explain.trial_plans import Trying
+from hybrid_tamp.questions.changes import apply_change, apply_together
+from hybrid_tamp.questions.explain.candidates import candidates, points_to
+from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.strategies.relaxation import may_be_solvable
 
 OF_A_KIND = 2
-"""So many changes of one kind are suggested: a third hand says nothing new."""
-
-
-@dataclass(frozen=True)
-class Suggestion:
-    """A change that gives the task a plan.
-
-    Attributes:
-        change: the change.
-        length: the number of actions of the plan that was found.
-    """
-
-    change: Change
-    length: int
+"""How many changes of one kind are suggested: a third hand says nothing new."""
 
 
 @dataclass(frozen=True)
 class Repairs:
-    """What came of looking for single changes.
+    """The result of a search for single changes.
 
     Attributes:
         suggestions: changes that give the task a plan, in the order in which they were found.
-        complete: whether every single change was looked at, or as many were found as were asked for.
+        complete: whether every single change was examined, or as many were found as were asked for.
     """
 
     suggestions: tuple[Suggestion, ...]
     complete: bool
 
 
-def repairs(task: Task, reasons: Sequence[Reason], trying: Trying, most: int) -> Repairs:
-    """Look for single changes that give a task a plan.
+def find_repairs(task: Task, reasons: Sequence[Reason], trials: TrialPlanner, most: int) -> Repairs:
+    """Search for single changes that give a task a plan.
 
     Args:
         task: a task that has no plan.
-        reasons: why it has none, as far as is known: what they point to is tried first.
-        trying: plans changed tasks; when its time is over, what was begun is finished.
+        reasons: why it has none, as far as is known; the changes to which they point are tried first.
+        trials: plans changed tasks; when its time is over, the search that has begun is finished.
         most: how many changes are enough.
     """
     found: list[Suggestion] = []
     kinds: Counter[str] = Counter()
-    for change in _Sieve(task, reasons, trying).promising(candidates(task, reasons)):
-        if trying.over:
+    for change in _Sieve(task, reasons, trials).promising(candidates(task, reasons)):
+        if trials.over:
             return Repairs(tuple(found), complete=False)
         if change is None or kinds[change.kind] == OF_A_KIND or _is_known(change, found):
             continue
-        length = trying.length(change.made())
+        length = trials.length(apply_change(task, change))
         if length is not None:
             found.append(Suggestion(change, length))
             kinds[change.kind] += 1
@@ -77,27 +68,27 @@ def repairs(task: Task, reasons: Sequence[Reason], trying: Trying, most: int) ->
 
 def _is_known(change: Change, found: Iterable[Suggestion]) -> bool:
     """Say whether one more token like this is suggested already, at another place."""
-    return change.kind == "token" and any(
-        each.change.kind == "token" and each.change.key[0] == change.key[0] for each in found
+    return isinstance(change, CopyToken) and any(
+        isinstance(each.change, CopyToken) and each.change.like is change.like for each in found
     )
 
 
 class _Sieve:
-    """Tells changes that may be of use from those that are proven to be of none."""
+    """Separates changes that may be useful from those that are proven to be useless."""
 
-    def __init__(self, task: Task, reasons: Iterable[Reason], trying: Trying) -> None:
+    def __init__(self, task: Task, reasons: Iterable[Reason], trials: TrialPlanner) -> None:
         self._task = task
         self._known = StaticFacts(task)
-        self._trying = trying
+        self._trials = trials
         # Reasons of other kinds are found without deletes, too.
-        self._hopeless = any(reason.kind != TOGETHER for reason in reasons) or not self._possible([])
+        self._relaxed_unsolvable = any(reason.kind != "together" for reason in reasons) or not self._possible([])
 
     def promising(self, changes: Iterable[Change]) -> Iterator[Change | None]:
-        """Yield the changes that may be of use, and now and then None: looking takes time, too."""
+        """Yield the changes that may be useful, and None now and then, because the tests take time, too."""
         for kind, group in groupby(changes, key=lambda change: change.kind):
             if kind not in ("edge", "fact"):
                 yield from (change if self._possible([change]) else None for change in group)
-            elif self._hopeless:
+            elif self._relaxed_unsolvable:
                 yield from self._split(list(group), self._possible)
             else:
                 # Planning takes longer: the first are tried alone, the later ones more and more together.
@@ -106,57 +97,59 @@ class _Sieve:
                     yield from self._split(rest[:size], self._may_be_planned)
                     rest, size = rest[size:], 2 * size
 
-    def _split(self, group: list[Change], of_use: Callable[[list[Change]], bool]) -> Iterator[Change | None]:
-        """Yield of many changes those that may be of use: where all together are of none, no single one is."""
-        if not of_use(group):
+    def _split(self, group: list[Change], may_help: Callable[[list[Change]], bool]) -> Iterator[Change | None]:
+        """Yield those of many changes that may be useful: if all together are useless, each one is."""
+        if not may_help(group):
             yield None
         elif len(group) == 1:
             yield from group
         else:
             middle = len(group) // 2
             yield None
-            yield from self._split(group[:middle], of_use)
-            yield from self._split(group[middle:], of_use)
+            yield from self._split(group[:middle], may_help)
+            yield from self._split(group[middle:], may_help)
 
     def _possible(self, group: list[Change]) -> bool:
-        compilation = compile_task(together(self._task, group))
-        if not group or group[0].kind == "edge":
-            # An edge changes no facts, which take the most time.
+        compilation = compile_task(apply_together(self._task, group))
+        if not group or isinstance(group[0], AddEdge):
+            # An edge changes no facts, which take most of the time.
             compilation = replace(compilation, feasible=self._known)
         return may_be_solvable(compilation.problem)
 
     def _may_be_planned(self, group: list[Change]) -> bool:
-        # One alone is planned by whoever asks for it.
-        return len(group) == 1 or not self._trying.excluded(together(self._task, group))
+        # A single change is planned by whoever asks for it.
+        return len(group) == 1 or not self._trials.proves_unsolvable(apply_together(self._task, group))
 
 
-def but_for(task: Task, reasons: Iterable[Reason], suggestions: Iterable[Suggestion]) -> list[Reason]:
-    """Return a reason for each suggestion to which no other reason points: but for this, there would be a plan."""
-    goal = " and ".join(map(str, task.goal))
+def counterfactual_reasons(task: Task, reasons: Iterable[Reason], suggestions: Iterable[Suggestion]) -> list[Reason]:
+    """Return a reason for each suggestion to which no other reason points: without it there would be a plan."""
     found: list[Reason] = []
     for suggestion in suggestions:
-        if not any(points_to(task, reason, suggestion.change) for reason in (*reasons, *found)):
-            found.append(_counterfactual(task, goal, suggestion.change))
+        if not any(points_to(reason, suggestion.change) for reason in (*reasons, *found)):
+            found.append(_counterfactual(task, suggestion.change))
     return found
 
 
-def _counterfactual(task: Task, goal: str, change: Change) -> Reason:
-    said = f"with {change.what} there would be a plan"
-    if change.kind == "edge":
-        source, target = change.key
-        message = f"the network has no edge {source} -> {target}; {said}"
-        return Reason(goal, target.rpartition(".")[0], "no_edge", message, lacks=target)
-    if change.kind in ("fact", "property"):
-        atom = change.key[-1]
-        predicate = task.domain.predicate_by_name[atom.removeprefix("not ").partition("(")[0]]
-        message = f"{atom} does not hold; {said}"
-        return Reason(goal, "", "not_feasible", message, atom, task.margin(parsed(atom)), predicate.unit)
-    lacks = change.key[-1] if change.kind == "class" or len(change.key) == 1 else _own_class(task, change.key[0])
-    have = len(task.values_of(task.domain.class_by_name[lacks]))
-    kind = "too_few_tokens" if have else "no_token"
-    return Reason(goal, "", kind, f"the task has {have} of class {lacks}; {said}", lacks=lacks)
+def _counterfactual(task: Task, change: Change) -> Reason:
+    match change:
+        case AddEdge(source, target):
+            message = f"the network has no edge {slot_text(source)} -> {slot_text(target)}"
+            reason = Reason(task.goal, target[0], "no_edge", message, lacks=target)
+        case GrantFact(atom) | SetProperty(atom=atom):
+            reason = _failing_fact(task, atom)
+        case JoinClass(_, object_class) | IdealToken(object_class):
+            reason = _short_class(task, object_class)
+        case CopyToken(like):
+            reason = _short_class(task, next(each for each in like.classes if each in task.domain.classes))
+    return replace(reason, message=f"{reason.message}; with {change.what} there would be a plan")
 
 
-def _own_class(task: Task, token: str) -> str:
-    own = [member.name for member in task.token_by_name[token].classes if member.name in task.domain.class_by_name]
-    return own[0]
+def _failing_fact(task: Task, atom: Atom) -> Reason:
+    unit = task.domain.predicate_by_name[atom.predicate].unit
+    return Reason(task.goal, "", "not_feasible", f"{atom.text} does not hold", atom, task.margin(atom), unit)
+
+
+def _short_class(task: Task, object_class: type[ObjectClass]) -> Reason:
+    have = len(task.values_of(object_class))
+    message = f"the task has {have} of class {object_class.name}"
+    return Reason(task.goal, "", "too_few_tokens" if have else "no_token", message, lacks=object_class)

@@ -1,4 +1,4 @@
-"""Trying changed tasks out: is there a plan, or is there proof that there is none?"""
+"""Plans of changed tasks: is there one, or is there proof that there is none?"""
 
 import time
 from contextlib import ExitStack
@@ -13,18 +13,18 @@ from hybrid_tamp.symbolic.strategies.relaxation import may_be_solvable
 from hybrid_tamp.symbolic.strategies.stage import plan_task
 
 LEAST = 2.0
-"""A plan that is looked for shortly before the deadline has so long all the same [s]."""
+"""A search that begins shortly before the deadline still gets this long [s]."""
 PROVING = 10.0
-"""How long it is tried to prove that there is no plan [s]."""
+"""How long one attempt to prove that there is no plan may take [s]."""
 
 
-class Trying(ExitStack):
+class TrialPlanner(ExitStack):
     """Plans changed tasks, until a deadline on the monotonic clock [s]."""
 
     def __init__(self, deadline: float) -> None:
         super().__init__()
         self._deadline = deadline
-        # Processes answer once; so one starts while the other answers.
+        # A process answers once, so the other one starts meanwhile.
         self._processes = cycle(self.enter_context(PlannerProcess()) for _ in range(2))
 
     @property
@@ -35,22 +35,22 @@ class Trying(ExitStack):
     def length(self, task: Task) -> int | None:
         """Return the number of actions of a plan, or None if none is found in time."""
         try:
-            return self._tried(task, max(LEAST, self._deadline - time.monotonic()))
+            return self._search(task, max(LEAST, self._deadline - time.monotonic()))
         except LimitReached:
             return None
 
-    def excluded(self, task: Task) -> bool:
-        """Say whether it is proven, in a short time, that there is no plan."""
+    def proves_unsolvable(self, task: Task) -> bool:
+        """Say whether a short search proves that there is no plan."""
         if not any(may_be_solvable(compile_task(each).problem) for each in task.alternatives()):
             return True
         try:
-            return self._tried(task, PROVING) is None
+            return self._search(task, PROVING) is None
         except LimitReached:
             return False
 
-    def _tried(self, task: Task, seconds: float) -> int | None:
+    def _search(self, task: Task, seconds: float) -> int | None:
         limits = replace(task.limits, time=min(task.limits.time, seconds))
-        # Any plan will do, so the engine is the one that ends where there is none.
+        # Any plan will do; the default engine ends if there is none.
         simple = task.replaced(objective="length", planner=DEFAULT_PLANNER, limits=limits)
         process = next(self._processes)
         try:

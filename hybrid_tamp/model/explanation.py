@@ -1,0 +1,126 @@
+"""Explanations: why a task has no plan and what would give it one; why each token is in a plan."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.change import Change
+from hybrid_tamp.model.network import SlotName
+from hybrid_tamp.model.predicate import Atom
+
+ReasonKind = Literal[
+    "no_block",
+    "no_token",
+    "too_few_tokens",
+    "no_edge",
+    "not_feasible",
+    "together",
+    "class_unknown",
+    "forward models",
+]
+
+
+@dataclass(frozen=True)
+class Reason:
+    """One reason why goal atoms cannot be reached.
+
+    Attributes:
+        goal: the goal atoms.
+        block: the block that would bring them about, or empty; the action's name if it is about several modes.
+        kind: what is wrong.
+        message: the reason in words.
+        atom: the failing condition, or None.
+        margin: its margin, or None.
+        unit: unit of the margin.
+        lacks: what there is too little of: a class, or the slot to which no edge leads; or None.
+    """
+
+    goal: tuple[Atom, ...]
+    block: str
+    kind: ReasonKind
+    message: str
+    atom: Atom | None = None
+    margin: float | None = None
+    unit: str = ""
+    lacks: type[ObjectClass] | SlotName | None = None
+
+    @property
+    def goal_text(self) -> str:
+        """The goal atoms as text."""
+        return " and ".join(atom.text for atom in self.goal)
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """A single change with which the task has a plan: the changed task was planned.
+
+    Attributes:
+        change: the change.
+        length: the number of actions of the plan that was found.
+    """
+
+    change: Change
+    length: int
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why a task has no plan, and what would give it one.
+
+    Attributes:
+        kind: unsolvable, not_found, planner_crashed, plan_refused, class_unknown, not_refined, time or memory.
+        message: the same in a sentence.
+        reasons: the reasons; those first that a suggestion takes away.
+        suggestions: single changes with which there is a plan.
+        complete: whether every single change was examined, or as many were found as were asked for.
+        together: changes with which there is a plan if all are made; empty if a single one suffices.
+    """
+
+    kind: str
+    message: str
+    reasons: tuple[Reason, ...] = ()
+    suggestions: tuple[Suggestion, ...] = ()
+    complete: bool = False
+    together: tuple[Change, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The message and the reasons, a line each."""
+        return "\n".join([self.message, *(f"  {each.goal_text}: {each.message}" for each in self.reasons)])
+
+
+@dataclass(frozen=True)
+class Link:
+    """One link of the causal chain of a plan that ends in the goal.
+
+    Attributes:
+        instance: the instance that brings something about.
+        atom: what it brings about.
+        needed_by: the instance whose entry condition it is, or None if it is the goal's.
+    """
+
+    instance: str
+    atom: Atom
+    needed_by: str | None
+
+    @property
+    def needed_by_text(self) -> str:
+        """The instance that needs it, or 'the goal'."""
+        return self.needed_by or "the goal"
+
+
+@dataclass(frozen=True)
+class Cause:
+    """Why a token is in a plan, or why it is not.
+
+    Attributes:
+        token: name of the token.
+        used: whether an instance that the goal needs has it in a slot or as a target.
+        why: the reason in a sentence.
+        links: the links in whose instances it is, the goal's first.
+    """
+
+    token: str
+    used: bool
+    why: str
+    links: tuple[Link, ...]
