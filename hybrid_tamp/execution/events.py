@@ -48,7 +48,7 @@ class Event:
             "targets": dict(instance.targets) if instance else {},
             "hyperparameters": {name: _finite(value) for name, value in self.hyperparameters.items()},
             "margins": [
-                {"atom": margin.atom, "measured": _finite(margin.measured), "holds": margin.holds}
+                {"atom": margin.atom.text, "measured": _finite(margin.measured), "holds": margin.holds}
                 for margin in self.margins
             ],
             "ending": list(self.ending),

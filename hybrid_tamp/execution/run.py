@@ -293,5 +293,5 @@ class Run:
         return self._log.recording(goal, None)
 
     def _goal(self) -> tuple[AtomMargin, ...]:
-        margins = [(str(atom), self._task.margin(atom, self._state)) for atom in self._task.goal]
+        margins = [(atom, self._task.margin(atom, self._state)) for atom in self._task.goal]
         return tuple(AtomMargin(atom, None if np.isnan(margin) else margin) for atom, margin in margins)

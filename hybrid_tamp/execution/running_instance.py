@@ -36,7 +36,7 @@ def measure(task: Task, literals: Iterable[Literal], instance: BlockInstance, st
     found = []
     for literal in literals:
         margin = float(literal.margin(state, binding))
-        found.append(AtomMargin(str(literal.ground(binding)), None if math.isnan(margin) else margin))
+        found.append(AtomMargin(literal.ground(binding), None if math.isnan(margin) else margin))
     return found
 
 
@@ -161,5 +161,5 @@ class Running:
 def shortfall(margin: AtomMargin) -> str:
     """Say that a condition does not hold and by how much."""
     if margin.measured is None:
-        return f"{margin.atom} has no margin: it is not a number"
-    return f"{margin.atom} does not hold, its margin is {margin.measured:.4g}"
+        return f"{margin.atom.text} has no margin: it is not a number"
+    return f"{margin.atom.text} does not hold, its margin is {margin.measured:.4g}"

@@ -20,6 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveInt, Val
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
 from hybrid_tamp.model.state import StateLayout
 from hybrid_tamp.motion.arrays import FloatArray
@@ -50,6 +51,45 @@ _UNREADABLE = (
 _Entry = tuple[str, str, PositiveInt]
 
 
+class _Margin(BaseModel):
+    """A margin with its atom as text."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    atom: str = Field(pattern=r"(?s)^[^(]+\(.*\)$")
+    measured: float | None
+    predicted: float | None = None
+
+    @classmethod
+    def of(cls, margin: AtomMargin) -> "_Margin":
+        return cls(atom=margin.atom.text, measured=margin.measured, predicted=margin.predicted)
+
+    def read(self) -> AtomMargin:
+        predicate, _, rest = self.atom.removeprefix("not ").partition("(")
+        arguments = tuple(rest[:-1].split(", ")) if rest != ")" else ()
+        atom = Atom(predicate, arguments, positive=not self.atom.startswith("not "))
+        return AtomMargin(atom, self.measured, self.predicted)
+
+
+class _Failure(BaseModel):
+    """A failure with its atoms as text."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    step: int
+    instance: str
+    reason: str
+    margins: tuple[_Margin, ...] = ()
+
+    @classmethod
+    def of(cls, failure: Failure) -> "_Failure":
+        margins = tuple(map(_Margin.of, failure.margins))
+        return cls(step=failure.step, instance=failure.instance, reason=failure.reason, margins=margins)
+
+    def read(self) -> Failure:
+        return Failure(self.step, self.instance, self.reason, tuple(margin.read() for margin in self.margins))
+
+
 class _Document(BaseModel):
     """Everything of a recording that is not an array."""
 
@@ -59,11 +99,11 @@ class _Document(BaseModel):
     layout: tuple[_Entry, ...]
     commands_layout: tuple[_Entry, ...]
     instances: tuple[BlockInstance, ...]
-    exits: dict[str, tuple[AtomMargin, ...]]
-    goal: tuple[AtomMargin, ...]
+    exits: dict[str, tuple[_Margin, ...]]
+    goal: tuple[_Margin, ...]
     backend: str
     timestep: Annotated[FiniteFloat, Field(gt=0)]
-    failure: Failure | None
+    failure: _Failure | None
     warnings: tuple[str, ...]
     contacts: tuple[Contact, ...] = ()
 
@@ -79,11 +119,11 @@ def save(recording: Recording, path: Path) -> None:
         layout=recording.layout.entries,
         commands_layout=recording.commands_layout,
         instances=recording.instances,
-        exits=dict(recording.exits),
-        goal=recording.goal,
+        exits={instance: tuple(map(_Margin.of, margins)) for instance, margins in recording.exits.items()},
+        goal=tuple(map(_Margin.of, recording.goal)),
         backend=recording.backend,
         timestep=recording.timestep,
-        failure=recording.failure,
+        failure=None if recording.failure is None else _Failure.of(recording.failure),
         warnings=recording.warnings,
         contacts=recording.contacts,
     )
@@ -167,11 +207,11 @@ def _recording(document: _Document, arrays: Mapping[str, FloatArray]) -> Recordi
         states=arrays["states"],
         commands=arrays["commands"],
         instances=document.instances,
-        exits=document.exits,
-        goal=document.goal,
+        exits={instance: tuple(each.read() for each in margins) for instance, margins in document.exits.items()},
+        goal=tuple(margin.read() for margin in document.goal),
         backend=document.backend,
         timestep=document.timestep,
-        failure=document.failure,
+        failure=None if document.failure is None else document.failure.read(),
         warnings=document.warnings,
         contacts=document.contacts,
     )
@@ -216,5 +256,5 @@ def _instances_fault(recording: Recording) -> str:
     failure = () if recording.failure is None else recording.failure.margins
     for margin in (*recording.goal, *failure, *(m for ms in recording.exits.values() for m in ms)):
         if any(value is not None and math.isnan(value) for value in (margin.measured, margin.predicted)):
-            return f"the margin of {margin.atom} is not a number"
+            return f"the margin of {margin.atom.text} is not a number"
     return ""

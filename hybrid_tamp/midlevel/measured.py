@@ -6,10 +6,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from hybrid_tamp.midlevel.rollout import GOAL, Condition, Key, Rollout
+from hybrid_tamp.midlevel.rollout import Condition, Key, Rollout
 from hybrid_tamp.model.block import Commands
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
@@ -35,7 +36,7 @@ def measured_rollout(task: Task, recording: Recording, whole: bool = True) -> Ro
     for atom in task.goal if whole else ():
         predicate = task.domain.predicate_by_name[atom.predicate]
         margin = np.array([task.margin(atom, recording.state(-1))])
-        conditions.append(Condition(GOAL, str(atom), predicate.unit, predicate.scale, margin))
+        conditions.append(Condition(GOAL, atom, predicate.unit, predicate.scale, margin))
     weights = [
         measure.weight * figures[instance.name, measure.name] / measure.scale
         for instance in recording.instances
@@ -85,7 +86,7 @@ def _conditions(task: Task, recording: Recording, instance: BlockInstance) -> It
         state = recording.at(time)
         for literal in literals:
             margin = np.array([float(literal.margin(state, binding))])
-            atom, predicate = str(literal.ground(binding)), literal.predicate
+            atom, predicate = literal.ground(binding), literal.predicate
             yield Condition(instance.name, atom, predicate.unit, predicate.scale, margin)
 
 

@@ -12,6 +12,7 @@ from hybrid_tamp.midlevel.rollout import Chosen, Condition, Key, Rollout
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
@@ -39,7 +40,7 @@ class Objective:
         keys: (instance, hyperparameter) of each variable.
         last: the last population that was rolled out.
         until: the instance after whose exit points are not rolled out any further, or None.
-        reserves: goal atom, as text, to the margin that a search keeps of it [its unit]; None until that is known.
+        reserves: goal atom to the margin that a search keeps of it [its unit]; None until that is known.
     """
 
     def __init__(self, task: Task, plan: TaskPlan, roll_out: RollOut) -> None:
@@ -51,7 +52,7 @@ class Objective:
         self.space = SearchSpace(tuple(found.values()))
         self.last: Rollout | None = None
         self.until: str | None = None
-        self.reserves: Mapping[str, float] | None = None
+        self.reserves: Mapping[Atom, float] | None = None
 
     def __call__(self, points: FloatArray) -> Scores:
         """Return the scores of points ``(n, d)`` of the space, the default the first of the first population."""
@@ -65,7 +66,7 @@ class Objective:
 
         The value of a plan must not be bought with the last of a goal's margin: physics would miss it by a hair.
         """
-        goal = set(map(str, self.task.goal))
+        goal = set(self.task.goal)
         found = [condition for condition in rollout.conditions if condition.atom in goal and condition.margin[0] > 0]
         self.reserves = {c.atom: min(RESERVE * c.scale, float(c.margin[0])) for c in found}
 
@@ -95,7 +96,7 @@ class Objective:
         return evaluate
 
 
-def _lacking(conditions: Iterable[Condition], reserves: Mapping[str, float]) -> FloatArray:
+def _lacking(conditions: Iterable[Condition], reserves: Mapping[Atom, float]) -> FloatArray:
     """Return what margins lack of the reserves beyond what is missing anyway, in units of their scales."""
     lacking = [
         np.maximum(reserves[c.atom] - np.maximum(c.margin, 0.0), 0.0) / c.scale

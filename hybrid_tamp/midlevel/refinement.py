@@ -20,7 +20,7 @@ from hybrid_tamp.midlevel.scores import SAME, Scores
 from hybrid_tamp.midlevel.screening import Effect, Relevance, find_relevant
 from hybrid_tamp.midlevel.separate import optimised_apart
 from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.model.refined import Milestone, Performance, RefinedPlan, Shortfall, Tuned, Value
+from hybrid_tamp.model.refined import MeasureKey, Milestone, Performance, RefinedPlan, Shortfall, Tuned, Value
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
@@ -104,7 +104,7 @@ class _Refinement:
         self.measured = None if asked is None else Objective(task, plan, asked)
         self.rng = np.random.default_rng(task.seed)
         self.evaluations = 0
-        self.moves: dict[str, list[str]] = {}
+        self.moves: dict[str, list[MeasureKey]] = {}
         self.own: set[str] = set()
         self.searched: list[Rollout] = []
 
@@ -152,7 +152,7 @@ class _Refinement:
         best = self._optimum(everything, self.objective.space.default)
         # Of all that was searched: the last generation alone may lie where all are as good as each other.
         figures = {key: np.concatenate([r.figures[key] for r in self.searched]) for key in self.searched[0].figures}
-        moved = [".".join(key) for key, each in figures.items() if _spread(each) > SAME]
+        moved = [key for key, each in figures.items() if _spread(each) > SAME]
         self.moves, self.own = {name: moved}, {name}
         idle = not moved and _spread(np.concatenate([r.violation for r in self.searched])) <= SAME
         return (Relevance({name: Effect(0.0, 0.0)}, Effect(0.0, 0.0), 0) if idle else everything), None, best
@@ -188,9 +188,9 @@ class _Refinement:
         assert self.objective.last is not None, "it has been rolled out"
         sampled = self.objective.last
         self.moves, self.own = {}, set()
-        for (instance, measure), figures in sampled.figures.items():
+        for measure, figures in sampled.figures.items():
             for name in found.moving(figures):
-                self.moves.setdefault(name, []).append(f"{instance}.{measure}")
+                self.moves.setdefault(name, []).append(measure)
         names = dict(zip(self.objective.keys, self.objective.space.names, strict=True))
         for instance in {instance for instance, _ in names}:
             felt = [c.violation for c in sampled.conditions if c.where == instance]

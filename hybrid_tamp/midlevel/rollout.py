@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from hybrid_tamp.midlevel.simulation import IntArray, Simulation, Stretch
 from hybrid_tamp.model.block import CONTROL_PERIOD
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import Literal
+from hybrid_tamp.model.predicate import Atom, Literal
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
+from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
@@ -25,9 +26,6 @@ Key = tuple[str, str]
 
 Chosen = Mapping[Key, FloatArray]
 """(instance, hyperparameter) to its values over the population, shape ``(n,)``."""
-
-GOAL = "goal"
-"""Where the shortfall of a goal atom is, in place of an instance."""
 
 _SETTLING = 0.5
 """How long the last instances run on before the goal is looked at, as in a real run [s]."""
@@ -39,14 +37,14 @@ class Condition:
 
     Attributes:
         where: name of the instance whose entry or exit condition it is, or `GOAL`.
-        atom: the ground condition, as text.
+        atom: the ground condition.
         unit: unit of its margin.
         scale: size of a margin that counts as one unit of violation [unit].
         margin: its signed margins, shape ``(n,)``; not finite where a rollout failed.
     """
 
     where: str
-    atom: str
+    atom: Atom
     unit: str
     scale: float
     margin: FloatArray
@@ -222,7 +220,7 @@ class _Chain:
 
     def _note(self, where: str, literals: tuple[Literal, ...], simulation: Simulation, margins: FloatArray) -> None:
         for column, literal in enumerate(literals):
-            atom, predicate = str(literal.ground(simulation.binding)), literal.predicate
+            atom, predicate = literal.ground(simulation.binding), literal.predicate
             self.conditions.append(Condition(where, atom, predicate.unit, predicate.scale, margins[:, column]))
 
     def rollout(self, ending: tuple[str, ...] | None = None) -> Rollout:
@@ -234,7 +232,7 @@ class _Chain:
             predicate = self.task.domain.predicate_by_name[atom.predicate]
             margin = Literal(predicate, atom.arguments, atom.positive).margin(final, self.task.token_by_name)
             margins = np.array(np.broadcast_to(margin, (self.count,)))
-            self.conditions.append(Condition(GOAL, str(atom), predicate.unit, predicate.scale, margins))
+            self.conditions.append(Condition(GOAL, atom, predicate.unit, predicate.scale, margins))
         value = np.zeros(self.count)
         for name, simulation in self.simulations.items():
             for measure in simulation.block.performance:

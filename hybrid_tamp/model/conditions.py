@@ -77,7 +77,7 @@ class _Judge:
                 self.forget(ended)
         for atom in self.task.goal:
             if not self.reached(atom):
-                yield Violation(7, self.plan.makespan, str(atom), "the goal does not hold at the end")
+                yield Violation(7, self.plan.makespan, atom.text, "the goal does not hold at the end")
 
     def enter(self, time: float, instance: BlockInstance) -> Iterator[Violation]:
         roles = self.task.bind(instance.roles)
@@ -88,7 +88,7 @@ class _Judge:
             else:
                 fine = self.holds(time, literal, instance)
             if not fine:
-                yield Violation(5, time, instance.name, f"entry condition {atom} does not hold")
+                yield Violation(5, time, instance.name, f"entry condition {atom.text} does not hold")
 
     def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
         raise NotImplementedError
@@ -174,7 +174,7 @@ class _Margins(_Judge):
         for literal in self.block(instance).exit:
             if "*" not in literal.arguments and not self.holds(time, literal, instance) and not final:
                 atom = literal.ground(self.task.bind(instance.roles))
-                yield Violation(5, time, instance.name, f"exit condition {atom} does not hold")
+                yield Violation(5, time, instance.name, f"exit condition {atom.text} does not hold")
 
     def holds(self, time: float, literal: Literal, instance: BlockInstance) -> bool:
         return float(literal.margin(self.measured(time), self.task.bind(instance.roles))) >= 0

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State, StateLayout
 from hybrid_tamp.motion.arrays import FloatArray
 
@@ -15,12 +16,12 @@ class AtomMargin:
     """One condition of an instance or of the goal, with what was predicted and what was measured.
 
     Attributes:
-        atom: the ground condition, as text.
+        atom: the ground condition.
         measured: its signed margin in the run, in the predicate's unit; None if it was never measured.
         predicted: its signed margin in the blocks' own forward models; None if not predicted.
     """
 
-    atom: str
+    atom: Atom
     measured: float | None
     predicted: float | None = None
 

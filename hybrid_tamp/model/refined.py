@@ -4,6 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.predicate import Atom
+
+GOAL = "goal"
+"""Stands in place of an instance's name where a condition is one of the goal."""
+
+MeasureKey = tuple[str, str]
+"""(instance, performance measure)."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +27,7 @@ class Tuned:
         value: what it is now [unit].
         status: ``optimised``; ``fixed`` by its bounds; ``free``, without an effect over its whole bounds, left at its
             default; or ``kept`` there because the defaults meet every condition and no measure could be improved.
-        moves: the conditions and performance measures on which it has an effect, e.g. ``STRIKING-1.hand_speed``.
+        moves: the performance measures on which it has an effect, e.g. ``("STRIKING-1", "hand_speed")``.
         apart: its value where each action is optimised on its own [unit], or None if that was not asked.
     """
 
@@ -32,7 +39,7 @@ class Tuned:
     default: float
     value: float
     status: str
-    moves: tuple[str, ...] = ()
+    moves: tuple[MeasureKey, ...] = ()
     apart: float | None = None
 
 
@@ -64,14 +71,14 @@ class Shortfall:
     """The first condition of a plan that the forward models cannot meet.
 
     Attributes:
-        where: name of the instance, or ``goal``.
-        atom: the condition, as text.
+        where: name of the instance, or `GOAL`.
+        atom: the condition.
         unit: unit of the margin.
         margin: its signed margin [unit].
     """
 
     where: str
-    atom: str
+    atom: Atom
     unit: str
     margin: float
 
@@ -126,7 +133,7 @@ class RefinedPlan:
         defaults: V and J with the defaults.
         apart: V and J with each action optimised on its own, in the plan's order; None if that was not asked.
         shortfall: the first condition that is not met, in physics where it was tried there, or None.
-        expected: (instance or ``goal``, atom) to the margin expected.
+        expected: (instance or `GOAL`, atom) to the margin expected.
         optimiser: by which optimiser, or empty if there was nothing to optimise.
         evaluations: rollouts that were made.
         seconds: how long it took [s].
@@ -142,7 +149,7 @@ class RefinedPlan:
     defaults: Value
     apart: Value | None
     shortfall: Shortfall | None
-    expected: Mapping[tuple[str, str], float]
+    expected: Mapping[tuple[str, Atom], float]
     optimiser: str
     evaluations: int
     seconds: float

@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 from hybrid_tamp.errors import InputError, NoPlan
 from hybrid_tamp.midlevel.objective import RollOut
 from hybrid_tamp.midlevel.refinement import Progress, refine
-from hybrid_tamp.midlevel.rollout import GOAL
 from hybrid_tamp.model.forbidding import forbid
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.refined import RefinedPlan, Shortfall
+from hybrid_tamp.model.refined import GOAL, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import PlanOutcome
 from hybrid_tamp.report.plan_entries import ExplanationEntry, ReasonEntry
@@ -38,7 +37,7 @@ class Round:
         roles = ", ".join(f"{role}={name}" for role, name in self.instance.roles.items())
         short = self.shortfall
         unit = "" if short.unit == "1" else f" {short.unit}"
-        return f"{self.instance.block} with {roles}: {short.atom} fails by {-short.margin:.3g}{unit} at best"
+        return f"{self.instance.block} with {roles}: {short.atom.text} fails by {-short.margin:.3g}{unit} at best"
 
 
 @dataclass(frozen=True)
@@ -98,12 +97,10 @@ def _failing(task: Task, plan: TaskPlan, shortfall: Shortfall) -> BlockInstance:
     """Return the instance to blame: whose condition it is, or the last one that was to bring a goal atom about."""
     if shortfall.where != GOAL:
         return next(instance for instance in plan.instances if instance.name == shortfall.where)
-    predicate = shortfall.atom.removeprefix("not ").partition("(")[0]
     last_first = sorted(plan.instances, key=lambda i: (i.end, i.start, i.name), reverse=True)
     for instance in last_first:
         block, roles = task.domain.block_by_name[instance.block], task.bind(instance.roles)
-        atoms = [str(literal.ground(roles)) for literal in block.exit if literal.predicate.name == predicate]
-        if shortfall.atom in atoms:
+        if shortfall.atom in (literal.ground(roles) for literal in block.exit):
             return instance
     moving = [i for i in last_first if task.domain.block_by_name[i.block].moves]
     return (moving or last_first)[0]
@@ -119,7 +116,7 @@ def _ended(outcome: PlanOutcome, given_up: list[Round], detail: str = "") -> Pla
             block=each.instance.block,
             kind="forward models",
             message=str(each),
-            atom=each.shortfall.atom,
+            atom=each.shortfall.atom.text,
             margin=each.shortfall.margin,
             unit=each.shortfall.unit,
         )

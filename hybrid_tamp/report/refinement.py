@@ -110,7 +110,10 @@ def refinement_entry(refined: RefinedPlan, given_up: GivenUp = ()) -> Refinement
         hyperparameters=[_hyperparameter(tuned) for tuned in refined.hyperparameters],
         performance=[_performance(each) for each in refined.performance],
         history=_history(refined.history),
-        rounds=[RoundEntry(block=block, roles=dict(roles), **short.__dict__) for block, roles, short in given_up],
+        rounds=[
+            RoundEntry(block=block, roles=dict(roles), **{**short.__dict__, "atom": short.atom.text})
+            for block, roles, short in given_up
+        ],
         physics=refined.physics and _physics(refined.physics),
     )
 
@@ -133,7 +136,7 @@ def _value(value: Value) -> ValueEntry:
 
 
 def _hyperparameter(tuned: Tuned) -> HyperparameterEntry:
-    return HyperparameterEntry(**{**tuned.__dict__, "moves": list(tuned.moves)})
+    return HyperparameterEntry(**{**tuned.__dict__, "moves": [".".join(measure) for measure in tuned.moves]})
 
 
 def _performance(each: Performance) -> PerformanceEntry:

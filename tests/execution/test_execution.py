@@ -51,9 +51,9 @@ def test_a_lawful_plan_becomes_a_lawful_run(toys: Any, backend_name: str) -> Non
     assert check_law(task, recording.plan, recording.at) == []
     assert recording.states.shape == (len(recording.times), task.state.layout.size)
     assert recording.commands.shape == (len(recording.times) - 1, 3)
-    assert [margin.atom for margin in recording.exits["MOVING-1"]] == ["near(pusher, spot)", "at_rest(pusher)"]
+    assert [margin.atom.text for margin in recording.exits["MOVING-1"]] == ["near(pusher, spot)", "at_rest(pusher)"]
     assert all(margin.holds for margin in recording.exits["MOVING-1"])
-    assert [margin.atom for margin in recording.goal] == ["near(pusher, spot)"]
+    assert [margin.atom.text for margin in recording.goal] == ["near(pusher, spot)"]
 
 
 def test_contacts_are_recorded_with_the_instances_of_the_time(toys: Any) -> None:
@@ -156,7 +156,7 @@ def test_overdue_block_fails_with_atom_and_margin(toys: Any) -> None:
     assert "longer than its bound of 0.3 s" in failure.reason
     assert "near(pusher, spot) does not hold, its margin is -" in failure.reason
     [near, *_] = failure.margins
-    assert near.atom == "near(pusher, spot)"
+    assert near.atom.text == "near(pusher, spot)"
     assert near.measured == pytest.approx(task.margin(Atom("near", ("pusher", "spot")), recording.state(-1)))
     assert recording.instances[-1].end == recording.duration == pytest.approx(0.4, abs=2 * STEP)
 

@@ -18,6 +18,7 @@ from hybrid_tamp.execution import storage
 from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.execution.storage import load, save
 from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
 from hybrid_tamp.model.state import StateLayout
 
@@ -26,7 +27,9 @@ Change = Callable[[dict[str, bytes]], Mapping[str, bytes]]
 
 names = st.text(min_size=1, max_size=8)
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
-margins = st.builds(AtomMargin, names, st.none() | st.floats(allow_nan=False), st.none() | st.floats(allow_nan=False))
+words = names.filter(lambda name: not set("(,") & set(name))
+atoms = st.builds(Atom, words, st.lists(words, max_size=3).map(tuple), st.booleans())
+margins = st.builds(AtomMargin, atoms, st.none() | st.floats(allow_nan=False), st.none() | st.floats(allow_nan=False))
 pairs = st.tuples(names, names)
 contacts = st.builds(Contact, pairs, pairs, numbers, numbers)
 entries = st.lists(st.tuples(names, names, st.integers(1, 4)), max_size=3).map(tuple)
@@ -174,6 +177,10 @@ def no_number(old: dict[str, Any]) -> None:
     old["goal"][0]["measured"] = float("nan")
 
 
+def no_atom(old: dict[str, Any]) -> None:
+    old["goal"][0]["atom"] = "near"
+
+
 def endless_force(old: dict[str, Any]) -> None:
     old["contacts"] = [{"tokens": ["one", "other"], "instances": ["A", "B"], "force": float("inf"), "time": 0.0}]
 
@@ -237,6 +244,7 @@ def test_a_recording_from_before_contacts_were_measured_is_read(good: Path) -> N
         (document(ends_late), "outside the run"),
         (document(endless), "not finite"),
         (document(no_number), "is not a number"),
+        (document(no_atom), "wrong at goal.0.atom"),
         (document(endless_force), "contact of one and other"),
     ],
 )

@@ -32,7 +32,10 @@ def test_planning_ahead_finds_the_joint_optimum(optimiser: str) -> None:
 
 def test_it_is_told_what_each_hyperparameter_moves() -> None:
     moves = {tuned.name: tuned.moves for tuned in refine(puck_task(), puck_plan()).hyperparameters}
-    assert moves == {"a": ("FIRST-1.start", "SECOND-1.later", "SECOND-1.along"), "b": ("SECOND-1.along",)}
+    assert moves == {
+        "a": (("FIRST-1", "start"), ("SECOND-1", "later"), ("SECOND-1", "along")),
+        "b": (("SECOND-1", "along"),),
+    }
 
 
 def test_where_actions_do_not_interact_the_joint_optimum_is_the_separate_one() -> None:
@@ -66,7 +69,7 @@ def test_one_hyperparameter_is_searched_as_it_is(optimiser: str) -> None:
     second = replace(SECOND, hyperparameters=(still,), performance=())
     a, b = refine(puck_task(first, second, optimiser=optimiser), puck_plan()).hyperparameters
     # In the end all candidates are as good as each other; it matters all the same.
-    assert (a.status, a.moves, b.status) == ("optimised", ("FIRST-1.plateau",), "fixed")
+    assert (a.status, a.moves, b.status) == ("optimised", (("FIRST-1", "plateau"),), "fixed")
     assert 0.1 <= a.value <= 0.7
     idle = replace(first, performance=(Measure("idle", "m", 1.0, end=lambda b, s, e, h: 0.0 * h["a"]),))
     a, b = refine(puck_task(idle, second, optimiser=optimiser), puck_plan()).hyperparameters

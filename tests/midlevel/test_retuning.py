@@ -64,7 +64,7 @@ def test_where_every_run_fails_the_optimum_stays_and_the_condition_is_told() -> 
     assert found.physics is not None
     assert found.physics.stopped == "every run failed"
     assert found.shortfall is not None
-    assert (found.shortfall.where, found.shortfall.atom) == ("FIRST-1", "slid(puck)")
+    assert (found.shortfall.where, found.shortfall.atom.text) == ("FIRST-1", "slid(puck)")
     assert found.hyperparameters[0].value == pytest.approx(0.5, abs=2e-3)
 
 

@@ -10,8 +10,9 @@ from scenes import rolling_task
 import hybrid_tamp
 from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.midlevel.measured import measured_rollout
-from hybrid_tamp.midlevel.rollout import GOAL, Rollouts
+from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.model.block import Measure
+from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
@@ -94,7 +95,7 @@ def test_a_missed_condition_is_a_violation_and_the_chain_goes_on(task: Task) -> 
     assert rollout.violation[0] == 0.0
     missed = rollout.worst(1)
     assert missed is not None
-    assert (missed.where, missed.atom) == ("ROLLING-1", "inside(drum 0, region 0)")
+    assert (missed.where, missed.atom.text) == ("ROLLING-1", "inside(drum 0, region 0)")
     goal = next(c for c in rollout.conditions if c.where == GOAL)
     # The hand goes on to rest: 0.2 m short of a region of radius 0.02 m.
     assert goal.margin[1] == pytest.approx(-0.18, abs=0.01)

@@ -8,7 +8,7 @@ from scenes import rolling_task
 
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.midlevel.measured import measured_rollout
-from hybrid_tamp.midlevel.rollout import GOAL
+from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.planning.physics_rollouts import Rehearsal
 
@@ -48,4 +48,4 @@ def test_a_run_that_fails_is_the_worst_and_names_its_instance() -> None:
     assert rollout.failed["ROLLING-1"].tolist() == [False, True]
     worst = rollout.worst(1)
     assert worst is not None
-    assert (worst.where, worst.atom) == ("ROLLING-1", "inside(drum 0, region 0)")
+    assert (worst.where, worst.atom.text) == ("ROLLING-1", "inside(drum 0, region 0)")

@@ -18,7 +18,7 @@ def test_what_cannot_be_carried_out_is_planned_anew() -> None:
     rounds = pipeline.refine(load("roll_second_round"))
     (given_up,) = rounds.given_up
     assert (given_up.instance.block, given_up.instance.roles["region"]) == ("ROLLING", "near")
-    assert given_up.shortfall.atom == "inside(drum, near)"
+    assert given_up.shortfall.atom.text == "inside(drum, near)"
     assert given_up.shortfall.margin == pytest.approx(-0.001, abs=1e-4)
     plan = rounds.outcome.required()
     assert [i.targets["region"] for i in plan.instances if i.block == "ROLLING"] == ["far"]

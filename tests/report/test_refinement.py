@@ -8,6 +8,7 @@ from PIL import Image
 from rich.console import Console
 
 from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.refined import Milestone, Performance, RefinedPlan, Shortfall, Tuned, Value
 from hybrid_tamp.report.convergence import convergence_picture
 from hybrid_tamp.report.progress import progress_bar
@@ -15,7 +16,7 @@ from hybrid_tamp.report.refinement import RefinementEntry, refinement_entry
 from hybrid_tamp.report.refinement_tables import KEPT, refinement_tables
 
 GRASP = Tuned(
-    "GRASPING-1", "grasp_location", "m", -0.1234, 0.3, 0.1, 0.123456, "optimised", ("GRASPING-1.contact",), 0.1
+    "GRASPING-1", "grasp_location", "m", -0.1234, 0.3, 0.1, 0.123456, "optimised", (("GRASPING-1", "contact"),), 0.1
 )
 HISTORY = (Milestone(48, 0.5, float("nan")), Milestone(96, 0.0, 1.0), Milestone(144, 0.0, 2.0))
 
@@ -40,7 +41,9 @@ def entry(defaults: Value = MISSED, optimiser: str = "cma") -> RefinementEntry:
         stopped="evaluations",
         history=HISTORY if optimiser else (),
     )
-    return refinement_entry(refined, [("ROLLING", {"hand": "h"}, Shortfall("ROLLING-1", "inside(d, g)", "m", -0.001))])
+    return refinement_entry(
+        refined, [("ROLLING", {"hand": "h"}, Shortfall("ROLLING-1", Atom("inside", ("d", "g")), "m", -0.001))]
+    )
 
 
 def shown(of: RefinementEntry) -> list[str]:

@@ -19,6 +19,7 @@ from hybrid_tamp.model.block import Block, Duration, Slot
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -175,7 +176,7 @@ def coloured(pixels: Any) -> set[str]:
 
 
 def test_caption_ends_with_the_verdict(task: Task, recording: Recording) -> None:
-    missed = replace(recording, goal=(AtomMargin("near(ball, spot)", -0.1),))
+    missed = replace(recording, goal=(AtomMargin(Atom("near", ("ball", "spot")), -0.1),))
     stopped = replace(recording, failure=Failure(1, "WAITING-1", "nothing came"))
     assert coloured(caption(task, recording, 0.3)) == set()
     assert coloured(caption(task, recording, 1.0)) == {"green"}

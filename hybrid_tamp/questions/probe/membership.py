@@ -219,4 +219,4 @@ def _faults(recipe: TrialRecipe, recording: Recording, measured: Mapping[str, fl
             f"{key} {value:.4g} is not within {low:g} to {high:g}" for value in values if not low <= value <= high
         )
     if recording.failure is None:
-        yield from (f"{atom.atom} does not hold" for atom in recording.goal if not atom.holds)
+        yield from (f"{margin.atom.text} does not hold" for margin in recording.goal if not margin.holds)
