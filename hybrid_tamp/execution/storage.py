@@ -48,13 +48,14 @@ _UNREADABLE = (
     struct.error,
 )
 
+_STRICT = ConfigDict(extra="forbid", strict=True, ser_json_inf_nan="constants")
 _Entry = tuple[str, str, PositiveInt]
 
 
 class _Margin(BaseModel):
     """A margin with its atom as text."""
 
-    model_config = ConfigDict(extra="forbid", strict=True)
+    model_config = _STRICT
 
     atom: str = Field(pattern=r"(?s)^[^(]+\(.*\)$")
     measured: float | None
@@ -74,7 +75,7 @@ class _Margin(BaseModel):
 class _Failure(BaseModel):
     """A failure with its atoms as text."""
 
-    model_config = ConfigDict(extra="forbid", strict=True)
+    model_config = _STRICT
 
     step: int
     instance: str
@@ -93,7 +94,7 @@ class _Failure(BaseModel):
 class _Document(BaseModel):
     """Everything of a recording that is not an array."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, ser_json_inf_nan="constants")
+    model_config = _STRICT
 
     version: Literal["hybrid-tamp/recording/1"]
     layout: tuple[_Entry, ...]
