@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from toys import Toys
 
 # The machine may be busy: a slow example is no failure. The same examples every time.
 settings.register_profile("project", deadline=None, derandomize=True)
@@ -30,3 +31,9 @@ def command() -> Callable[..., "subprocess.CompletedProcess[str]"]:
         )
 
     return run
+
+
+@pytest.fixture
+def toys() -> Toys:
+    """Return a small world of pushers, spots and things."""
+    return Toys()

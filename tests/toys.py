@@ -1,11 +1,10 @@
-"""A toy world for the physics tests: pushers that move to spots, and things that lie about."""
+"""A toy world for tests of physics and execution: pushers that move to spots, and things that lie about."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, cast
 
 import numpy as np
-import pytest
 
 from hybrid_tamp.geometry.shapes import Box, Cylinder, Sphere
 from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, BasicAction, CapabilityClass, PlaceClass, quantity
@@ -167,7 +166,7 @@ class World:
 
 @dataclass(frozen=True)
 class Toys:
-    """What the tests take from here; test modules cannot import each other."""
+    """What the tests take from here, by the fixture `toys`."""
 
     world: World = World()
     moving: Block = MOVING
@@ -200,8 +199,3 @@ class Toys:
     def one_move_task(self, **changes: Any) -> Task:
         world = self.world.block(**changes) if changes else self.world
         return world.pusher().spot().task(Atom("near", ("pusher", "spot")))
-
-
-@pytest.fixture
-def toys() -> Toys:
-    return Toys()
