@@ -28,12 +28,14 @@ if TYPE_CHECKING:
         VaryingProperty,
         quantity,
     )
-    from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameter, Movement, Slot, Target
+    from hybrid_tamp.model.block import Block, Duration, Movement, Slot, Target
+    from hybrid_tamp.model.control import Commands
     from hybrid_tamp.model.domain import Domain
     from hybrid_tamp.model.law import Violation, check_law
     from hybrid_tamp.model.network import ReassignmentNetwork
+    from hybrid_tamp.model.parameters import Hyperparameter
     from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-    from hybrid_tamp.model.predicate import ANY, Atom, Literal, Parameter, Predicate, SymbolSort
+    from hybrid_tamp.model.predicate import ANY, Atom, Binding, Literal, Parameter, Predicate, SymbolSort
     from hybrid_tamp.model.recording import Recording
     from hybrid_tamp.model.state import State
     from hybrid_tamp.model.task import Task

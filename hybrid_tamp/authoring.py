@@ -39,25 +39,15 @@ from hybrid_tamp.model.affordance import (
     Vector3,
     quantity,
 )
-from hybrid_tamp.model.block import (
-    CONTROL_PERIOD,
-    Binding,
-    Block,
-    Commands,
-    Duration,
-    Hyperparameter,
-    Hyperparameters,
-    Measure,
-    Movement,
-    Policy,
-    Slot,
-    Target,
-)
+from hybrid_tamp.model.block import Block, Duration, Movement, Slot, Target
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, ContinuousSystem, Policy, PolicyMaker
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED, GRIP_FRICTION, aperture_property
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.network import ReassignmentNetwork
+from hybrid_tamp.model.parameters import Hyperparameter, Hyperparameters, Parameters
 from hybrid_tamp.model.plan import BlockInstance, split_mode
-from hybrid_tamp.model.predicate import ANY, Atom, Literal, Parameter, Predicate, SymbolSort, Value
+from hybrid_tamp.model.predicate import ANY, Atom, Binding, Literal, Parameter, Predicate, SymbolSort, Value
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -98,6 +88,7 @@ __all__ = [
     "Carry",
     "Commands",
     "Compound",
+    "ContinuousSystem",
     "Cylinder",
     "CylinderPart",
     "DMP",
@@ -118,9 +109,11 @@ __all__ = [
     "Movement",
     "ObjectClass",
     "Parameter",
+    "Parameters",
     "Part",
     "PlaceClass",
     "Policy",
+    "PolicyMaker",
     "Predicate",
     "Profile",
     "ReassignmentNetwork",

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid_tamp.model.block import Binding, Block
-from hybrid_tamp.model.predicate import ANY, Literal, Value
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.forward_model import roll_out
+from hybrid_tamp.model.predicate import ANY, Binding, Literal, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
 _WALKS = 4  # At most, for each sample.
+_LONGEST_HOLD = 30.0  # [s]
 _STEPS_A_BLOCK = 4  # How long a walk is, in steps a block of the domain.
 
 
@@ -62,7 +64,8 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
                 break
             block, binding = chosen
             done[block.name] += 1
-            state = _roll_out(block, binding, state, dt)
+            longest = min(block.duration.maximum, _LONGEST_HOLD) if block.hold else block.duration.maximum
+            state = roll_out(block, binding, state, longest, dt)[-1]
             found.extend(_disagreements(block, binding, state))
     never = "its entry conditions held in no state that the other blocks bring about"
     return found + [Disagreement(name, (), never, math.nan) for name, times in done.items() if not times]
@@ -112,21 +115,6 @@ def _possible(task: Task, block: Block, state: State, bound: dict[str, Value]) -
 def _holds(task: Task, condition: Literal, state: State, binding: Binding) -> bool:
     # Feasibility was decided in the initial state.
     return float(condition.margin(task.state if condition.predicate.static else state, binding)) >= 0
-
-
-def _roll_out(block: Block, binding: Binding, start: State, dt: float) -> State:
-    """Run a block's own forward model until its exit conditions hold, at most for its longest duration."""
-    hyperparameters = block.guesses(binding, start)
-    policy = block.policy(binding, start, hyperparameters) if block.policy else None
-    longest = block.duration.maximum if not block.hold else min(block.duration.maximum, 30.0)
-    state = start
-    for step in range(round(longest / dt)):
-        elapsed = step * dt
-        if elapsed >= block.duration.minimum and not _disagreements(block, binding, state):
-            break
-        commands = policy(np.asarray(elapsed), state) if policy else {}
-        state = block.system(binding, state, commands, dt)
-    return state
 
 
 def _disagreements(block: Block, binding: Binding, end: State) -> list[Disagreement]:

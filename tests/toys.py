@@ -8,11 +8,13 @@ import numpy as np
 
 from hybrid_tamp.geometry.shapes import Box, Cylinder, Sphere
 from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, BasicAction, CapabilityClass, PlaceClass, quantity
-from hybrid_tamp.model.block import Binding, Block, Commands, Duration, Hyperparameter, Slot, Target
+from hybrid_tamp.model.block import Block, Duration, Slot, Target
+from hybrid_tamp.model.control import Commands, ContinuousSystem
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork
+from hybrid_tamp.model.parameters import Hyperparameter, Parameters
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import Atom, Parameter, Predicate
+from hybrid_tamp.model.predicate import Atom, Binding, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -74,21 +76,25 @@ NEAR = Predicate(
 AT_REST = Predicate("at_rest", (Parameter("token", TOKEN),), _slowness, unit="m/s", reads={"token": ("velocity",)})
 
 
-def servo(binding: Binding, start: State, hyperparameters: Mapping[str, Any]) -> Any:
+def servo(binding: Binding, start: State, parameters: Parameters) -> Any:
     pusher, spot = cast(Token, binding["pusher"]), cast(Token, binding["spot"])
 
     def policy(elapsed: Any, state: State) -> Commands:
-        pull = hyperparameters["stiffness"] * (state[spot, "position"] - state[pusher, "position"])
+        pull = parameters.hyperparameters["stiffness"] * (state[spot, "position"] - state[pusher, "position"])
         return {(pusher.name, "force"): pull - 40.0 * state[pusher, "velocity"]}
 
     return policy
 
 
-def free_motion(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+def free_motion(binding: Binding, start: State) -> ContinuousSystem:
     pusher = cast(Token, binding["pusher"])
-    velocity = state[pusher, "velocity"] + commands[pusher.name, "force"] / pusher["mass"] * dt
-    moved = state[pusher, "position"] + velocity * dt
-    return state.replace({(pusher.name, "velocity"): velocity, (pusher.name, "position"): moved})
+
+    def system(state: State, commands: Commands, dt: float) -> State:
+        velocity = state[pusher, "velocity"] + commands[pusher.name, "force"] / pusher["mass"] * dt
+        moved = state[pusher, "position"] + velocity * dt
+        return state.replace({(pusher.name, "velocity"): velocity, (pusher.name, "position"): moved})
+
+    return system
 
 
 MOVING = Block(

@@ -16,7 +16,8 @@ from hybrid_tamp.model.affordance import (
     Vector3,
     quantity,
 )
-from hybrid_tamp.model.block import Block, Commands, Duration, Slot
+from hybrid_tamp.model.block import Block, Duration, Slot
+from hybrid_tamp.model.control import Commands
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.grasp import aperture_property
 from hybrid_tamp.model.network import ReassignmentNetwork

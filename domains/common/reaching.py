@@ -22,6 +22,7 @@ from hybrid_tamp.authoring import (
     Hyperparameters,
     Literal,
     Movement,
+    Parameters,
     Policy,
     Predicate,
     Slot,
@@ -33,7 +34,7 @@ from hybrid_tamp.authoring import (
 from .classes import StaticEndEffector
 from .predicates import AT_REST
 from .primitives import demonstrated_reach
-from .servos import force_on, free_motion, hand_servo
+from .servos import hand_servo, hand_system
 from .timetable import Timetable
 
 LIFT = 0.36
@@ -72,7 +73,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         primitive: the movement, in three dimensions; the demonstrated reach by default.
     """
 
-    def duration_guess(binding: Binding, state: State) -> FloatArray:
+    def initial_duration(binding: Binding, state: State) -> FloatArray:
         hand = cast(Token, binding["hand"])
         distance = np.linalg.norm(goal.position(binding, state) - state[hand, "position"], axis=-1)
         return np.asarray(1.2 + (distance + 2 * LIFT) / (2 * _MEAN_SPEED))
@@ -80,11 +81,11 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
     def expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
         return float(hyperparameters["duration"]) + _SETTLING
 
-    def make_policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+    def make_policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
         hand = cast(Token, binding["hand"])
         movement = primitive or demonstrated_reach()
         reference = movement.trajectory(
-            start[hand, "position"], goal.position(binding, start), hyperparameters["duration"]
+            start[hand, "position"], goal.position(binding, start), parameters.hyperparameters["duration"]
         )
 
         servo = hand_servo(hand, start)
@@ -107,18 +108,13 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         exit=(*goal.arrived, AT_REST("hand")),
         writes={"hand": ("position", "velocity")},
         keeps=goal.keeps,
-        hyperparameters=(Hyperparameter("duration", "s", 0.8, 8.0, duration_guess, "how long the reach takes"),),
+        hyperparameters=(Hyperparameter("duration", "s", 0.8, 8.0, initial_duration, "how long the reach takes"),),
         duration=Duration(0.3, 12.0, expected),
         hold=True,
         policy=make_policy,
-        system=_system,
+        system=hand_system,
         taught=lambda other: reaching(goal, mode, other),
         movement=Movement("hand", "position", 3),
         outcome=outcome,
         description="the hand moves on a curve to its place beside the object and holds there",
     )
-
-
-def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
-    hand = cast(Token, binding["hand"])
-    return free_motion(state, hand, force_on(hand, state, commands), dt)

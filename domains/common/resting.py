@@ -9,7 +9,7 @@ from hybrid_tamp.authoring import (
     Commands,
     Duration,
     FloatArray,
-    Hyperparameters,
+    Parameters,
     Policy,
     Slot,
     State,
@@ -20,7 +20,7 @@ from .predicates import AT_REST
 from .servos import hand_servo
 
 
-def _stay(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _stay(binding: Binding, start: State, parameters: Parameters) -> Policy:
     """Hold a hand where it was; other tokens take no commands."""
     token = cast(Token, binding["token"])
     place = start[token, "position"].copy()

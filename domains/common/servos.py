@@ -1,10 +1,20 @@
 """Servos that turn a hand's basic actions, a force and perhaps a torque, into positions and orientations."""
 
 from collections.abc import Callable
+from typing import Protocol, cast
 
 import numpy as np
 
-from hybrid_tamp.authoring import Commands, FloatArray, State, Token, quaternion_conjugate, quaternion_multiply
+from hybrid_tamp.authoring import (
+    Binding,
+    Commands,
+    ContinuousSystem,
+    FloatArray,
+    State,
+    Token,
+    quaternion_conjugate,
+    quaternion_multiply,
+)
 
 STIFFNESS = 8000.0
 """Stiffness of the position servo [N/m]."""
@@ -18,22 +28,34 @@ Servo = Callable[[State, FloatArray, FloatArray | float], Commands]
 """``servo(state, position, velocity)``: the commands that drive a hand to a moving reference ``(..., 3)``."""
 
 
+class ForceServo(Protocol):
+    """The force that drives a hand to a moving reference."""
+
+    def __call__(self, state: State, position: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
+        """Return the force ``(..., 3)`` [N].
+
+        Args:
+            state: current state.
+            position: reference position ``(..., 3)`` [m].
+            velocity: reference velocity ``(..., 3)`` [m/s].
+        """
+        ...
+
+
 def damping(mass: float, stiffness: float = STIFFNESS) -> float:
     """Return the damping coefficient [N s/m] of a servo on a mass [kg]."""
     return float(2.0 * DAMPING_RATIO * np.sqrt(stiffness * mass))
 
 
-def position_servo(hand: Token, state: State, position: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
-    """Return the force ``(..., 3)`` [N] that drives a hand to a moving reference.
+def position_servo(hand: Token) -> ForceServo:
+    """Return the law of the force that drives a hand, a token with a mass, to a moving reference."""
+    brake = damping(hand["mass"])
 
-    Args:
-        hand: a token with a mass.
-        state: current state.
-        position: reference position ``(..., 3)`` [m].
-        velocity: reference velocity ``(..., 3)`` [m/s].
-    """
-    stiffness = STIFFNESS * (position - state[hand, "position"])
-    return stiffness + damping(hand["mass"]) * (velocity - state[hand, "velocity"])
+    def force(state: State, position: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
+        stiffness = STIFFNESS * (position - state[hand, "position"])
+        return stiffness + brake * (velocity - state[hand, "velocity"])
+
+    return force
 
 
 def turn_between(orientation: FloatArray, wanted: FloatArray) -> FloatArray:
@@ -62,12 +84,13 @@ def hand_servo(hand: Token, start: State) -> Servo:
     For a token without basic actions it commands nothing.
     """
     actions = {action.name for action in hand.basic_actions}
+    force = position_servo(hand) if "force" in actions else None
     upright = start[hand, "orientation"].copy()
 
     def servo(state: State, position: FloatArray, velocity: FloatArray | float) -> Commands:
         commands: Commands = {}
-        if "force" in actions:
-            commands[hand.name, "force"] = position_servo(hand, state, position, velocity)
+        if force is not None:
+            commands[hand.name, "force"] = force(state, position, velocity)
         if "torque" in actions:
             commands[hand.name, "torque"] = hand["wrist_inertia"] * turning_rate(state, hand, upright)
         return commands
@@ -75,11 +98,17 @@ def hand_servo(hand: Token, start: State) -> Servo:
     return servo
 
 
-def free_motion(state: State, hand: Token, force: FloatArray, dt: float) -> State:
-    """Advance a gravity-compensated hand that touches nothing, as a point mass (semi-implicit Euler)."""
-    velocity = state[hand, "velocity"] + force / hand["mass"] * dt
-    position = state[hand, "position"] + velocity * dt
-    return state.replace({(hand.name, "velocity"): velocity, (hand.name, "position"): position})
+def hand_system(binding: Binding, start: State) -> ContinuousSystem:
+    """Make the system of a gravity-compensated hand that touches nothing: a point mass (semi-implicit Euler)."""
+    hand = cast(Token, binding["hand"])
+    mass = hand["mass"]
+
+    def system(state: State, commands: Commands, dt: float) -> State:
+        velocity = state[hand, "velocity"] + force_on(hand, state, commands) / mass * dt
+        position = state[hand, "position"] + velocity * dt
+        return state.replace({(hand.name, "velocity"): velocity, (hand.name, "position"): position})
+
+    return system
 
 
 def force_on(hand: Token, state: State, commands: Commands) -> FloatArray:

@@ -12,7 +12,17 @@ from typing import cast
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, Binding, Commands, FloatArray, Hyperparameter, Policy, State, Token
+from hybrid_tamp.authoring import (
+    GRAVITY,
+    Binding,
+    Commands,
+    ContinuousSystem,
+    FloatArray,
+    Hyperparameter,
+    Policy,
+    State,
+    Token,
+)
 
 from ..common.servos import STIFFNESS, damping, force_on
 from .load import friction, largest_squeeze, load, squeeze_for
@@ -94,7 +104,13 @@ def bearing(
     """
     weight = load(roles.thing, roles.crew) * UP
     references = [
-        (hand, start[hand, "position"].copy(), outward(start, roles.thing, place), gap[..., None])
+        (
+            hand,
+            start[hand, "position"].copy(),
+            outward(start, roles.thing, place),
+            gap[..., None],
+            damping(hand["mass"]),
+        )
         for (hand, place), gap in zip(roles.hands, gaps, strict=True)
     ]
 
@@ -105,15 +121,15 @@ def bearing(
             for each in (now.closed, now.closing, now.grip, now.loaded, now.rise, now.rising)
         )
         commands: Commands = {}
-        for hand, begun, normal, gap in references:
+        for hand, begun, normal, gap, brake in references:
             place = begun - normal * (gap * closed) + UP * rise
             velocity = UP * rising - normal * (gap * closing)
             error = place - state[hand, "position"]
             # Several hands reach their places only about: none is to press harder than the others for that.
             given_way = normal * ((1.0 - _SOFTNESS) * grip * dot(error, normal)[..., None])
             push = STIFFNESS * (error - given_way) - normal * (squeeze[..., None] * grip)
-            brake = damping(hand["mass"]) * (velocity - state[hand, "velocity"])
-            commands[hand.name, "force"] = push + brake + weight * loaded
+            braking = brake * (velocity - state[hand, "velocity"])
+            commands[hand.name, "force"] = push + braking + weight * loaded
         return commands
 
     return policy
@@ -122,48 +138,52 @@ def bearing(
 def squeezing(crew: str) -> Hyperparameter:
     """Return the hyperparameter of how hard hands squeeze; at most so that they can bear the box besides."""
 
-    def guess(binding: Binding, state: State) -> FloatArray:
+    def initial(binding: Binding, state: State) -> FloatArray:
         return np.asarray(squeeze_for(cast(Token, binding["object"]), crew))
 
     def within(binding: Binding) -> tuple[float, float]:
         roles = Roles.of(crew, binding)
         return 0.0, min(largest_squeeze(hand, roles.thing, crew) for hand, _ in roles.hands)
 
-    return Hyperparameter("squeeze", "N", 0.0, 1e5, guess, "force with which each hand squeezes the box", within)
+    return Hyperparameter("squeeze", "N", 0.0, 1e5, initial, "force with which each hand squeezes the box", within)
 
 
-def bearing_system(crew: str, binding: Binding, state: State, commands: Commands, dt: float) -> State:
+def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSystem:
     """Move hands and box by Coulomb friction: upwards they go as one, as far as the hands press hard enough.
 
     The box keeps its orientation and moves up and down only; the floor stops it. A hand that touches is stopped by its
     face, which the hands on the other side hold.
     """
     roles = Roles.of(crew, binding)
-    thing, mass = roles.thing, roles.thing["mass"]
-    lowest = -corner_heights(state, thing).min(axis=-1) / dt
-    """Vertical speed with which the box comes to the floor [m/s]."""
-    sinking = state[thing, "velocity"][..., 2] - GRAVITY * dt
-    moved = [(hand, *_pressed(state, hand, thing, place, commands, dt)) for hand, place in roles.hands]
-    momentum, total = mass * sinking, mass * np.ones_like(sinking)
-    for hand, velocity, press in moved:
-        joined = np.where(press > 0.0, hand["mass"], 0.0)
-        momentum, total = momentum + joined * velocity[..., 2], total + joined
-    common = np.maximum(momentum / total, lowest)
-    changes: dict[tuple[str, str], FloatArray] = {}
-    lifting = np.zeros_like(common)
-    for hand, velocity, press in moved:
-        most = friction(thing) * press * dt
-        impulse = np.clip(hand["mass"] * (velocity[..., 2] - common), -most, most)
-        lifting = lifting + impulse
-        after = velocity - UP * (impulse / hand["mass"])[..., None]
-        changes[hand.name, "velocity"] = after
-        changes[hand.name, "position"] = state[hand, "position"] + after * dt
-    speed = np.maximum(sinking + lifting / mass, lowest)
-    changes[thing.name, "position"] = state[thing, "position"] + UP * (speed * dt)[..., None]
-    # On the floor it is at rest, whatever way it had to go there.
-    changes[thing.name, "velocity"] = UP * np.where(speed > lowest, speed, 0.0)[..., None]
-    changes[thing.name, "angular_velocity"] = np.zeros_like(state[thing, "angular_velocity"])
-    return state.replace(changes)
+    thing, mass, coefficient = roles.thing, roles.thing["mass"], friction(roles.thing)
+
+    def system(state: State, commands: Commands, dt: float) -> State:
+        lowest = -corner_heights(state, thing).min(axis=-1) / dt
+        """Vertical speed with which the box comes to the floor [m/s]."""
+        sinking = state[thing, "velocity"][..., 2] - GRAVITY * dt
+        moved = [(hand, *_pressed(state, hand, thing, place, commands, dt)) for hand, place in roles.hands]
+        momentum, total = mass * sinking, mass * np.ones_like(sinking)
+        for hand, velocity, press in moved:
+            joined = np.where(press > 0.0, hand["mass"], 0.0)
+            momentum, total = momentum + joined * velocity[..., 2], total + joined
+        common = np.maximum(momentum / total, lowest)
+        changes: dict[tuple[str, str], FloatArray] = {}
+        lifting = np.zeros_like(common)
+        for hand, velocity, press in moved:
+            most = coefficient * press * dt
+            impulse = np.clip(hand["mass"] * (velocity[..., 2] - common), -most, most)
+            lifting = lifting + impulse
+            after = velocity - UP * (impulse / hand["mass"])[..., None]
+            changes[hand.name, "velocity"] = after
+            changes[hand.name, "position"] = state[hand, "position"] + after * dt
+        speed = np.maximum(sinking + lifting / mass, lowest)
+        changes[thing.name, "position"] = state[thing, "position"] + UP * (speed * dt)[..., None]
+        # On the floor it is at rest, whatever way it had to go there.
+        changes[thing.name, "velocity"] = UP * np.where(speed > lowest, speed, 0.0)[..., None]
+        changes[thing.name, "angular_velocity"] = np.zeros_like(state[thing, "angular_velocity"])
+        return state.replace(changes)
+
+    return system
 
 
 def _pressed(

@@ -21,6 +21,7 @@ from hybrid_tamp.authoring import (
     Hyperparameters,
     Literal,
     Movement,
+    Parameters,
     Policy,
     Profile,
     Slot,
@@ -61,9 +62,10 @@ _SPEED = Hyperparameter("speed", "m/s", 0.03, 0.2, lambda b, s: np.asarray(0.1),
 _HEIGHT = Hyperparameter("height", "m", 0.11, 0.3, lambda b, s: np.asarray(LIFT), "how high the box is lifted")
 
 
-def _lift(crew: str, profile: Profile, binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
     roles = Roles.of(crew, binding)
-    speed, height, squeeze = (np.asarray(hyperparameters[name]) for name in ("speed", "height", "squeeze"))
+    chosen = parameters.hyperparameters
+    speed, height, squeeze = (np.asarray(chosen[name]) for name in ("speed", "height", "squeeze"))
     duration = height / speed
 
     def course(elapsed: FloatArray) -> Course:
@@ -79,17 +81,17 @@ def _lift(crew: str, profile: Profile, binding: Binding, start: State, hyperpara
     return bearing(roles, start, squeeze, gaps, course)
 
 
-def _hold(crew: str, profile: Profile, binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _hold(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
     roles = Roles.of(crew, binding)
     still, whole = np.asarray(0.0), np.asarray(1.0)
     gaps = (still,) * len(roles.hands)
-    squeeze = np.asarray(hyperparameters["squeeze"])
+    squeeze = np.asarray(parameters.hyperparameters["squeeze"])
     return bearing(roles, start, squeeze, gaps, lambda elapsed: Course(still, still, whole, whole, still, still))
 
 
-def _lower(crew: str, profile: Profile, binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _lower(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
     roles = Roles.of(crew, binding)
-    speed, squeeze = (np.asarray(hyperparameters[name]) for name in ("speed", "squeeze"))
+    speed, squeeze = (np.asarray(parameters.hyperparameters[name]) for name in ("speed", "squeeze"))
     drop = corner_heights(start, roles.thing).min(axis=-1)
     duration = _falling(drop, speed)
 

@@ -15,10 +15,12 @@ from hybrid_tamp.authoring import (
     Binding,
     Block,
     Commands,
+    ContinuousSystem,
     Duration,
     FloatArray,
     Hyperparameter,
     Hyperparameters,
+    Parameters,
     Policy,
     Slot,
     State,
@@ -59,7 +61,7 @@ REACH_BEHIND = ReachGoal(
 )
 
 
-def _distance_guess(binding: Binding, state: State) -> FloatArray:
+def _initial_distance(binding: Binding, state: State) -> FloatArray:
     _, thing, region = _roles(binding)
     return way(state, thing, region)[1]
 
@@ -72,13 +74,14 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) 
     return float((distance - braking) / speed + np.sqrt(2 * braking / slowing) + 0.5)
 
 
-def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand, thing, region = _roles(binding)
     direction, _ = way(start, thing, region)
     origin = start[thing, "position"].copy()
-    distance, speed, slowing = (np.asarray(hyperparameters[h]) for h in ("distance", "speed", "deceleration"))
-
+    chosen = parameters.hyperparameters
+    distance, speed, slowing = (np.asarray(chosen[name]) for name in ("distance", "speed", "deceleration"))
     resistance = GRAVITY * thing["mass"] * thing["rolling_friction"] / thing["radius_of_rotation"]
+    rate, servo = _SPEED_RATE * hand["mass"], position_servo(hand)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         centre = state[thing, "position"]
@@ -87,50 +90,56 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
         gap = dot(centre - state[hand, "position"], direction) - touching(state, hand, thing, direction)
         closing = np.where(remaining > 0, np.clip(_APPROACH_GAIN * gap, 0.0, _APPROACH_SPEED), 0.0)
         velocity = dot(state[hand, "velocity"], direction)
-        push = _SPEED_RATE * hand["mass"] * (wanted + closing - velocity)
+        push = rate * (wanted + closing - velocity)
         push = push + np.where((remaining > 0) & (gap < STANDOFF / 2), resistance, 0.0)
         # Across the direction the hand keeps to the object's centre by position, along it by speed.
         beside = centre.copy()
         beside[..., 2] = working_height(state, hand, thing)
-        across = position_servo(hand, state, beside)
+        across = servo(state, beside)
         across = across - dot(across, direction)[..., None] * direction
         return {(hand.name, "force"): across + push[..., None] * direction}
 
     return policy
 
 
-def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+def _system(binding: Binding, start: State) -> ContinuousSystem:
     """Rolling without slip of a solid cylinder that a hand may push, never pull; inelastic contact."""
     hand, thing, region = _roles(binding)
-    direction, _ = way(state, thing, region)
-    # The roll goes on in the direction it has: past the region, `way` would turn round.
-    moving = dot(state[thing, "velocity"], direction)
-    direction = np.where((moving < -1e-9)[..., None], -direction, direction)
-    pushed = touching(state, hand, thing, direction)
+    mass, radius = hand["mass"], thing["radius_of_rotation"]
     inertia = 1.5 * thing["mass"]  # m + I / R^2 of a solid cylinder
-    slowing = thing["rolling_friction"] * GRAVITY / (1.5 * thing["radius_of_rotation"])
+    whole = mass + inertia
+    slowing = thing["rolling_friction"] * GRAVITY / (1.5 * radius)
 
-    hand_velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
-    along = dot(hand_velocity, direction)
-    rolling = np.maximum(0.0, np.abs(moving) - slowing * dt)
-    gap = dot(state[thing, "position"] - state[hand, "position"], direction) - pushed
-    touches = (gap <= (along - rolling) * dt + 1e-6) & (along > rolling)
-    common = np.maximum(0.0, (hand["mass"] * along + inertia * rolling) / (hand["mass"] + inertia))
-    rolling = np.where(touches, common, rolling)
-    hand_velocity = hand_velocity + (np.where(touches, common, along) - along)[..., None] * direction
+    def system(state: State, commands: Commands, dt: float) -> State:
+        direction, _ = way(state, thing, region)
+        # The roll goes on in the direction it has: past the region, `way` would turn round.
+        moving = dot(state[thing, "velocity"], direction)
+        direction = np.where((moving < -1e-9)[..., None], -direction, direction)
+        pushed = touching(state, hand, thing, direction)
 
-    velocity = rolling[..., None] * direction
-    spin = np.cross(np.broadcast_to(UP, direction.shape), velocity) / thing["radius_of_rotation"]
-    return state.replace(
-        {
-            (hand.name, "velocity"): hand_velocity,
-            (hand.name, "position"): state[hand, "position"] + hand_velocity * dt,
-            (thing.name, "velocity"): velocity,
-            (thing.name, "position"): state[thing, "position"] + velocity * dt,
-            (thing.name, "angular_velocity"): spin,
-            (thing.name, "orientation"): integrate(state[thing, "orientation"], spin, dt),
-        }
-    )
+        hand_velocity = state[hand, "velocity"] + force_on(hand, state, commands) / mass * dt
+        along = dot(hand_velocity, direction)
+        rolling = np.maximum(0.0, np.abs(moving) - slowing * dt)
+        gap = dot(state[thing, "position"] - state[hand, "position"], direction) - pushed
+        touches = (gap <= (along - rolling) * dt + 1e-6) & (along > rolling)
+        common = np.maximum(0.0, (mass * along + inertia * rolling) / whole)
+        rolling = np.where(touches, common, rolling)
+        hand_velocity = hand_velocity + (np.where(touches, common, along) - along)[..., None] * direction
+
+        velocity = rolling[..., None] * direction
+        spin = np.cross(np.broadcast_to(UP, direction.shape), velocity) / radius
+        return state.replace(
+            {
+                (hand.name, "velocity"): hand_velocity,
+                (hand.name, "position"): state[hand, "position"] + hand_velocity * dt,
+                (thing.name, "velocity"): velocity,
+                (thing.name, "position"): state[thing, "position"] + velocity * dt,
+                (thing.name, "angular_velocity"): spin,
+                (thing.name, "orientation"): integrate(state[thing, "orientation"], spin, dt),
+            }
+        )
+
+    return system
 
 
 def _outcome(binding: Binding, state: State) -> State:
@@ -155,7 +164,7 @@ ROLLING = Block(
     # What tumbles is a box and does not roll.
     keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, POSTURE, *FEASIBLE_TUMBLING),
     hyperparameters=(
-        Hyperparameter("distance", "m", 0.0, 10.0, _distance_guess, "how far to roll"),
+        Hyperparameter("distance", "m", 0.0, 10.0, _initial_distance, "how far to roll"),
         Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(0.4), "largest speed"),
         Hyperparameter("deceleration", "m/s^2", 0.05, 0.3, lambda b, s: np.asarray(0.15), "slowing before the end"),
     ),

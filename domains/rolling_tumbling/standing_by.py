@@ -20,6 +20,7 @@ from hybrid_tamp.authoring import (
     Hyperparameter,
     Hyperparameters,
     Movement,
+    Parameters,
     Policy,
     Profile,
     Slot,
@@ -31,7 +32,7 @@ from hybrid_tamp.authoring import (
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST, REST_SPEED
 from ..common.primitives import straight_profile
-from ..common.servos import force_on, free_motion, position_servo
+from ..common.servos import hand_system, position_servo
 from .classes import Tumblable
 from .detours import Curve, curve_away, curve_to_face, off_the_face
 from .faces import FACE, POSTURES
@@ -99,12 +100,13 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, 
     return float(np.ceil(1e3 * seconds) / 1e3)
 
 
-def _follow(binding: Binding, start: State, hyperparameters: Hyperparameters, profile: Profile) -> Policy:
+def _follow(binding: Binding, start: State, parameters: Parameters, profile: Profile) -> Policy:
     hand = cast(Token, binding["hand"])
     curve = _curve(binding, start)
-    duration = _time(curve, hyperparameters)
+    duration = _time(curve, parameters.hyperparameters)
     planned = _place(binding, start)
     outward = off_the_face(start, hand, cast(Token, binding["object"]))
+    servo = position_servo(hand)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         position, velocity = curve.at(elapsed, duration, profile)
@@ -113,14 +115,9 @@ def _follow(binding: Binding, start: State, hyperparameters: Hyperparameters, pr
         # Hands that hold the box may still be settling it: the end of the curve goes along with its face.
         share = profile.share(elapsed / duration)[..., None]
         position = position + share * (_place(binding, state) - planned)
-        return {(hand.name, "force"): position_servo(hand, state, position, velocity)}
+        return {(hand.name, "force"): servo(state, position, velocity)}
 
     return policy
-
-
-def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
-    hand = cast(Token, binding["hand"])
-    return free_motion(state, hand, force_on(hand, state, commands), dt)
 
 
 def _arrived(binding: Binding, state: State) -> State:
@@ -153,7 +150,7 @@ def reaching_beside(primitive: DMP | None = None) -> Block:
         duration=Duration(0.3, 15.0, partial(_expected, profile=profile)),
         hold=True,
         policy=partial(_follow, profile=profile),
-        system=_system,
+        system=hand_system,
         taught=reaching_beside,
         movement=Movement("hand", "position", 1),
         outcome=_arrived,
@@ -179,7 +176,7 @@ def reaching_away(primitive: DMP | None = None) -> Block:
         duration=Duration(_SHORTEST, 15.0, partial(_expected, profile=profile)),
         hold=True,
         policy=partial(_follow, profile=profile),
-        system=_system,
+        system=hand_system,
         taught=reaching_away,
         movement=Movement("hand", "position", 1),
         outcome=_arrived,

@@ -8,7 +8,7 @@ from hybrid_tamp.authoring import (
     Commands,
     Duration,
     FloatArray,
-    Hyperparameters,
+    Parameters,
     Policy,
     Slot,
     State,
@@ -18,26 +18,21 @@ from hybrid_tamp.authoring import (
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST
-from ..common.servos import force_on, free_motion, position_servo
+from ..common.servos import hand_system, position_servo
 from .classes import Tumblable
 from .faces import FACE, POSTURES
 from .predicates import IN_WORKSPACE
 from .tumbling_predicates import AT_FACE, HOLDS, POSTURE, STRONG_ENOUGH
 
 
-def _stay(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _stay(binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand = cast(Token, binding["hand"])
-    place = start[hand, "position"].copy()
+    place, servo = start[hand, "position"].copy(), position_servo(hand)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        return {(hand.name, "force"): position_servo(hand, state, place)}
+        return {(hand.name, "force"): servo(state, place)}
 
     return policy
-
-
-def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
-    hand = cast(Token, binding["hand"])
-    return free_motion(state, hand, force_on(hand, state, commands), dt)
 
 
 TILTING = Block(
@@ -58,6 +53,6 @@ TILTING = Block(
     duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
     policy=_stay,
-    system=_system,
+    system=hand_system,
     description="one hand holds the tipped box, which leans on it",
 )

@@ -16,8 +16,9 @@ from hybrid_tamp.authoring import (
     GRAVITY,
     Binding,
     Commands,
+    ContinuousSystem,
     FloatArray,
-    Hyperparameters,
+    Parameters,
     Policy,
     Profile,
     State,
@@ -99,48 +100,56 @@ def turning_time(angle: FloatArray | float, rate: FloatArray | float) -> FloatAr
     return np.asarray(np.maximum(np.abs(angle), 0.05) / rate)
 
 
-def make_turning(binding: Binding, start: State, hyperparameters: Hyperparameters, profile: Profile) -> Policy:
+def make_turning(binding: Binding, start: State, parameters: Parameters, profile: Profile) -> Policy:
     """Return the impedance policy of both hands; the profile says how the tilt goes from one posture to the other."""
     roles = Roles.of(binding)
-    thing = roles.thing
-    rate, squeeze = (np.asarray(hyperparameters[name]) for name in ("rate", "squeeze"))
+    thing, wanted = roles.thing, roles.wanted
+    rate, squeeze = (np.asarray(parameters.hyperparameters[name]) for name in ("rate", "squeeze"))
     pivot, axis = edge_position(start, thing, *roles.edge), edge_axis(start, thing, *roles.edge)
     begun = tilt(start, thing, *roles.edge)
-    turn = roles.wanted - begun
+    turn = wanted - begun
     duration = turning_time(turn, rate)
-    arms = [start[hand, "position"] - pivot for hand in roles.hands]
     normals = [normal(start, thing, face) for face in roles.faces]
     gaps = [_gap(start, hand, thing, face) for hand, face in zip(roles.hands, roles.faces, strict=True)]
+    hands = [
+        (hand, start[hand, "position"] - pivot, outward, gap, damping(hand["mass"]))
+        for hand, outward, gap in zip(roles.hands, normals, gaps, strict=True)
+    ]
+    tipped = len(faces_of(roles.outcome)) > 1
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         closed = straight_profile().share(elapsed / CLOSING)
         closing = straight_profile().rate(elapsed / CLOSING) / CLOSING
         phase = (elapsed - CLOSING) / duration
         planned = turn * profile.share(phase)
-        behind = planned - (tilt(state, thing, *roles.edge) - begun)
+        angle = tilt(state, thing, *roles.edge)
+        behind = planned - (angle - begun)
         turned = quaternion_from_axis_angle(axis, planned + np.clip(_CATCHING_UP * behind, -_LEAD, _LEAD))
         spin = axis * (turn * profile.rate(phase) / duration)[..., None]
-        loose = _loose(roles, phase, tilt(state, thing, *roles.edge))
+        loose = np.zeros_like(phase) if tipped else _loose(phase, wanted - angle)
         grip = closed * (1.0 - loose)
         commands: Commands = {}
-        for hand, arm, outward, gap in zip(roles.hands, arms, normals, gaps, strict=True):
+        for hand, arm, outward, gap, brake in hands:
             face_normal = rotate(turned, outward)
             lever = rotate(turned, arm - outward * (gap * closed)[..., None])
             velocity = np.cross(spin, lever) - face_normal * (gap * closing)[..., None]
             push = STIFFNESS * (pivot + lever - state[hand, "position"]) - face_normal * (squeeze * grip)[..., None]
-            brake = damping(hand["mass"]) * (velocity - state[hand, "velocity"])
-            commands[hand.name, "force"] = _loosened(push, face_normal, hand, 1.0 - loose) + brake
+            braking = brake * (velocity - state[hand, "velocity"])
+            commands[hand.name, "force"] = _loosened(push, face_normal, hand, 1.0 - loose) + braking
         return commands
 
     return policy
 
 
-def _loose(roles: Roles, phase: FloatArray, angle: FloatArray) -> FloatArray:
-    """Return how far the hands have loosened their grip ``(...)``, 0 to 1: by plan, or as the box comes down sooner."""
-    if len(faces_of(roles.outcome)) > 1:
-        return np.zeros_like(phase)
+def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:
+    """Return how far the hands have loosened their grip ``(...)``, 0 to 1: by plan, or as the box comes down sooner.
+
+    Args:
+        phase: share of the turn that is planned by now, ``(...)``.
+        left: angle from lying on the face wanted, ``(...)`` [rad].
+    """
     by_plan = (phase - _LOOSENING[0]) / (_LOOSENING[1] - _LOOSENING[0])
-    by_angle = 1.0 - np.abs(roles.wanted - angle) / _LYING
+    by_angle = 1.0 - np.abs(left) / _LYING
     return np.asarray(minimum_jerk(np.maximum(by_plan, by_angle)))
 
 
@@ -173,40 +182,44 @@ def after_turning(binding: Binding, state: State) -> State:
     return state.replace(changes)
 
 
-def turning_system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+def turning_system(binding: Binding, start: State) -> ContinuousSystem:
     """Rigid box on a fixed edge, with hands that stick to it once they touch; the floor stops it at both ends.
 
     The moments of the hands' forces and of the weight about the edge turn box and hands as one body.
     """
     roles = Roles.of(binding)
-    thing = roles.thing
-    pivot, axis = edge_position(state, thing, *roles.edge), edge_axis(state, thing, *roles.edge)
-    changes: dict[tuple[str, str], FloatArray] = {}
-    arm = state[thing, "position"] - pivot
+    thing, hands = roles.thing, tuple(zip(roles.hands, roles.faces, strict=True))
     sides = [half_extent(thing, face) for face in roles.edge]
-    inertia = np.asarray(thing["mass"] * 4.0 / 3.0 * (sides[0] ** 2 + sides[1] ** 2))
-    moment = dot(np.cross(arm, np.array([0.0, 0.0, -GRAVITY * thing["mass"]])), axis)
-    touching = np.asarray(True)
-    for hand, face in zip(roles.hands, roles.faces, strict=True):
-        lever = state[hand, "position"] - pivot
-        touching = touching & (_gap(state, hand, thing, face) <= _TOUCH)
-        inertia = inertia + hand["mass"] * dot(lever, lever)
-        moment = moment + dot(np.cross(lever, force_on(hand, state, commands)), axis)
-    speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
-    angle = tilt(state, thing, *roles.edge)
-    after = np.clip(angle + speed * dt, 0.0, np.pi / 2)
-    # Where the floor stops the box there is no speed left; the step itself ends on the floor exactly.
-    blocked = np.abs(after - angle - speed * dt) > 1e-12
-    spin = axis * ((after - angle) / dt)[..., None]
-    for hand, face in zip(roles.hands, roles.faces, strict=True):
-        changes |= _hand_after(state, hand, thing, face, pivot, spin, touching, commands, dt)
-    turned = quaternion_from_axis_angle(axis, after - angle)
-    still = np.where(blocked, 0.0, 1.0)[..., None]
-    changes[thing.name, "orientation"] = integrate(state[thing, "orientation"], spin, dt)
-    changes[thing.name, "position"] = pivot + rotate(turned, arm)
-    changes[thing.name, "angular_velocity"] = spin * still
-    changes[thing.name, "velocity"] = np.cross(spin, arm) * still
-    return state.replace(changes)
+    own_inertia = np.asarray(thing["mass"] * 4.0 / 3.0 * (sides[0] ** 2 + sides[1] ** 2))
+    weight = np.array([0.0, 0.0, -GRAVITY * thing["mass"]])
+
+    def system(state: State, commands: Commands, dt: float) -> State:
+        pivot, axis = edge_position(state, thing, *roles.edge), edge_axis(state, thing, *roles.edge)
+        arm = state[thing, "position"] - pivot
+        inertia, moment, touching = own_inertia, dot(np.cross(arm, weight), axis), np.asarray(True)
+        for hand, face in hands:
+            lever = state[hand, "position"] - pivot
+            touching = touching & (_gap(state, hand, thing, face) <= _TOUCH)
+            inertia = inertia + hand["mass"] * dot(lever, lever)
+            moment = moment + dot(np.cross(lever, force_on(hand, state, commands)), axis)
+        speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
+        angle = tilt(state, thing, *roles.edge)
+        after = np.clip(angle + speed * dt, 0.0, np.pi / 2)
+        # Where the floor stops the box there is no speed left; the step itself ends on the floor exactly.
+        blocked = np.abs(after - angle - speed * dt) > 1e-12
+        spin = axis * ((after - angle) / dt)[..., None]
+        changes: dict[tuple[str, str], FloatArray] = {}
+        for hand, face in hands:
+            changes |= _hand_after(state, hand, thing, face, pivot, spin, touching, commands, dt)
+        turned = quaternion_from_axis_angle(axis, after - angle)
+        still = np.where(blocked, 0.0, 1.0)[..., None]
+        changes[thing.name, "orientation"] = integrate(state[thing, "orientation"], spin, dt)
+        changes[thing.name, "position"] = pivot + rotate(turned, arm)
+        changes[thing.name, "angular_velocity"] = spin * still
+        changes[thing.name, "velocity"] = np.cross(spin, arm) * still
+        return state.replace(changes)
+
+    return system
 
 
 def _hand_after(

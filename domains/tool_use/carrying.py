@@ -14,12 +14,15 @@ from hybrid_tamp.authoring import (
     Binding,
     Block,
     Commands,
+    ContinuousSystem,
     Duration,
     FloatArray,
     Hyperparameter,
     Hyperparameters,
     Literal,
+    Parameters,
     Policy,
+    PolicyMaker,
     Slot,
     State,
     Target,
@@ -48,7 +51,7 @@ from .geometry import (
     top,
     yaw,
 )
-from .holding import moved, servo
+from .holding import HeldTool
 from .predicates import HELD, IN_PUSH_STANCE, IN_STRIKE_STANCE, STANDS
 
 Pose = tuple[FloatArray, FloatArray, FloatArray]
@@ -96,11 +99,12 @@ def _standing(binding: Binding, state: State) -> Pose:
     return _hand_at(binding, state, place, yaw(state, tool), 0.0)
 
 
-def _policy(goal: Goal) -> Callable[[Binding, State, Hyperparameters], Policy]:
-    def make(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _policy(goal: Goal) -> PolicyMaker:
+    def make(binding: Binding, start: State, parameters: Parameters) -> Policy:
         hand, tool = _roles(binding)
+        held = HeldTool(hand, tool)
         place, direction, angle = goal(binding, start)
-        duration = np.asarray(hyperparameters["duration"])
+        duration = np.asarray(parameters.hyperparameters["duration"])
         reach = reach_over(start[hand, "position"].copy(), place, duration)
         profile, turning = straight_profile(), _TURN[1] * duration
         from_yaw, from_angle = yaw(start, tool), swing_angle(start, tool)
@@ -118,15 +122,20 @@ def _policy(goal: Goal) -> Callable[[Binding, State, Hyperparameters], Policy]:
         def policy(elapsed: FloatArray, state: State) -> Commands:
             position, velocity, wanted, yaw_rate, swing_rate = timetable(elapsed)
             spin = yaw_rate + swing_rate * side(state, tool)
-            return servo(state, hand, tool, (position, velocity), (wanted, spin))
+            return held.servo(state, (position, velocity), (wanted, spin))
 
         return policy
 
     return make
 
 
-def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
-    return state.replace(moved(state, *_roles(binding), commands, dt))
+def _system(binding: Binding, start: State) -> ContinuousSystem:
+    held = HeldTool(*_roles(binding))
+
+    def system(state: State, commands: Commands, dt: float) -> State:
+        return state.replace(held.placed(state, *held.accelerated(state, commands, dt), dt))
+
+    return system
 
 
 def _carrying(
@@ -138,7 +147,7 @@ def _carrying(
     arrived: tuple[Literal, ...],
     description: str,
 ) -> Block:
-    def duration_guess(binding: Binding, state: State) -> FloatArray:
+    def initial_duration(binding: Binding, state: State) -> FloatArray:
         place, _, _ = goal(binding, state)
         distance = norm(place - state[cast(Token, binding["hand"]), "position"])
         return np.asarray(1.2 + (distance + 2 * LIFT) / (2 * _MEAN_SPEED))
@@ -169,7 +178,7 @@ def _carrying(
         writes={"hand": _BODY, "tool": _BODY},
         # These facts are about the tool as it stood at first.
         keeps=(HANDLE_WITHIN_REACH, HOME),
-        hyperparameters=(Hyperparameter("duration", "s", 1.2, 8.0, duration_guess, "how long the reach takes"),),
+        hyperparameters=(Hyperparameter("duration", "s", 1.2, 8.0, initial_duration, "how long the reach takes"),),
         duration=Duration(0.3, 12.0, expected),
         hold=True,
         policy=_policy(goal),

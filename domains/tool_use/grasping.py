@@ -14,6 +14,7 @@ from hybrid_tamp.authoring import (
     Hyperparameter,
     Hyperparameters,
     Measure,
+    Parameters,
     Policy,
     Slot,
     State,
@@ -24,12 +25,12 @@ from hybrid_tamp.authoring import (
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile
 from ..common.reaching import ReachGoal
-from ..common.servos import force_on, free_motion, hand_servo
+from ..common.servos import hand_servo
 from ..common.timetable import Timetable
 from .classes import DexterousHand, Graspable
 from .feasibility import GRASP_FACTS
 from .geometry import beside, handle_length, location, on_handle, point
-from .holding import fingers
+from .holding import gripping_system
 from .predicates import AT_HANDLE, EMPTY, HELD, STANDS
 
 _APPROACH = 0.8
@@ -59,12 +60,11 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) 
     return float(_CLOSES_AFTER + (hand["maximal_aperture"] - tool["handle_width"]) / FINGER_SPEED + 0.01)
 
 
-def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand, tool = _roles(binding)
     origin = start[hand, "position"].copy()
-    whole = point(start, tool, on_handle(tool, hyperparameters["grasp_location"])) - origin
-    profile = straight_profile()
-    servo = hand_servo(hand, start)
+    whole = point(start, tool, on_handle(tool, parameters.hyperparameters["grasp_location"])) - origin
+    profile, servo, grip = straight_profile(), hand_servo(hand, start), hand["maximal_grip"]
 
     def approach(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         done = profile.share(elapsed / _APPROACH)[..., None]
@@ -74,17 +74,11 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     timetable = Timetable(approach, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        closing = np.where(elapsed > _CLOSES_AFTER, hand["maximal_grip"], 0.0)
-        grip = np.broadcast_to(closing[..., None], state[hand, "aperture"].shape)
-        return servo(state, *timetable(elapsed)) | {(hand.name, "grip"): grip}
+        closing = np.where(elapsed > _CLOSES_AFTER, grip, 0.0)
+        gripping = np.broadcast_to(closing[..., None], state[hand, "aperture"].shape)
+        return servo(state, *timetable(elapsed)) | {(hand.name, "grip"): gripping}
 
     return policy
-
-
-def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
-    hand, tool = _roles(binding)
-    moved = free_motion(state, hand, force_on(hand, state, commands), dt)
-    return moved.replace(fingers(state, hand, tool, commands, dt))
 
 
 def _contact(binding: Binding, before: State, after: State, hyperparameters: Hyperparameters) -> FloatArray:
@@ -139,7 +133,7 @@ GRASPING = Block(
     duration=Duration(_APPROACH, 5.0, _expected),
     hold=True,
     policy=_policy,
-    system=_system,
+    system=gripping_system,
     performance=(
         Measure("contact", "1", 1.0, end=_contact, description="share of the hand's width that touches the handle"),
     ),

@@ -13,11 +13,13 @@ from hybrid_tamp.authoring import (
     Binding,
     Block,
     Commands,
+    ContinuousSystem,
     Duration,
     FloatArray,
     Hyperparameter,
     Hyperparameters,
     Measure,
+    Parameters,
     Policy,
     Slot,
     State,
@@ -42,7 +44,7 @@ from .feasibility import (
     resistance,
 )
 from .geometry import UP, dot, half_depth, heading, norm, point, side, tool_orientation, way
-from .holding import Load, accelerated, effective_mass, knocked, placed, servo, whole
+from .holding import HeldTool, Load, effective_mass, knocked
 from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
 
 _APPROACH = 0.8
@@ -112,17 +114,18 @@ def _steering(state: State, thing: Token, line: FloatArray, axes: FloatArray) ->
     return off - depth * turned + beside, drift + (_STEERING - depth) * spin
 
 
-def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand, tool, thing, region = _roles(binding)
+    held, head, friction = HeldTool(hand, tool), np.asarray(tool["pushing_point"]), resistance(thing)
     ahead, _ = way(start, thing, region)
     across = cross(UP, ahead)
     axes = np.stack([ahead, across], axis=-2)
     upright = tool_orientation(np.arctan2(ahead[..., 1], ahead[..., 0]), 0.0)
-    face = point(start, tool, np.asarray(tool["pushing_point"]))
+    face = point(start, tool, head)
     origin, line, gap = start[hand, "position"].copy(), start[thing, "position"].copy(), _gap(start, tool, thing, ahead)
     beside = dot(face - line, across)[..., None]
-    distance = _distance(binding, start, hyperparameters)
-    duration = _time(distance, hyperparameters)
+    distance = _distance(binding, start, parameters.hyperparameters)
+    duration = _time(distance, parameters.hyperparameters)
     profile, still = straight_profile(), np.zeros(3)
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
@@ -130,7 +133,7 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
         come, speed = profile.share(near)[..., None], distance * profile.rate(far) / duration
         going = gap * profile.rate(near) / _APPROACH + speed
         position = origin + (gap * profile.share(near) + distance * profile.share(far))[..., None] * ahead
-        resisting = resistance(thing) * np.clip(speed / _CREEP, 0.0, 1.0)
+        resisting = friction * np.clip(speed / _CREEP, 0.0, 1.0)
         return come, position, going[..., None] * ahead, -resisting[..., None] * ahead
 
     timetable = Timetable(reference, start)
@@ -140,33 +143,39 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
         way_off, drift = _steering(state, thing, line, axes)
         position = position + come * (way_off[..., None] - beside) * across
         velocity = velocity + come * drift[..., None] * across
-        load = Load(resisting, point(state, tool, np.asarray(tool["pushing_point"])))
-        return servo(state, hand, tool, (position, velocity), (upright, still), load)
+        load = Load(resisting, point(state, tool, head))
+        return held.servo(state, (position, velocity), (upright, still), load)
 
     return policy
 
 
-def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+def _system(binding: Binding, start: State) -> ContinuousSystem:
     """Hand and tool as one body; the thing slides with Coulomb friction and is pushed, never pulled; no bounce."""
     hand, tool, thing, _ = _roles(binding)
-    ahead, face = heading(state, tool), point(state, tool, np.asarray(tool["pushing_point"]))
-    velocity, spin = accelerated(state, hand, tool, commands, dt)
-    closing = dot(velocity + cross(spin, face - state[hand, "position"]), ahead)
-    braked = resistance(thing) * dt
-    sliding = dot(state[thing, "velocity"], ahead)
-    alone = np.maximum(sliding - braked / thing["mass"], 0.0)
-    gap = dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
-    touches = (closing > alone) & (gap <= (closing - alone) * dt + _TOUCH)
-    body = whole(state, hand, tool)
-    mass = effective_mass(body, face, ahead)
-    common = np.maximum((mass * closing + thing["mass"] * sliding - braked) / (mass + thing["mass"]), 0.0)
-    blow = np.where(touches, mass * (closing - common), 0.0)[..., None] * ahead
-    velocity, spin = knocked(body, velocity, spin, state[hand, "position"], face, -blow)
-    slides = np.where(touches, common, alone)[..., None] * ahead
-    changes = placed(state, hand, tool, velocity, spin, dt)
-    changes[thing.name, "velocity"] = slides
-    changes[thing.name, "position"] = state[thing, "position"] + slides * dt
-    return state.replace(changes)
+    held, head = HeldTool(hand, tool), np.asarray(tool["pushing_point"])
+    friction, own_mass = resistance(thing), thing["mass"]
+
+    def system(state: State, commands: Commands, dt: float) -> State:
+        ahead, face = heading(state, tool), point(state, tool, head)
+        velocity, spin = held.accelerated(state, commands, dt)
+        closing = dot(velocity + cross(spin, face - state[hand, "position"]), ahead)
+        braked = friction * dt
+        sliding = dot(state[thing, "velocity"], ahead)
+        alone = np.maximum(sliding - braked / own_mass, 0.0)
+        gap = dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
+        touches = (closing > alone) & (gap <= (closing - alone) * dt + _TOUCH)
+        body = held.whole(state)
+        mass = effective_mass(body, face, ahead)
+        common = np.maximum((mass * closing + own_mass * sliding - braked) / (mass + own_mass), 0.0)
+        impulse = np.where(touches, mass * (closing - common), 0.0)[..., None] * ahead
+        velocity, spin = knocked(body, velocity, spin, state[hand, "position"], face, -impulse)
+        slides = np.where(touches, common, alone)[..., None] * ahead
+        changes = held.placed(state, velocity, spin, dt)
+        changes[thing.name, "velocity"] = slides
+        changes[thing.name, "position"] = state[thing, "position"] + slides * dt
+        return state.replace(changes)
+
+    return system
 
 
 def _torque_work(binding: Binding, state: State, commands: Commands) -> FloatArray:

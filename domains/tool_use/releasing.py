@@ -8,7 +8,7 @@ from hybrid_tamp.authoring import (
     Commands,
     Duration,
     FloatArray,
-    Hyperparameters,
+    Parameters,
     Policy,
     Slot,
     State,
@@ -17,11 +17,11 @@ from hybrid_tamp.authoring import (
 
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile
-from ..common.servos import force_on, free_motion, hand_servo
+from ..common.servos import hand_servo
 from ..common.timetable import Timetable
 from .classes import DexterousHand, Graspable
 from .geometry import beside
-from .holding import fingers
+from .holding import gripping_system
 from .predicates import EMPTY, HELD, STANDS
 
 _OPENING = 0.3
@@ -34,7 +34,7 @@ def _roles(binding: Binding) -> tuple[Token, Token]:
     return cast(Token, binding["hand"]), cast(Token, binding["tool"])
 
 
-def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand, tool = _roles(binding)
     origin = start[hand, "position"].copy()
     whole = beside(start, hand, tool) - origin
@@ -54,12 +54,6 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
     return policy
 
 
-def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
-    hand, tool = _roles(binding)
-    moved = free_motion(state, hand, force_on(hand, state, commands), dt)
-    return moved.replace(fingers(state, hand, tool, commands, dt))
-
-
 def _outcome(binding: Binding, state: State) -> State:
     hand, tool = _roles(binding)
     place = beside(state, hand, tool)
@@ -76,7 +70,7 @@ RELEASING = Block(
     writes={"hand": ("position", "velocity", "aperture")},
     duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05),
     policy=_policy,
-    system=_system,
+    system=gripping_system,
     outcome=_outcome,
     description="the hand opens and leaves the tool where it stands",
 )

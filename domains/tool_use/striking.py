@@ -13,11 +13,13 @@ from hybrid_tamp.authoring import (
     Binding,
     Block,
     Commands,
+    ContinuousSystem,
     Duration,
     FloatArray,
     Hyperparameter,
     Hyperparameters,
     Measure,
+    Parameters,
     Policy,
     Slot,
     State,
@@ -49,7 +51,7 @@ from .geometry import (
     top,
     yaw,
 )
-from .holding import accelerated, effective_mass, keeping, placed, whole, wrench
+from .holding import HeldTool, effective_mass, keeping
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
 
 _ABOVE = 0.15
@@ -71,9 +73,10 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) 
     return float(arc.winding + arc.swing.duration(_roles(binding)[0]) + _SETTLING)
 
 
-def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) -> Policy:
+def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand, tool, thing = _roles(binding)
-    arc = Arc(binding, start, hyperparameters)
+    held, arc = HeldTool(hand, tool), Arc(binding, start, parameters.hyperparameters)
+    drive = arc.swing.drive(hand)
     origin, from_angle, direction = start[hand, "position"].copy(), swing_angle(start, tool), yaw(start, tool)
     profile = straight_profile()
     turn = arc.beginning - from_angle
@@ -96,12 +99,12 @@ def _policy(binding: Binding, start: State, hyperparameters: Hyperparameters) ->
         hit = ((state[thing, "impulse"][..., 0] > taken) | (elapsed > arc.latest))[..., None]
         swinging = (elapsed > arc.winding)[..., None]
         spin = dot(state[tool, "angular_velocity"], arc.axis)
-        driven = np.minimum(arc.swing.drive(hand), (arc.swing.rate - spin) / CONTROL_PERIOD)
+        driven = np.minimum(drive, (arc.swing.rate - spin) / CONTROL_PERIOD)
         moving = np.where(swinging, on_arc(state, hand, tool, arc, spin, driven), before)
         moving = np.where(hit, keeping(state, hand, above, 0.0), moving)
         turning = np.where(swinging, in_plane(state, tool, arc.axis, driven), turning_rate(state, tool, wound, rate))
         turning = np.where(hit, _raising(state, tool, over), turning)
-        return wrench(state, hand, tool, moving, turning)
+        return held.wrench(state, moving, turning)
 
     return policy
 
@@ -113,31 +116,37 @@ def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
     return np.asarray(_RAISING_RATE**2 * error - brake)
 
 
-def _system(binding: Binding, state: State, commands: Commands, dt: float) -> State:
-    """Hand and tool as one body, which the top of the thing stops: an inelastic blow that the thing withstands.
+def _system(binding: Binding, start: State) -> ContinuousSystem:
+    """Hand and tool as one body, which the top of the thing stops: an inelastic impact that the thing withstands.
 
     A tool that is held near its head has its butt in the way: where it meets the thing or the floor, the swing is over.
     """
     hand, tool, thing = _roles(binding)
-    impact = point(state, tool, np.asarray(tool["impact_point"]))
-    velocity, spin = accelerated(state, hand, tool, commands, dt)
-    sinking = -(velocity + cross(spin, impact - state[hand, "position"]))[..., 2]
-    above = impact - top(state, thing)
-    over = (np.abs(in_box(state, thing, impact))[..., :2] <= np.asarray(thing["half_extents"])[:2]).all(axis=-1)
-    hit = over & (above[..., 2] >= -_TOUCH) & (above[..., 2] <= sinking * dt) & (sinking > _TOUCH)
-    share = np.where(hit, np.maximum(above[..., 2], 0.0) / np.where(hit, sinking * dt, 1.0), 1.0)
-    end = point(state, tool, butt(tool))
-    barred = (np.abs(in_box(state, thing, end)) < np.asarray(thing["half_extents"])).all(axis=-1) | (end[..., 2] < 0)
-    share = np.where(barred, 0.0, share)[..., None]
-    changes = placed(state, hand, tool, velocity * share, spin * share, dt)
-    stopped = hit | barred
-    if stopped.any():
-        for token in (hand, tool):
-            for name in ("velocity", "angular_velocity"):
-                changes[token.name, name] = np.where(stopped[..., None], 0.0, changes[token.name, name])
-    blow = effective_mass(whole(state, hand, tool), impact, UP) * np.where(hit, sinking, 0.0)
-    changes[thing.name, "impulse"] = np.maximum(state[thing, "impulse"], blow[..., None])
-    return state.replace(changes)
+    held, striking, back = HeldTool(hand, tool), np.asarray(tool["impact_point"]), butt(tool)
+    halves = np.asarray(thing["half_extents"])
+
+    def system(state: State, commands: Commands, dt: float) -> State:
+        impact = point(state, tool, striking)
+        velocity, spin = held.accelerated(state, commands, dt)
+        sinking = -(velocity + cross(spin, impact - state[hand, "position"]))[..., 2]
+        above = impact - top(state, thing)
+        over = (np.abs(in_box(state, thing, impact))[..., :2] <= halves[:2]).all(axis=-1)
+        hit = over & (above[..., 2] >= -_TOUCH) & (above[..., 2] <= sinking * dt) & (sinking > _TOUCH)
+        share = np.where(hit, np.maximum(above[..., 2], 0.0) / np.where(hit, sinking * dt, 1.0), 1.0)
+        end = point(state, tool, back)
+        barred = (np.abs(in_box(state, thing, end)) < halves).all(axis=-1) | (end[..., 2] < 0)
+        share = np.where(barred, 0.0, share)[..., None]
+        changes = held.placed(state, velocity * share, spin * share, dt)
+        stopped = hit | barred
+        if stopped.any():
+            for token in (hand, tool):
+                for name in ("velocity", "angular_velocity"):
+                    changes[token.name, name] = np.where(stopped[..., None], 0.0, changes[token.name, name])
+        impulse = effective_mass(held.whole(state), impact, UP) * np.where(hit, sinking, 0.0)
+        changes[thing.name, "impulse"] = np.maximum(state[thing, "impulse"], impulse[..., None])
+        return state.replace(changes)
+
+    return system
 
 
 def _tip_speed_squared(binding: Binding, state: State) -> FloatArray:

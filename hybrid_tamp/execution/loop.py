@@ -23,7 +23,7 @@ def execute(
 
     Args:
         task: the task.
-        plan: what to run; hyperparameters that its instances do not give are guessed when they begin.
+        plan: what to run; hyperparameters that its instances do not give get their initial values when they begin.
         backend: who moves the tokens; it is reset to the task's initial state.
         progress: called now and then.
         observer: called with every event, at once.

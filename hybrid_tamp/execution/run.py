@@ -18,8 +18,8 @@ from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.execution.events import Event, Observer
 from hybrid_tamp.execution.logbook import Logbook
 from hybrid_tamp.execution.running_instance import RunError, Running, measure, shortfall
-from hybrid_tamp.model.block import Commands
 from hybrid_tamp.model.commands import CommandError, CommandLayout
+from hybrid_tamp.model.control import Commands
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
 from hybrid_tamp.model.recording import AtomMargin, Failure, Recording

@@ -6,7 +6,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
-from hybrid_tamp.model.block import Block, Commands
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.control import Commands
+from hybrid_tamp.model.parameters import Parameters
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.recording import AtomMargin
@@ -62,7 +64,7 @@ class Running:
         self.hyperparameters = self._chosen(state)
         arrays = {name: np.asarray(value) for name, value in self.hyperparameters.items()}
         maker = self.block.policy
-        self._policy = None if maker is None else maker(self._binding, state, arrays)
+        self._policy = None if maker is None else maker(self._binding, state, Parameters(arrays))
 
     def __repr__(self) -> str:
         return f"Running({self.instance.name!r})"
@@ -145,10 +147,10 @@ class Running:
                 raise RunError(self.instance.name, f"{said}, which is not finite")
 
     def _chosen(self, state: State) -> dict[str, float]:
-        """Return the plan's hyperparameters where it gives any, else the block's guesses."""
+        """Return the plan's hyperparameters where it gives any, else the block's initial values."""
         given = self.instance.hyperparameters
         chosen = {
-            h.name: float(given[h.name] if h.name in given else h.initial(self._binding, state))
+            h.name: float(given[h.name] if h.name in given else h.initial_value(self._binding, state))
             for h in self.block.hyperparameters
         }
         for name, value in chosen.items():

@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from hybrid_tamp.midlevel.rollout import Condition, Key, Rollout
-from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.control import Commands
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.refined import GOAL

@@ -113,12 +113,12 @@ def last_measured(task: Task, plan: TaskPlan) -> str | None:
 
 
 def _variables(task: Task, plan: TaskPlan) -> Iterable[tuple[Key, Variable]]:
-    """Yield the hyperparameters of the plan; the default is the plan's value, else a guess at the start."""
+    """Yield the hyperparameters of the plan; the default is the plan's value, else the initial value at the start."""
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
         block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
         for h in block.hyperparameters:
             lower, upper = h.bounds(binding)
             given = instance.hyperparameters.get(h.name)
-            default = float(h.initial(binding, task.state)) if given is None else given
+            default = float(h.initial_value(binding, task.state)) if given is None else given
             key = (instance.name, h.name)
             yield key, Variable(variable_name(key), h.unit, lower, upper, float(np.clip(default, lower, upper)))

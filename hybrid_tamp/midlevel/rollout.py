@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.midlevel.simulation import IntArray, Simulation, Stretch
-from hybrid_tamp.model.block import CONTROL_PERIOD
+from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom, Literal
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
@@ -107,7 +107,7 @@ class Rollouts:
         """Roll out a population.
 
         Args:
-            chosen: values of hyperparameters; those that are not named are as the plan says, or the blocks' guesses.
+            chosen: values of hyperparameters; others are as the plan says, or initial values.
             count: size n of the population.
             until: the instance after whose exit the rollout may stop; what comes later is then left out.
         """
@@ -166,7 +166,7 @@ class _Chain:
         simulation = self.simulations[instance.name]
         for h in simulation.block.hyperparameters:
             value = self.chosen.get((instance.name, h.name), instance.hyperparameters.get(h.name))
-            value = h.initial(simulation.binding, state) if value is None else value
+            value = h.initial_value(simulation.binding, state) if value is None else value
             found[h.name] = np.array(np.broadcast_to(value, (self.count,)), dtype=np.float64)
         return found
 

@@ -5,14 +5,17 @@ which its minimum duration has passed and all exit conditions hold, as in a real
 or where it has come to rest short of its exit and its commands do, too.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from math import floor, isfinite
+from math import floor
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybrid_tamp.model.block import CONTROL_PERIOD, Block, Commands, Policy
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands
+from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
+from hybrid_tamp.model.parameters import Parameters
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.state import State, StateLayout
@@ -20,15 +23,12 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
-BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
 _CHUNK = 48
 """Control steps between two looks at the conditions: one look at many states costs little more than at one."""
 _STILL = 1e-7
 """What changes by less than this within a chunk has come to rest [SI units]."""
-_HUGE = 1e300
-"""Squares above this are as good as infinite."""
 _STEADY = 1e-3
 """A command that changes by less than this within a chunk does not change [SI units]."""
 _AWAKE = 0.5
@@ -80,7 +80,6 @@ class Simulation:
         slots = set(instance.slots.values())
         self.held = np.array([token in slots for token, _, size in layout.entries for _ in range(size)], dtype=bool)
         self._layout = layout
-        self._limits = _limits(tokens[name] for name in instance.slots.values())
         self._longest = floor(self.block.duration.maximum / CONTROL_PERIOD + 1e-6)
         self._shortest = self.block.duration.minimum - 1e-6
         self._known: dict[bytes, Stretch] = {}
@@ -113,13 +112,13 @@ class Simulation:
         more: IntArray = until - begun.steps
         if not self.block.moves or not more.max() > 0:
             return begun.after
-        policy = self._policy(start, chosen)
+        model = self._model(start, chosen)
         state: FloatArray = begun.after
         held: FloatArray = state.copy()
         for step in range(int(more.max())):
             elapsed = np.asarray((begun.steps + step) * CONTROL_PERIOD, dtype=np.float64)
             with np.errstate(all="ignore"):
-                after = self._step(policy, elapsed, self.state(state))[0].values
+                after = model.step(elapsed, self.state(state))[0].values
             held = np.where((step < more)[:, None], after, held)
             if step % _CHUNK == _CHUNK - 1 and np.abs(after - state).max() < _STILL / _CHUNK:
                 break
@@ -156,28 +155,8 @@ class Simulation:
         margins = [np.broadcast_to(literal.margin(state, self.binding), batch) for literal in literals]
         return np.stack(margins, axis=-1) if margins else np.zeros((*batch, 0))
 
-    def _policy(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> Policy | None:
-        return None if self.block.policy is None else self.block.policy(self.binding, self.state(start), chosen)
-
-    def _step(self, policy: Policy | None, elapsed: FloatArray, state: State) -> tuple[State, Commands, BoolArray]:
-        """Return the state one control period later, what was commanded, and for which candidates both are finite.
-
-        The others stay where they are, so that what is computed of them next spoils nothing.
-        """
-        commands = {} if policy is None else policy(elapsed, state)
-        finite = np.ones(state.values.shape[:-1], dtype=bool)
-        for key, command in commands.items():
-            square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
-            # What is not finite is not within any limit either: one look for both.
-            if not np.maximum.reduce(square, axis=None) <= min(limit**2, _HUGE):
-                sound = np.asarray(np.isfinite(command).all(axis=-1))
-                finite &= sound
-                commands[key] = _limited(np.where(sound[..., None], command, 0.0), limit)
-        after = self.block.system(self.binding, state, commands, CONTROL_PERIOD)
-        if not isfinite(np.add.reduce(after.values, axis=None)):
-            finite &= np.isfinite(after.values).all(axis=-1)
-            after = self.state(np.where(finite[..., None], after.values, state.values))
-        return after, commands, finite
+    def _model(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> ForwardModel:
+        return ForwardModel(self.block, self.binding, self.state(start), Parameters(chosen))
 
 
 class _Population:
@@ -205,7 +184,7 @@ class _Population:
         """Go on with these candidates only."""
         self.rows = rows
         mine = {name: value[rows] for name, value in self.chosen.items()}
-        self.policy = self.simulation._policy(self.start[rows], mine)
+        self.model = self.simulation._model(self.start[rows], mine)
         self.state = self.simulation.state(self.after[rows])
 
     def advance(self) -> None:
@@ -215,7 +194,7 @@ class _Population:
         finite = np.ones(len(self.rows), dtype=bool)
         for step in range(self.done, self.done + count):
             elapsed = np.float64(step * CONTROL_PERIOD)
-            self.state, commands, sound = self.simulation._step(self.policy, elapsed, self.state)
+            self.state, commands, sound = self.model.step(elapsed, self.state)
             finite &= sound
             values.append(self.state.values)
             commanded.append(commands)
@@ -276,19 +255,3 @@ def _steady(commanded: Sequence[Commands]) -> BoolArray:
     """Return for which candidates a chunk's commands do not change; else a policy is about to do something."""
     changes = [np.abs(commanded[-1][key] - first).max(axis=-1) for key, first in commanded[0].items()]
     return np.asarray(np.logical_and.reduce([change < _STEADY for change in changes], initial=True), dtype=bool)
-
-
-def _limited(command: FloatArray, limit: float) -> FloatArray:
-    """Scale a command down to the limit of its token, as every backend does."""
-    norm = np.sqrt(np.einsum("...i,...i->...", command, command))
-    return np.asarray(command * np.minimum(1.0, limit / np.maximum(norm, limit))[..., None])
-
-
-def _limits(tokens: Iterable[Token]) -> dict[tuple[str, str], float]:
-    """Return (token, basic action) to the largest norm of its command, where there is one."""
-    return {
-        (token.name, action.name): float(token[action.limit])
-        for token in tokens
-        for action in token.basic_actions
-        if action.limit is not None
-    }

@@ -6,47 +6,16 @@ effects: deletes (negative literals) before adds.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
-
-import numpy as np
+from typing import Any
 
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.control import Commands, ContinuousSystem, PolicyMaker, SystemMaker
+from hybrid_tamp.model.measure import Measure
+from hybrid_tamp.model.parameters import Hyperparameter, Hyperparameters
 from hybrid_tamp.model.plan import split_mode
-from hybrid_tamp.model.predicate import ANY, Literal, Predicate, SymbolSort, Value
+from hybrid_tamp.model.predicate import ANY, Binding, Literal, Predicate, SymbolSort
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
-
-CONTROL_PERIOD = 1 / 240
-"""Time between two commands [s]: policies are asked, and conditions looked at, this often."""
-
-Binding = Mapping[str, Value]
-"""Role (slot or target) of an instance to the token or symbol bound to it."""
-
-Commands = dict[tuple[str, str], FloatArray]
-"""(token, basic action) to the command, shape ``(..., size)`` in the action's unit."""
-
-Hyperparameters = Mapping[str, FloatArray]
-"""Hyperparameter to its value, shape ``(...)``, in its unit."""
-
-
-class Policy(Protocol):
-    """A feedback law: elapsed time and state to basic actions. It keeps no memory of its own."""
-
-    def __call__(self, elapsed: FloatArray, state: State) -> Commands:
-        """Return the commands.
-
-        Args:
-            elapsed: time since the instance began [s], shape ``(...)``.
-            state: current state, batch shape ``(...)``.
-        """
-        ...
-
-
-PolicyMaker = Callable[[Binding, State, Hyperparameters], Policy]
-"""Make the policy of one instance from its binding, the state at its beginning and its hyperparameters."""
-
-ContinuousSystem = Callable[[Binding, State, Commands, float], State]
-"""``system(binding, state, commands, dt)``: next state of the tokens in the block's slots; pure."""
 
 
 @dataclass(frozen=True)
@@ -70,68 +39,6 @@ class Target:
     name: str
     sort: type[ObjectClass] | SymbolSort
     reads: tuple[str, ...] = ("position", "orientation")
-
-
-@dataclass(frozen=True)
-class Hyperparameter:
-    """A bounded number with a unit that shapes a policy.
-
-    Attributes:
-        name: e.g. ``"speed"``.
-        unit: SI unit.
-        lower: lower bound [unit].
-        upper: upper bound [unit].
-        guess: initial guess ``guess(binding, state)`` of shape ``(...)`` from the state at the block's beginning.
-        description: one line.
-        within: ``within(binding)`` to bounds that follow from the tokens, e.g. from the length of a handle, or None;
-            they narrow the others.
-    """
-
-    name: str
-    unit: str
-    lower: float
-    upper: float
-    guess: Callable[[Binding, State], FloatArray]
-    description: str = ""
-    within: Callable[[Binding], tuple[float, float]] | None = None
-
-    def bounds(self, binding: Binding) -> tuple[float, float]:
-        """Return the lower and the upper bound [unit] for these tokens."""
-        if self.within is None:
-            return self.lower, self.upper
-        low, high = self.within(binding)
-        return float(np.clip(low, self.lower, self.upper)), float(np.clip(high, self.lower, self.upper))
-
-    def initial(self, binding: Binding, state: State) -> FloatArray:
-        """Return the guess clipped to the bounds."""
-        return np.clip(self.guess(binding, state), *self.bounds(binding))
-
-
-@dataclass(frozen=True)
-class Measure:
-    """One term of a block's performance measure (paper, Secs. II-D and III-B): a figure and what it weighs.
-
-    Exactly one of `end`, `peak` and `rate` says how the figure comes about.
-
-    Attributes:
-        name: e.g. ``"contact"``.
-        unit: SI unit of the figure.
-        weight: what one `scale` of it adds to the value of a plan; negative for a cost. Tasks may change it.
-        scale: size of the figure that counts as one [unit].
-        end: ``end(binding, before, after, hyperparameters)`` from the states at the beginning and the end, ``(...)``.
-        peak: ``peak(binding, state)``, of which the largest value while the block ran counts, ``(...)``.
-        rate: ``rate(binding, state, commands)``, integrated over the time that the block ran, ``(...)`` [unit/s].
-        description: one line.
-    """
-
-    name: str
-    unit: str
-    weight: float
-    scale: float = 1.0
-    end: Callable[[Binding, State, State, Hyperparameters], FloatArray] | None = None
-    peak: Callable[[Binding, State], FloatArray] | None = None
-    rate: Callable[[Binding, State, Commands], FloatArray] | None = None
-    description: str = ""
 
 
 @dataclass(frozen=True)
@@ -168,7 +75,11 @@ Outcome = Callable[[Binding, State], State]
 """``outcome(binding, state)``: where the tokens in the slots are going to be when the exit conditions hold; pure."""
 
 
-def _rest(binding: Binding, state: State, commands: Commands, dt: float) -> State:
+def _rest(binding: Binding, start: State) -> ContinuousSystem:
+    return _stay
+
+
+def _stay(state: State, commands: Commands, dt: float) -> State:
     return state
 
 
@@ -195,8 +106,9 @@ class Block:
         hyperparameters: what shapes its policy.
         duration: bounds and estimate.
         hold: whether it goes on holding once its exit conditions hold.
-        policy: maker of the feedback law, or None where no token has basic actions.
-        system: the forward model.
+        policy: ``policy(binding, start, parameters)`` makes the feedback law of an instance; None if no token has
+            basic actions.
+        system: ``system(binding, start)`` makes the forward model of an instance.
         performance: how good one execution was: the weighted sum of these measures, maximised.
         taught: ``taught(primitive)``: the block with another motor primitive (a `motion.dmp.DMP`) for its reference
             trajectory, or None where it has none; all else stays as it is.
@@ -217,7 +129,7 @@ class Block:
     hyperparameters: tuple[Hyperparameter, ...] = ()
     hold: bool = False
     policy: PolicyMaker | None = None
-    system: ContinuousSystem = _rest
+    system: SystemMaker = _rest
     performance: tuple[Measure, ...] = ()
     taught: Callable[[Any], "Block"] | None = None
     movement: Movement | None = None
@@ -262,6 +174,6 @@ class Block:
         """Return the slot of that name; KeyError if there is none."""
         return {slot.name: slot for slot in self.slots}[name]
 
-    def guesses(self, binding: Binding, state: State) -> dict[str, FloatArray]:
-        """Return the initial guess of every hyperparameter, clipped to its bounds."""
-        return {h.name: h.initial(binding, state) for h in self.hyperparameters}
+    def initial_values(self, binding: Binding, state: State) -> dict[str, FloatArray]:
+        """Return the initial value of every hyperparameter, clipped to its bounds."""
+        return {h.name: h.initial_value(binding, state) for h in self.hyperparameters}

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.control import Commands
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 

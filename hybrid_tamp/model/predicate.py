@@ -18,6 +18,9 @@ ANY = "*"
 Value = Token | str
 """What a predicate's argument is bound to: a token, or a symbol of a sort."""
 
+Binding = Mapping[str, Value]
+"""Role (slot or target) of an instance to the token or symbol bound to it."""
+
 
 @dataclass(frozen=True)
 class SymbolSort:

@@ -5,17 +5,18 @@ from contextlib import contextmanager
 from types import TracebackType
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hybrid_tamp.model.block import CONTROL_PERIOD, Block, Commands
 from hybrid_tamp.model.commands import CommandLayout
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, ContinuousSystem
 from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.predicate import Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.physics.protocol import ContactForce
 
-_Part = tuple[Block, Mapping[str, Value], FloatArray]
+IntArray = NDArray[np.intp]
+_Moving = tuple[ContinuousSystem, IntArray]
+"""The system of an instance, and where the state of the tokens in its slots lies in the flat array."""
 
 
 class AnalyticBackend:
@@ -25,19 +26,19 @@ class AnalyticBackend:
     timestep = CONTROL_PERIOD
 
     def __init__(self) -> None:
-        self._parts: tuple[_Part, ...] = ()
+        self._moving: Mapping[str, _Moving] = {}
 
     def reset(self, task: Task, state: State) -> State:
         """Start in the state as it is."""
         self._task = task
         self._commands = CommandLayout.of(task)
         self._state = State(state.layout, np.array(state.values, dtype=float))
-        self._parts = ()
+        self._moving = {}
         return self._state
 
     def assign(self, running: Sequence[BlockInstance]) -> None:
-        """Run the systems of these instances from now on."""
-        self._parts = tuple(map(self._part, running))
+        """Run the systems of these instances from now on; each is made when its instance begins."""
+        self._moving = {each.name: self._moving.get(each.name) or self._begin(each) for each in running}
 
     def step(self, commands: Commands) -> State:
         """Take one step of every system, all from the same state.
@@ -48,8 +49,8 @@ class AnalyticBackend:
         filled = self._commands.commands(self._commands.checked(commands))
         before = self._state
         values = before.values.copy()
-        for block, binding, mine in self._parts:
-            after = block.system(binding, before, filled, self.timestep)
+        for system, mine in self._moving.values():
+            after = system(before, filled, self.timestep)
             # A system speaks for the tokens in its slots only, whatever else it returns.
             values[mine] = after.values[mine]
         self._state = State(before.layout, values)
@@ -62,10 +63,10 @@ class AnalyticBackend:
     @contextmanager
     def snapshot(self) -> Iterator[Callable[[], None]]:
         """Remember state and systems; states are never changed."""
-        state, parts = self._state, self._parts
+        state, moving = self._state, self._moving
 
         def go_back() -> None:
-            self._state, self._parts = state, parts
+            self._state, self._moving = state, moving
 
         yield go_back
 
@@ -83,13 +84,13 @@ class AnalyticBackend:
     ) -> None:
         self.close()
 
-    def _part(self, instance: BlockInstance) -> _Part:
+    def _begin(self, instance: BlockInstance) -> _Moving:
         held = set(instance.slots.values())
         mine = [
             index
-            for (token, _), part in self._state.layout.slices.items()
+            for (token, _), columns in self._state.layout.slices.items()
             if token in held
-            for index in range(part.start, part.stop)
+            for index in range(columns.start, columns.stop)
         ]
         block = self._task.domain.block_by_name[instance.block]
-        return block, self._task.bind(instance.roles), np.array(mine, dtype=np.intp)
+        return block.system(self._task.bind(instance.roles), self._state), np.array(mine, dtype=np.intp)

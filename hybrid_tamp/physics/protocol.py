@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Any, Protocol
 
 from hybrid_tamp.errors import InputError, Issue
-from hybrid_tamp.model.block import Commands
+from hybrid_tamp.model.control import Commands
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task

@@ -36,7 +36,7 @@ class Rehearsal:
         """Run a population.
 
         Args:
-            chosen: (instance, hyperparameter) to its values ``(n,)``; others are as the plan says, or guessed.
+            chosen: (instance, hyperparameter) to its values ``(n,)``; others are as the plan says, or initial values.
             count: size n of the population.
             until: the instance with whose end the runs end; what comes later is left out.
 

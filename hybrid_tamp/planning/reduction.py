@@ -72,7 +72,7 @@ class Reduction:
 
 def _resting(task: Task, block: Block, token: Token, name: str, end: float) -> BlockInstance:
     binding = {block.anchor: token}
-    expected = float(block.duration.expected(binding, task.state, block.guesses(binding, task.state)))
+    expected = float(block.duration.expected(binding, task.state, block.initial_values(binding, task.state)))
     return BlockInstance(name, block.name, {block.anchor: token.name}, 0.0, end, reached=min(expected, end))
 
 

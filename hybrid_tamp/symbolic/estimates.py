@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid_tamp.model.block import Binding, Block
-from hybrid_tamp.model.predicate import Literal
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
@@ -33,12 +33,12 @@ class Estimate:
 
     Attributes:
         seconds: how long it lasts, or takes to its exit where it holds [s].
-        guesses: initial guesses of its hyperparameters.
+        initial_values: initial values of its hyperparameters.
         outcome: what it changes of its tokens' poses.
     """
 
     seconds: float
-    guesses: Mapping[str, float]
+    initial_values: Mapping[str, float]
     outcome: Poses
 
 
@@ -79,12 +79,12 @@ class Estimates:
 
     def _made(self, block: Block, roles: Mapping[str, str], state: State) -> Estimate:
         binding = self.task.bind(roles)
-        guesses = block.guesses(binding, state)
-        expected = block.duration.expected(binding, state, guesses)
+        initial = block.initial_values(binding, state)
+        expected = block.duration.expected(binding, state, initial)
         bounded = float(np.clip(expected, block.duration.minimum, block.duration.maximum))
         # Whole ticks here already, so that every time that is built from it agrees with the network's.
         seconds = round(math.ceil(bounded / TICK - 1e-6) * TICK, 6)
-        values = {name: float(value) for name, value in guesses.items()}
+        values = {name: float(value) for name, value in initial.items()}
         return Estimate(seconds, values, self._outcome(block, roles, binding, state))
 
     def _outcome(self, block: Block, roles: Mapping[str, str], binding: Binding, state: State) -> Poses:

@@ -49,7 +49,7 @@ def schedule(
     network = _Network(task, instances, ends, [each.seconds for each in expected])
     times = _earliest(list(network.constraints(final)), final + 1)
     timed = [
-        instance.timed(times[instance.begin], times[end], each.guesses, _reached(task, instance, each, times))
+        instance.timed(times[instance.begin], times[end], each.initial_values, _reached(task, instance, each, times))
         for instance, end, each in zip(instances, ends, expected, strict=True)
     ]
     return TaskPlan(tuple(sorted(timed, key=lambda i: (i.start, i.end, i.name))), times[final], actions)

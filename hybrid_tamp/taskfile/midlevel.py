@@ -10,8 +10,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hybrid_tamp.model.block import Binding, Block, Hyperparameter
+from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.parameters import Hyperparameter
+from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
@@ -28,7 +30,7 @@ _WORDS: Mapping[Kind, str] = {"weights": "measure", "hyperparameters": "hyperpar
 
 @dataclass(frozen=True)
 class _Constant:
-    """The guess that a task gives."""
+    """The initial value that a task gives."""
 
     value: float
 
@@ -113,7 +115,7 @@ def _narrowed(own: Hyperparameter, path: KeyPath, said: Any, faults: Faults) -> 
     if not isinstance(said, dict):
         number = float(said)
         _check_within(number, own, f"{path[-1]} is fixed within its bounds", path, faults)
-        return replace(own, lower=number, upper=number, guess=_Constant(number))
+        return replace(own, lower=number, upper=number, initial=_Constant(number))
     given = {key: float(value) for key, value in said.items() if value is not None}
     for key in ("lower", "upper"):
         if key in given:
@@ -127,7 +129,7 @@ def _narrowed(own: Hyperparameter, path: KeyPath, said: Any, faults: Faults) -> 
     elif "default" in given:
         default, place = given["default"], (*path, "default")
         _check_within(default, narrow, f"the default of {path[-1]} is within its bounds", place, faults)
-        return replace(narrow, guess=_Constant(default))
+        return replace(narrow, initial=_Constant(default))
     return narrow
 
 

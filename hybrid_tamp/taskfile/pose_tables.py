@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hybrid_tamp.model.block import CONTROL_PERIOD
+from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray

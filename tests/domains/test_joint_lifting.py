@@ -16,8 +16,9 @@ from validation import val_accepts
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.geometry.shapes import Cylinder
-from hybrid_tamp.model.block import CONTROL_PERIOD
+from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.parameters import Parameters
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -63,9 +64,9 @@ def act(task: Task, action: str, mode: str, physics: Backend, state: State, **ch
     block = task.domain.block_by_name[f"{action}:{mode}"]
     binding = task.bind(roles_of(task, mode))
     physics.assign([BlockInstance(f"{action}-1", block.name, roles_of(task, mode), 0.0, 1.0)])
-    hyperparameters = block.guesses(binding, state) | {name: np.asarray(value) for name, value in chosen.items()}
+    hyperparameters = block.initial_values(binding, state) | {name: np.asarray(value) for name, value in chosen.items()}
     assert block.policy is not None
-    policy = block.policy(binding, state, hyperparameters)
+    policy = block.policy(binding, state, Parameters(hyperparameters))
     expected = block.duration.expected(binding, state, hyperparameters)
     for step in range(round((expected + 1.0) / CONTROL_PERIOD)):
         done = all(float(literal.margin(state, binding)) >= 0 for literal in block.exit)
@@ -240,11 +241,12 @@ def test_a_batch_gives_what_its_members_give() -> None:
     squeezes = np.array([30.0, 200.0])
 
     def rolled(state: State, squeeze: object) -> State:
-        hyperparameters = block.guesses(binding, state) | {"squeeze": np.asarray(squeeze)}
+        hyperparameters = block.initial_values(binding, state) | {"squeeze": np.asarray(squeeze)}
         assert block.policy is not None
-        policy = block.policy(binding, state, hyperparameters)
+        policy = block.policy(binding, state, Parameters(hyperparameters))
+        system = block.system(binding, state)
         for step in range(480):
-            state = block.system(binding, state, policy(np.asarray(step * CONTROL_PERIOD), state), CONTROL_PERIOD)
+            state = system(state, policy(np.asarray(step * CONTROL_PERIOD), state), CONTROL_PERIOD)
         return state
 
     together = rolled(ready(task, "four").repeated(2), squeezes)

@@ -12,9 +12,11 @@ from hybrid_tamp_domains.tool_use.geometry import RAISED, on_handle, push_pose, 
 from random_tasks.hammer import Scene, hammer_shape, hammer_task, random_hammer
 from validation import val_accepts
 
-from hybrid_tamp.model.block import CONTROL_PERIOD, Binding, Block
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.predicate import ANY, Atom
+from hybrid_tamp.model.parameters import Parameters
+from hybrid_tamp.model.predicate import ANY, Atom, Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -69,8 +71,9 @@ def ready_to_strike(grasps: FloatArray) -> State:
 def rolled(block: Block, binding: Binding, start: State, **chosen: float | FloatArray) -> dict[str, FloatArray]:
     """Roll a block out to its exit and return the figures of its measures; nothing of it depends on other code."""
     count = len(start.values)
-    hyperparameters = {name: np.broadcast_to(v, count) for name, v in (block.guesses(binding, start) | chosen).items()}
-    policy = block.policy(binding, start, hyperparameters)
+    given = block.initial_values(binding, start) | chosen
+    hyperparameters = {name: np.broadcast_to(value, count) for name, value in given.items()}
+    policy, system = block.policy(binding, start, Parameters(hyperparameters)), block.system(binding, start)
     state, pending = start, np.ones(count, dtype=bool)
     figures = {m.name: np.zeros(count) for m in block.performance}
     for step in range(round(block.duration.maximum / CONTROL_PERIOD)):
@@ -78,7 +81,7 @@ def rolled(block: Block, binding: Binding, start: State, **chosen: float | Float
         for measure in block.performance:
             if measure.rate is not None:
                 figures[measure.name] += np.where(pending, measure.rate(binding, state, commands) * CONTROL_PERIOD, 0)
-        state = block.system(binding, state, commands, CONTROL_PERIOD)
+        state = system(state, commands, CONTROL_PERIOD)
         for measure in block.performance:
             if measure.peak is not None:
                 now = np.maximum(figures[measure.name], measure.peak(binding, state))

@@ -26,6 +26,7 @@ from random_tasks.tumbling import forced_push, random_tumbling
 from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import facts
+from hybrid_tamp.model.parameters import Parameters
 from hybrid_tamp.model.predicate import Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -106,12 +107,13 @@ def run(block: Block, task: Task, state: State, roles: dict[str, str]) -> State:
     for literal in block.entry:
         then = task.state if literal.predicate.static else state
         assert float(literal.margin(then, binding)) >= 0, f"{block.name}: {literal}"
-    guesses = block.guesses(binding, state)
-    policy = block.policy(binding, state, guesses) if block.policy else None
-    longest = round(block.duration.expected(binding, state, guesses) / DT) + 240
+    initial = block.initial_values(binding, state)
+    policy = block.policy(binding, state, Parameters(initial)) if block.policy else None
+    longest = round(block.duration.expected(binding, state, initial) / DT) + 240
+    system = block.system(binding, state)
     for step in range(longest):
         commands = policy(np.asarray(step * DT), state) if policy else {}
-        state = block.system(binding, state, commands, DT)
+        state = system(state, commands, DT)
     for literal in block.exit:
         assert float(literal.margin(state, binding)) >= 0, f"{block.name}: {literal}"
     return state

@@ -37,7 +37,7 @@ def duration(minimum: float, maximum: float) -> Duration:
 
 def commanding(value: Any, token: str = "pusher", action: str = "force") -> Any:
     """Return a maker of a policy that always commands the same."""
-    return lambda binding, state, hyperparameters: lambda elapsed, state: {(token, action): np.asarray(value)}
+    return lambda binding, start, parameters: lambda elapsed, state: {(token, action): np.asarray(value)}
 
 
 @pytest.mark.parametrize("backend_name", ["analytic", "pybullet"])
@@ -96,15 +96,15 @@ def test_the_last_instances_run_long_enough_to_measure_rest(toys: Any) -> None:
     assert recording.instances[-1].end - recording.instances[-1].start == pytest.approx(0.8, abs=STEP)
 
 
-def test_hyperparameters_come_from_the_plan_or_are_guessed_and_are_recorded(toys: Any) -> None:
+def test_hyperparameters_come_from_the_plan_or_initial_values_and_are_recorded(toys: Any) -> None:
     task = toys.one_move_task()
-    guessed = run(task, toys.one_move())
+    initial = run(task, toys.one_move())
     given = run(task, toys.one_move(stiffness=100.0))
     values = [
-        next(i for i in recording.instances if i.name == "MOVING-1").hyperparameters for recording in (guessed, given)
+        next(i for i in recording.instances if i.name == "MOVING-1").hyperparameters for recording in (initial, given)
     ]
     assert values == [{"stiffness": 200.0}, {"stiffness": 100.0}]
-    assert guessed.duration != given.duration
+    assert initial.duration != given.duration
 
 
 def test_whoever_is_ready_first_goes_first(toys: Any) -> None:
@@ -207,8 +207,8 @@ def test_hyperparameter_that_is_not_finite_is_a_failure(toys: Any) -> None:
 
 
 def test_state_that_is_not_finite_is_a_failure_and_not_recorded(toys: Any) -> None:
-    def diverging(binding: Any, state: Any, commands: Any, dt: float) -> Any:
-        return state.replace({("pusher", "velocity"): (math.nan, 0, 0)})
+    def diverging(binding: Any, start: Any) -> Any:
+        return lambda state, commands, dt: state.replace({("pusher", "velocity"): (math.nan, 0, 0)})
 
     recording = run(toys.one_move_task(system=diverging), toys.one_move())
     assert recording.failure.instance == "MOVING-1"

@@ -79,7 +79,7 @@ def test_what_they_have_in_common_is_run_once(monkeypatch: Any) -> None:
 
 
 def test_a_common_failure_is_every_ones(toys: Any) -> None:
-    task = toys.one_move_task(policy=lambda b, s, h: lambda t, s: {("pusher", "force"): np.full(3, np.nan)})
+    task = toys.one_move_task(policy=lambda b, s, p: lambda t, s: {("pusher", "force"): np.full(3, np.nan)})
     plan = toys.one_move()
     plan = replace(plan, instances=(*plan.instances[:2], replace(plan.instances[2], name="RESTING-2")))
     plans = [with_value(plan, "RESTING-2", "none", value) for value in (1.0, 2.0)]

@@ -11,9 +11,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from hybrid_tamp.model.affordance import TOKEN, BasicAction, CapabilityClass, VaryingProperty
-from hybrid_tamp.model.block import Block, Duration, Hyperparameter, Measure, Slot
+from hybrid_tamp.model.block import Block, Duration, Slot
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.network import ReassignmentNetwork
+from hybrid_tamp.model.parameters import Hyperparameter
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom, Parameter, Predicate
 from hybrid_tamp.model.state import State
@@ -43,15 +45,19 @@ def _low(state: State, puck: Token) -> Any:
 SLID = Predicate("slid", (Parameter("puck", Puck),), _low, reads={"puck": ("place",)})
 
 
-def _system(binding: Any, state: State, commands: Any, dt: float) -> State:
+def _system(binding: Any, start: State) -> Any:
     puck = binding["puck"]
-    return state.replace({(puck.name, "place"): state[puck, "place"] + commands[puck.name, "velocity"] * dt})
+
+    def system(state: State, commands: Any, dt: float) -> State:
+        return state.replace({(puck.name, "place"): state[puck, "place"] + commands[puck.name, "velocity"] * dt})
+
+    return system
 
 
 def _sliding(axis: int, name: str) -> Any:
-    def make(binding: Any, start: State, hyperparameters: Any) -> Any:
+    def make(binding: Any, start: State, parameters: Any) -> Any:
         puck = binding["puck"]
-        way = np.asarray(hyperparameters[name]) - start[puck, "place"][..., axis]
+        way = np.asarray(parameters.hyperparameters[name]) - start[puck, "place"][..., axis]
 
         def policy(elapsed: Any, state: State) -> Any:
             velocity = np.zeros_like(state[puck, "place"])

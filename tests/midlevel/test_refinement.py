@@ -8,7 +8,7 @@ import pytest
 from midlevel.pucks import APART, FIRST, JOINT, SECOND, puck_plan, puck_task, with_dummies
 
 from hybrid_tamp.midlevel.refinement import NotFinite, refine
-from hybrid_tamp.model.block import Measure
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.refined import RefinedPlan
 
 

@@ -11,7 +11,7 @@ import hybrid_tamp
 from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.midlevel.measured import measured_rollout
 from hybrid_tamp.midlevel.rollout import Rollouts
-from hybrid_tamp.model.block import Measure
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.dmp import DMP
@@ -104,12 +104,17 @@ def test_a_missed_condition_is_a_violation_and_the_chain_goes_on(task: Task) -> 
 
 def test_what_is_not_finite_is_named_and_spoils_no_other_candidate() -> None:
     task = rolling_task()
-    system = task.domain.block_by_name["ROLLING"].system
+    whole = task.domain.block_by_name["ROLLING"].system
 
-    def broken(binding, state, commands, dt):  # type: ignore[no-untyped-def]
-        after = system(binding, state, commands, dt)
-        fast = np.linalg.norm(after[binding["object"], "velocity"], axis=-1) > 0.3
-        return replace(after, values=np.where(fast[..., None], np.nan, after.values))
+    def broken(binding, start):  # type: ignore[no-untyped-def]
+        system = whole(binding, start)
+
+        def step(state, commands, dt):  # type: ignore[no-untyped-def]
+            after = system(state, commands, dt)
+            fast = np.linalg.norm(after[binding["object"], "velocity"], axis=-1) > 0.3
+            return replace(after, values=np.where(fast[..., None], np.nan, after.values))
+
+        return step
 
     block = replace(task.domain.block_by_name["ROLLING"], system=broken)
     task = task.replaced(domain=task.domain.with_blocks([block]))

@@ -14,9 +14,10 @@ from scenes import rolling_task
 
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, quantity
-from hybrid_tamp.model.block import Block, Duration, Hyperparameter, Slot, Target
+from hybrid_tamp.model.block import Block, Duration, Slot, Target
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork, parse_slot
+from hybrid_tamp.model.parameters import Hyperparameter
 from hybrid_tamp.model.predicate import ANY, Parameter, Predicate
 from hybrid_tamp.testing import check_domain
 
@@ -158,7 +159,7 @@ def test_check_domain_names_a_block_that_nothing_can_enter() -> None:
 
 
 def test_check_domain_sees_a_model_that_does_not_do_what_it_says() -> None:
-    lazy = replace(ROLLING, system=lambda binding, state, commands, dt: state)
+    lazy = replace(ROLLING, system=lambda binding, start: lambda state, commands, dt: state)
     domain: Domain = replace(DOMAIN, blocks=tuple(lazy if b is ROLLING else b for b in DOMAIN.blocks))
     found = check_domain(rolling_task().replaced(domain=domain), samples=1)
     assert {d.literal for d in found} >= {"inside(object, region)"}

@@ -39,8 +39,8 @@ def test_what_no_instance_holds_stays(toys: Any) -> None:
 
 
 def test_a_system_speaks_for_its_own_slots_only(toys: Any) -> None:
-    def meddling(binding: Any, state: State, commands: Any, dt: float) -> State:
-        return State(state.layout, state.values + 1.0)
+    def meddling(binding: Any, start: State) -> Any:
+        return lambda state, commands, dt: State(state.layout, state.values + 1.0)
 
     task = toys.world.block(system=meddling).pusher().spot().task()
     with AnalyticBackend() as backend:

@@ -28,8 +28,8 @@ from workbench import (
 )
 
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.model.block import Commands
 from hybrid_tamp.model.commands import CommandError
+from hybrid_tamp.model.control import Commands
 from hybrid_tamp.model.grasp import FINGER_SPEED
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate

@@ -17,7 +17,7 @@ from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import (
 )
 from numpy.typing import ArrayLike
 
-from hybrid_tamp.model.block import CONTROL_PERIOD, Commands
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task

@@ -10,9 +10,11 @@ import pytest
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.model.block import Binding, Block, Hyperparameter, Measure
+from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.predicate import ANY, Atom
+from hybrid_tamp.model.measure import Measure
+from hybrid_tamp.model.parameters import Hyperparameter
+from hybrid_tamp.model.predicate import ANY, Atom, Binding
 from hybrid_tamp.model.task import MidLevel, Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
@@ -63,25 +65,25 @@ def test_weights_of_a_block_and_of_all_modes() -> None:
     assert MEASURED.block_by_name["ROLLING"].performance[1].weight == 1.0
 
 
-def test_bounds_are_narrowed_and_the_default_is_the_guess_of_a_whole_batch() -> None:
+def test_bounds_are_narrowed_and_the_default_is_the_initial_value_of_a_whole_batch() -> None:
     task = load("{hyperparameters: {ROLLING.speed: {lower: 0.1, upper: 0.3, default: 0.2}}}")
     speed = hyperparameter(task, "ROLLING", "speed")
     assert (speed.lower, speed.upper) == (0.1, 0.3)
-    assert speed.initial({}, task.state.repeated(3)).tolist() == [0.2, 0.2, 0.2]
-    assert speed.initial({}, task.state).shape == ()
+    assert speed.initial_value({}, task.state.repeated(3)).tolist() == [0.2, 0.2, 0.2]
+    assert speed.initial_value({}, task.state).shape == ()
 
 
-def test_what_is_left_out_stays_and_the_old_guess_is_clipped() -> None:
+def test_what_is_left_out_stays_and_the_old_initial_value_is_clipped() -> None:
     task = load("{hyperparameters: {ROLLING.speed: {upper: 0.3}}}")
     speed = hyperparameter(task, "ROLLING", "speed")
-    assert (speed.lower, speed.upper, float(speed.initial({}, task.state))) == (0.05, 0.3, 0.3)
+    assert (speed.lower, speed.upper, float(speed.initial_value({}, task.state))) == (0.05, 0.3, 0.3)
 
 
 def test_a_number_fixes_a_hyperparameter_of_every_mode() -> None:
     task = load("{hyperparameters: {TIPPING.rate: 0.7}}")
     for mode in ("opposite", "lower", "adjacent"):
         rate = hyperparameter(task, f"TIPPING:{mode}", "rate")
-        assert (rate.lower, rate.upper, float(rate.initial({}, task.state))) == (0.7, 0.7, 0.7)
+        assert (rate.lower, rate.upper, float(rate.initial_value({}, task.state))) == (0.7, 0.7, 0.7)
 
 
 # In front of the place that the message must name stands ``«``.

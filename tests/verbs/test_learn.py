@@ -14,6 +14,7 @@ from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 
 import hybrid_tamp
 from hybrid_tamp.errors import InputError
+from hybrid_tamp.model.parameters import Parameters
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply
@@ -64,10 +65,11 @@ def distances(task: hybrid_tamp.Task, primitive: DMP) -> np.ndarray:
     moved = {("hand", "position"): state["hand", "position"] + shifts[0]}
     state = state.replace({**moved, ("drum", "position"): state["drum", "position"] + shifts[1]})
     place = block.outcome(binding, state)["hand", "position"]
-    guesses = block.guesses(binding, state)
-    policy = block.policy(binding, state, guesses)
-    for step in range(int(240 * 1.2 * np.max(guesses["duration"]))):
-        state = block.system(binding, state, policy(np.array(step / 240), state), 1 / 240)
+    initial = block.initial_values(binding, state)
+    policy = block.policy(binding, state, Parameters(initial))
+    system = block.system(binding, state)
+    for step in range(int(240 * 1.2 * np.max(initial["duration"]))):
+        state = system(state, policy(np.array(step / 240), state), 1 / 240)
     return np.asarray(np.linalg.norm(state["hand", "position"] - place, axis=-1))
 
 
@@ -200,7 +202,7 @@ def test_a_mode_counts_more_than_its_action(tmp_path: Path) -> None:
 
     def early(block: hybrid_tamp.Block) -> np.ndarray:
         assert block.policy is not None
-        policy = block.policy(binding, task.state, block.guesses(binding, task.state))
+        policy = block.policy(binding, task.state, Parameters(block.initial_values(binding, task.state)))
         return policy(np.array(0.3), task.state)["hand", "force"]
 
     block = DOMAIN.block_by_name["REACHING:behind"]

@@ -12,8 +12,8 @@ import numpy as np
 from hybrid_tamp.geometry.meshes import MeshShape
 from hybrid_tamp.geometry.shapes import Compound
 from hybrid_tamp.model.affordance import BODY_STATE
-from hybrid_tamp.model.block import CONTROL_PERIOD, Commands
 from hybrid_tamp.model.commands import CommandLayout
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task

@@ -17,7 +17,7 @@ import numpy as np
 
 from hybrid_tamp.geometry.meshes import Hull, MeshShape, obj_text
 from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Shape, Solid
-from hybrid_tamp.model.block import CONTROL_PERIOD
+from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import quaternion_from_rpy
 from hybrid_tamp.physics.scene import FLOOR_FRICTION, Body

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hybrid_tamp.geometry.segments import nearest_on_segment
-from hybrid_tamp.model.block import CONTROL_PERIOD
 from hybrid_tamp.model.commands import CommandLayout
+from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.grasp import (
     APERTURE,
     CAPTURE,

@@ -7,7 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from hybrid_tamp.model.block import CONTROL_PERIOD, Binding, Block
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.control import CONTROL_PERIOD
+from hybrid_tamp.model.forward_model import roll_out
+from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.questions.imitate.observation import Observation, Truth
@@ -21,7 +24,7 @@ _SPAN = 0.05
 _LONGER = (1.5, 0.1)
 """A way is too long if it is so many times as long as expected, and so much longer [m]."""
 _LOOKS = 12
-"""After so many control periods it is looked whether a block is done."""
+"""After so many control periods the exit conditions of a block are measured."""
 _PATIENCE = 2.0
 """So many times as long as expected a block may take in its own forward model."""
 
@@ -65,7 +68,7 @@ def unexpected_pauses(block: Block, binding: Binding, seen: Observation, start: 
     straight = float(np.linalg.norm(positions[-1] - positions[0], axis=-1).max())
     if not found and way <= _too_long(straight):
         return 0
-    states = _rollout(block, binding, seen.state(start))
+    states = _roll_out(block, binding, seen.state(start))
     own, speeds = (np.stack([[state[t, name] for t in moved] for state in states]) for name in ("position", "velocity"))
     if way > _too_long(length(own, CONTROL_PERIOD)):
         return None
@@ -81,20 +84,7 @@ def _too_long(way: float) -> float:
     return _LONGER[0] * way + _LONGER[1]
 
 
-def _rollout(block: Block, binding: Binding, state: State) -> list[State]:
-    """Run the block's policy on its continuous system until its exit conditions hold."""
-    assert block.policy is not None, "a block that moves tokens with basic actions has a policy"
-    chosen = block.guesses(binding, state)
-    policy = block.policy(binding, state, chosen)
-    longest = min(block.duration.maximum, _PATIENCE * block.duration.expected(binding, state, chosen))
-    states = [state]
-    while (elapsed := (len(states) - 1) * CONTROL_PERIOD) < longest:
-        if len(states) % _LOOKS == 0 and elapsed >= block.duration.minimum and _done(block, binding, states[-1]):
-            break
-        commands = policy(np.float64(elapsed), states[-1])
-        states.append(block.system(binding, states[-1], commands, CONTROL_PERIOD))
-    return states
-
-
-def _done(block: Block, binding: Binding, state: State) -> bool:
-    return all(float(literal.margin(state, binding)) >= 0 for literal in block.measured_exits)
+def _roll_out(block: Block, binding: Binding, start: State) -> list[State]:
+    expected = block.duration.expected(binding, start, block.initial_values(binding, start))
+    longest = min(block.duration.maximum, _PATIENCE * expected)
+    return roll_out(block, binding, start, longest, every=_LOOKS)
