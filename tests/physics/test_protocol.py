@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.physics import backend as module
+from hybrid_tamp.physics import protocol as module
 from hybrid_tamp.physics.protocol import available_backends, load, open_backend
 
 

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.execution.prediction import predict
+from hybrid_tamp.geometry import triangles
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.physics import camera, meshes
+from hybrid_tamp.physics.pictures import camera
 from hybrid_tamp.physics.pictures.appearance import parts_of
 from hybrid_tamp.physics.pictures.camera import Spheres, framing, spheres_of
 from hybrid_tamp.physics.pictures.rendering import open_renderer
@@ -56,9 +57,9 @@ def test_camera_puts_the_motion_from_left_to_right() -> None:
 @pytest.mark.parametrize(
     ("mesh", "volume", "tolerance"),
     [
-        (meshes.cylinder(0.1, 0.3), np.pi * 0.1**2 * 0.3, 0.01),
-        (meshes.box((0.1, 0.2, 0.3)), 8 * 0.1 * 0.2 * 0.3, 1e-9),
-        (meshes.sphere(0.2), 4 / 3 * np.pi * 0.2**3, 0.02),
+        (triangles.cylinder(0.1, 0.3), np.pi * 0.1**2 * 0.3, 0.01),
+        (triangles.box((0.1, 0.2, 0.3)), 8 * 0.1 * 0.2 * 0.3, 1e-9),
+        (triangles.sphere(0.2), 4 / 3 * np.pi * 0.2**3, 0.02),
     ],
 )
 def test_meshes_are_closed_and_face_outward(mesh: Any, volume: float, tolerance: float) -> None:
@@ -72,8 +73,8 @@ def test_meshes_are_closed_and_face_outward(mesh: Any, volume: float, tolerance:
 
 
 def test_floor_tiles_cover_the_floor_without_overlap() -> None:
-    light, dark = meshes.tiles((-0.6, -0.3), (0.7, 0.9), 0.25)
-    both = meshes.joined(light, dark)
+    light, dark = triangles.tiles((-0.6, -0.3), (0.7, 0.9), 0.25)
+    both = triangles.joined(light, dark)
     assert both.vertices[:, :2].min(axis=0) == pytest.approx([-0.75, -0.5])
     assert both.vertices[:, :2].max(axis=0) == pytest.approx([0.75, 1.0])
     assert len(both.triangles) == 2 * 6 * 6
