@@ -1,0 +1,14 @@
+"""From the command to the planner there are few functions, in few modules (scripts/calls prints them)."""
+
+import pytest
+from contracts.scripts import load_script
+
+
+@pytest.mark.parametrize(
+    ("task", "functions", "modules"),
+    [("roll_cylinder", 11, 6), ("tumble_two_boxes_four_hands", 17, 8)],
+)
+def test_the_chain_of_calls_to_the_planner_is_short(task: str, functions: int, modules: int) -> None:
+    chain = load_script("calls").planning_chain(task)
+    assert chain.functions <= functions, chain.calls
+    assert chain.modules <= modules, chain.calls

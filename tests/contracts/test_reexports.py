@@ -1,0 +1,73 @@
+"""A name is imported from the module that defines it; only the public modules hand on names of others."""
+
+import ast
+
+from contracts.imports import ROOT, module_of, source_files
+
+PUBLIC = frozenset({"hybrid_tamp", "hybrid_tamp.authoring", "hybrid_tamp.skills", "hybrid_tamp.testing"})
+
+LEFT = frozenset(
+    line for line in (ROOT / "tests" / "contracts" / "reexports.txt").read_text(encoding="utf-8").splitlines() if line
+)
+"""What is still handed on, a module and a name a line. The list may only shrink."""
+
+
+def imported(tree: ast.Module) -> set[str]:
+    """Return the names that a module imports, wherever it does."""
+    return {
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom | ast.Import)
+        for alias in node.names
+    }
+
+
+def listed(tree: ast.Module) -> set[str]:
+    """Return what `__all__` lists, and what an import repeats with `as`, by which it is meant for others."""
+    found: set[str] = set()
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and any(isinstance(x, ast.Name) and x.id == "__all__" for x in node.targets):
+            found |= {each.value for each in ast.walk(node.value) if isinstance(each, ast.Constant)}  # type: ignore[misc]
+        elif isinstance(node, ast.ImportFrom):
+            found |= {alias.name for alias in node.names if alias.asname == alias.name}
+    return found
+
+
+def taken_from(trees: dict[str, ast.Module]) -> set[tuple[str, str]]:
+    """Return every module and name for which some module imports the name from the module."""
+    return {
+        (node.module, alias.name)
+        for tree in trees.values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module
+        for alias in node.names
+    }
+
+
+def reexports() -> set[str]:
+    trees = {module_of(path): ast.parse(path.read_text(encoding="utf-8")) for path in source_files()}
+    taken = taken_from(trees)
+    found = set()
+    for module, tree in trees.items():
+        if module in PUBLIC:
+            continue
+        foreign = imported(tree)
+        handed_on = {name for name in foreign if (module, name) in taken and f"{module}.{name}" not in trees}
+        found |= {f"{module} {name}" for name in (foreign & listed(tree)) | handed_on}
+    return found
+
+
+def test_no_module_hands_on_names_of_another() -> None:
+    assert reexports() <= LEFT
+
+
+def test_no_alias_of_an_old_name() -> None:
+    """An assignment of one imported name to another, at the top of a module, keeps an old name alive."""
+    wrong = []
+    for path in source_files():
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        names = imported(tree)
+        for node in tree.body:
+            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name) and node.value.id in names:
+                wrong.append(f"{path.relative_to(ROOT)}:{node.lineno}")
+    assert wrong == []

@@ -1,0 +1,79 @@
+"""No module and no function is so long that it cannot be read at a sitting."""
+
+import ast
+
+from contracts.imports import ROOT, source_files
+
+LONGEST_MODULE = 250
+LONGEST_FUNCTION = 40
+"""Lines of code, from `def`, without the docstring and blank lines."""
+
+LONG_MODULES = frozenset(
+    {
+        "hybrid_tamp/execution/run.py",
+        "hybrid_tamp/midlevel/refinement.py",
+        "hybrid_tamp/midlevel/simulation.py",
+        "hybrid_tamp/model/block.py",
+        "hybrid_tamp/report/documents.py",
+        "hybrid_tamp/symbolic/engines/planner_process.py",
+        "hybrid_tamp/symbolic/strategies/stage.py",
+        "hybrid_tamp/taskfile/tokens.py",
+        "hybrid_tamp/verbs/pipeline.py",
+    }
+)
+"""Modules that are too long. The list may only shrink."""
+
+LONG_FUNCTIONS = frozenset(
+    {
+        "domains/rolling_tumbling/tipping.py:_tipping",
+        "domains/tool_use/carrying.py:_carrying",
+        "hybrid_tamp/cli/planning.py:plan",
+        "hybrid_tamp/cli/planning.py:run",
+        "hybrid_tamp/cli/probing.py:probe",
+        "hybrid_tamp/taskfile/loader.py:_load",
+    }
+)
+"""Functions that are too long. The list may only shrink."""
+
+
+def test_no_module_over_250_lines() -> None:
+    long = {
+        str(path.relative_to(ROOT))
+        for path in source_files()
+        if len(path.read_text(encoding="utf-8").splitlines()) > LONGEST_MODULE
+    }
+    assert long <= LONG_MODULES
+
+
+def length(function: ast.FunctionDef | ast.AsyncFunctionDef, lines: list[str]) -> int:
+    numbers = set(range(function.lineno, (function.end_lineno or 0) + 1))
+    if ast.get_docstring(function) is not None:
+        numbers -= set(range(function.body[0].lineno, (function.body[0].end_lineno or 0) + 1))
+    return sum(1 for number in numbers if lines[number - 1].strip())
+
+
+def functions() -> dict[str, int]:
+    """Return the length of every function, by file and name."""
+    found = {}
+    for path in source_files():
+        place = str(path.relative_to(ROOT))
+        text = path.read_text(encoding="utf-8")
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                found[f"{place}:{node.name}"] = length(node, text.splitlines())
+    return found
+
+
+def test_no_function_over_40_lines() -> None:
+    assert {name for name, lines in functions().items() if lines > LONGEST_FUNCTION} <= LONG_FUNCTIONS
+
+
+LONGEST_VERB = 150
+LONG_VERBS = frozenset({"imitate.py", "learn.py", "pipeline.py"})
+"""Verbs whose file is too long. The list may only shrink."""
+
+
+def test_a_verb_is_at_most_150_lines() -> None:
+    verbs = (ROOT / "hybrid_tamp" / "verbs").glob("*.py")
+    long = {path.name for path in verbs if len(path.read_text(encoding="utf-8").splitlines()) > LONGEST_VERB}
+    assert long <= LONG_VERBS

@@ -1,0 +1,36 @@
+"""Text of atoms, literals and planned actions is for people: with noise in its place every verb says the same.
+
+`scripts/noise` does this for all bundled tasks.
+"""
+
+import pytest
+from contracts.scripts import load_script
+
+CASES = {
+    "roll_cylinder": ("check", "plan", "optimise", "explain", "affordances"),
+    "roll_cylinder_off_axis": ("plan", "explain"),
+    "tumble_one_hand": ("plan", "explain"),
+    "tool_choice": ("plan",),
+    "lift_two_hands": ("plan",),
+    "roll_past_region": ("optimise",),
+    "unknown_box": ("probe",),
+}
+
+
+@pytest.mark.xfail(reason="text is still parsed, or made with str()", strict=False)
+@pytest.mark.parametrize(("task", "verb"), [(task, verb) for task, verbs in CASES.items() for verb in verbs])
+def test_nothing_depends_on_the_text_of_values(task: str, verb: str) -> None:
+    script = load_script("noise")
+    ((_, words),) = script.commands(task, [verb])
+    assert script.differences(words) == []
+
+
+def test_the_noise_is_heard() -> None:
+    from hybrid_tamp_domains.rolling_tumbling import DOMAIN
+
+    script = load_script("noise")
+    atom = next(each for block in DOMAIN.blocks for each in block.exit)
+    before = str(atom)
+    with script.noise():
+        assert str(atom).startswith("noise ")
+    assert str(atom) == before
