@@ -11,6 +11,7 @@ LONGEST_FUNCTION = 40
 LONG_MODULES = frozenset(
     {
         "hybrid_tamp/execution/run.py",
+        "hybrid_tamp/execution/storage.py",
         "hybrid_tamp/midlevel/refinement.py",
         "hybrid_tamp/midlevel/simulation.py",
         "hybrid_tamp/model/block.py",
