@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -50,7 +51,7 @@ class MeshShape:
     """A rigid body of convex parts, whose frame's origin is its centre of mass and whose axes are those of the file.
 
     Attributes:
-        file: the mesh file, as the task file names it.
+        path: the mesh file.
         scale: length of the file's unit [m].
         digest: of the file's content, so that shapes of equal files are equal.
         parts: the convex parts; they touch and do not overlap.
@@ -59,7 +60,7 @@ class MeshShape:
         skew: largest product of inertia over the largest moment; 0 if the axes are the principal ones.
     """
 
-    file: str
+    path: Path = field(compare=False)
     scale: float
     digest: str
     parts: tuple[Hull, ...] = field(compare=False, repr=False)
@@ -68,7 +69,7 @@ class MeshShape:
     skew: float = field(compare=False)
 
     @classmethod
-    def of(cls, file: str, scale: float, digest: str, parts: Sequence[Hull]) -> "MeshShape":
+    def of(cls, path: Path, scale: float, digest: str, parts: Sequence[Hull]) -> "MeshShape":
         """Return the shape of parts in any frame, moved so that their common centre of mass is the origin."""
         volume, first, _ = _sum(parts)
         moved = tuple(part.moved(-first / volume) for part in parts)
@@ -76,7 +77,7 @@ class MeshShape:
         spread = np.diag(second) / volume
         x, y, z = (float(moment) for moment in spread.sum() - spread)
         products = np.abs(second - np.diag(np.diag(second))) / volume
-        return cls(file, scale, digest, moved, volume, (x, y, z), float(products.max() / max(x, y, z)))
+        return cls(path, scale, digest, moved, volume, (x, y, z), float(products.max() / max(x, y, z)))
 
     @property
     def vertices(self) -> FloatArray:

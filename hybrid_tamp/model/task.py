@@ -34,6 +34,21 @@ class Limits:
 
 
 @dataclass(frozen=True)
+class Range:
+    """What a task says of a hyperparameter, in its own unit; None leaves what the block declares.
+
+    Attributes:
+        lower: lower bound, not below the block's own.
+        upper: upper bound, not above the block's own.
+        default: its value if nothing optimises it, within the bounds.
+    """
+
+    lower: float | None = None
+    upper: float | None = None
+    default: float | None = None
+
+
+@dataclass(frozen=True)
 class MidLevel:
     """How the hyperparameters of a plan are optimised (paper, Sec. II-D).
 
@@ -42,12 +57,16 @@ class MidLevel:
         evaluations: budget of candidates that are rolled out.
         seconds: budget of time [s].
         refine: ``none``, or ``physics``: go on from the analytic optimum in the physics backend.
+        weights: ``BLOCK.measure`` to its weight in the value of a plan, as the task's domain has it.
+        hyperparameters: ``BLOCK.name`` to narrower bounds or to its value, as the task's domain has them.
     """
 
     optimiser: str = "cma"
     evaluations: int = 2000
     seconds: float = 20.0
     refine: str = "none"
+    weights: Mapping[str, float] = field(default_factory=dict)
+    hyperparameters: Mapping[str, float | Range] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +87,7 @@ class Task:
         objective: what a plan should be short in: ``length`` (actions) or ``makespan`` (time).
         midlevel: how hyperparameters are optimised.
         source: the file that it came from, or None.
+        primitives: block or action to the file of the motor primitive that it was taught; the domain has it already.
     """
 
     name: str
@@ -81,8 +101,9 @@ class Task:
     limits: Limits = Limits()
     seed: int = 0
     objective: str = "length"
-    midlevel: MidLevel = MidLevel()
+    midlevel: MidLevel = field(default_factory=MidLevel)
     source: Path | None = None
+    primitives: Mapping[str, Path] = field(default_factory=dict)
 
     @cached_property
     def token_by_name(self) -> Mapping[str, Token]:

@@ -61,9 +61,8 @@ def _predicate(atom: Atom, path: KeyPath, faults: Faults, domain: Domain | None)
     predicate = domain.predicate_by_name.get(atom.predicate)
     if predicate is None:
         wanted = f"unknown predicate in the domain {domain.name}"
-        # The key alone is at fault: its arguments are still looked at.
-        mark = faults.mark(path, key=True)
-        faults.add(mark, wanted, shown(atom.predicate), sorted(domain.predicate_by_name))
+        # The key alone is at fault: its arguments are still checked.
+        faults.at(path, wanted, shown(atom.predicate), sorted(domain.predicate_by_name), key=True, sound=True)
     elif len(atom.arguments) != len(predicate.parameters):
         wanted = f"{predicate.name} takes {_signature(predicate)}"
         count = len(atom.arguments)
@@ -144,7 +143,7 @@ def _check_company(
         faults.at(
             path,
             wanted,
-            f"{plain(str(other))} and {plain(str(atom))}, {_first(atoms[other], faults)}",
+            f"{plain(str(other))} and {plain(str(atom))}{faults.on_line(atoms[other], 'the first')}",
             remedy="remove one",
         )
 
@@ -152,7 +151,3 @@ def _check_company(
 def _owners(predicate: Predicate) -> str:
     names = [parameter.name for parameter in predicate.parameters if parameter.name != predicate.functional]
     return " and ".join(f"each {name}" for name in names) or "the task"
-
-
-def _first(path: KeyPath, faults: Faults) -> str:
-    return f"the first on line {faults.mark(path).line}"

@@ -9,9 +9,9 @@ from pydantic import ValidationError
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Limits, MidLevel, Task
+from hybrid_tamp.model.task import Limits, MidLevel, Range, Task
 from hybrid_tamp.taskfile.domains import find_task_file, installed_domain
-from hybrid_tamp.taskfile.entries import TaskFile
+from hybrid_tamp.taskfile.entries import MidLevelEntry, RangeEntry, TaskFile
 from hybrid_tamp.taskfile.goals import read_goal
 from hybrid_tamp.taskfile.midlevel import check_bindings, read_midlevel
 from hybrid_tamp.taskfile.places import Faults, KeyPath
@@ -80,10 +80,34 @@ def _load(
 ) -> Task:
     check_size(len(text.encode("utf-8", "surrogatepass")), source)
     document = parse(text, source)
-    data, faults = document.data, document.faults
+    folder = path.parent if path else Path()
+    return read_task(document.data, document.faults, name, folder, find_domain, check_planner).replaced(source=path)
+
+
+def read_task(
+    data: dict[str, Any],
+    faults: Faults,
+    name: str,
+    folder: Path,
+    find_domain: FindDomain,
+    check_planner: CheckPlanner | None = None,
+) -> Task:
+    """Return the task that plain data of a task file's form describe.
+
+    Args:
+        data: keys to lists, mappings, texts and numbers, as a task file has them.
+        faults: the places of its parts, and the faults found so far.
+        name: the task's name if the data do not say.
+        folder: what the paths in it are relative to.
+        find_domain: as in `load_task`.
+        check_planner: as in `load_task`.
+
+    Raises:
+        InputError: everything that is wrong with the data.
+    """
     file = _check_form(data, faults)
-    domain = teach(data, faults, _find(data, faults, find_domain), path.parent if path else Path())
-    scene = read_scene(data, faults, domain, path.parent if path else Path())
+    domain = teach(data, faults, _find(data, faults, find_domain), folder)
+    scene = read_scene(data, faults, domain, folder)
     goal = read_goal(data, faults, domain, scene)
     agents = read_agents(data, faults, scene)
     assignment = read_assignment(data, faults, domain, scene)
@@ -107,13 +131,21 @@ def _load(
         limits=Limits(**dict(file.limits)),
         seed=file.seed,
         objective=file.objective,
-        midlevel=MidLevel(**file.midlevel.model_dump(exclude={"weights", "hyperparameters"})),
-        source=path,
+        midlevel=_midlevel(file.midlevel),
+        primitives={key: (folder / named).absolute() for key, named in file.primitives.items()},
     )
     check_bindings(task, data, faults)
     _check_choices(task, faults)
     faults.raise_if_any()
     return task
+
+
+def _midlevel(entry: MidLevelEntry) -> MidLevel:
+    ranges = {
+        key: Range(**dict(said)) if isinstance(said, RangeEntry) else said
+        for key, said in entry.hyperparameters.items()
+    }
+    return MidLevel(**{**dict(entry), "hyperparameters": ranges})
 
 
 def _check_form(data: dict[str, Any], faults: Faults) -> TaskFile | None:

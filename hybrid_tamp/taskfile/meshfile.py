@@ -60,13 +60,18 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
         wanted = f"a body between {SMALLEST:g} m and {LARGEST:g} m long"
         raise InputError([Issue(source, wanted, f"one of {size:.4g} m", remedy=remedy)])
     parts = [_part(vertices * written.scale, surface, size, source) for surface in surfaces]
-    shape = MeshShape.of(written.file, written.scale, hashlib.sha256(text.encode()).hexdigest(), parts)
+    shape = MeshShape.of(path.absolute(), written.scale, digest_of(text), parts)
     if shape.skew > MOST_SKEW:
         wanted = f"a mesh whose axes are its principal ones, up to a product of inertia of {MOST_SKEW:g} of its moment"
         raise InputError(
             [Issue(source, wanted, f"{shape.skew:.3g}", remedy="turn it in its file and back by its pose")]
         )
     return shape
+
+
+def digest_of(text: str) -> str:
+    """Return what tells the content of mesh files apart."""
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _triangles_in(path: Path) -> int:

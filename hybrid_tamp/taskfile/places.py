@@ -36,14 +36,14 @@ class Faults:
     """The places of a file's parts and the faults found so far.
 
     Attributes:
-        source: the file's name as messages show it.
+        source: the file's name as messages show it; None for a task built in Python, whose parts have no line.
         keys: path to the place of its key.
         values: path to the place of its value.
         spans: path to the first character of a scalar value and the one behind its last.
         written: path to a number, truth value or null as the file writes it.
     """
 
-    def __init__(self, source: str) -> None:
+    def __init__(self, source: str | None = None) -> None:
         self.source = source
         self.keys: dict[KeyPath, Mark] = {}
         self.values: dict[KeyPath, Mark] = {}
@@ -62,9 +62,8 @@ class Faults:
         available: Iterable[str] = (),
         remedy: str = "",
     ) -> None:
-        """Note a fault at a place."""
-        where = f"{self.source}:{mark.line}:{mark.column}"
-        self._found[mark, Issue(where, wanted, came, tuple(available), remedy)] = None
+        """Note a fault at a place of the file."""
+        self._note(mark, f"{self.source}:{mark.line}:{mark.column}", wanted, came, available, remedy)
 
     def at(
         self,
@@ -75,12 +74,26 @@ class Faults:
         remedy: str = "",
         *,
         key: bool = False,
+        sound: bool = False,
     ) -> None:
-        """Note a fault of a part, at its key if `key`; of a part that is missing, at what should hold it."""
+        """Note a fault of a part.
+
+        Args:
+            path: the part; a fault of a part that is missing is shown at what should hold it.
+            wanted: what was expected there.
+            came: what was found instead.
+            available: the values that would have been accepted.
+            remedy: what the user can do.
+            key: whether the fault is shown at the part's key rather than at its value.
+            sound: whether the part can be read all the same.
+        """
         if any(prefix in self._unreadable for prefix in _prefixes(path)):
             return
-        self._taint(path)
-        self.add(self.mark(path, key=key), wanted, came, available, remedy)
+        if not sound:
+            self._taint(path)
+        mark = self.mark(path, key=key)
+        where = dotted(path) if self.source is None else f"{self.source}:{mark.line}:{mark.column}"
+        self._note(mark, where, wanted, came, available, remedy)
 
     def unreadable(self, path: KeyPath) -> None:
         """Declare that the value of a part could not be read; nothing more is said about it."""
@@ -100,6 +113,10 @@ class Faults:
             if path in self.values:
                 return self.keys.get(path, self.values[path])
         return Mark()
+
+    def on_line(self, path: KeyPath, what: str) -> str:
+        """Return ``, what on line N`` for a part of a file, nothing for a part of a task built in Python."""
+        return "" if self.source is None else f", {what} on line {self.mark(path).line}"
 
     def shown(self, path: KeyPath, value: Any) -> str:
         """Return a value as messages show it: as the file writes it, shortened."""
@@ -132,6 +149,9 @@ class Faults:
             issues = (*issues[:MOST_FAULTS], rest)
         raise InputError(issues)
 
+    def _note(self, mark: Mark, where: str, wanted: str, came: str, available: Iterable[str], remedy: str) -> None:
+        self._found[mark, Issue(where, wanted, came, tuple(available), remedy)] = None
+
     def _taint(self, path: KeyPath) -> None:
         self._faulty.add(path)
         self._above.update(_prefixes(path))
@@ -139,6 +159,11 @@ class Faults:
 
 def _prefixes(path: KeyPath) -> list[KeyPath]:
     return [path[:length] for length in range(len(path) + 1)]
+
+
+def dotted(path: KeyPath) -> str:
+    """Return a path in words, e.g. ``tokens.drum.pose.position[2]``."""
+    return "".join(f"[{step}]" if isinstance(step, int) else f".{plain(step)}" for step in path).lstrip(".")
 
 
 def shown(value: Any) -> str:
@@ -152,8 +177,8 @@ def shown(value: Any) -> str:
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, list):
-        plain = len(value) <= 6 and not any(isinstance(item, dict | list) for item in value)
-        return f"[{', '.join(map(shown, value))}]" if plain else f"a list of {len(value)}"
+        short = len(value) <= 6 and not any(isinstance(item, dict | list) for item in value)
+        return f"[{', '.join(map(shown, value))}]" if short else f"a list of {len(value)}"
     return cut(str(value))
 
 

@@ -1,18 +1,12 @@
 """A task file in which a token is a member of more classes; comments and all else stay as they are."""
 
-import io
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedSeq
-
+from hybrid_tamp.taskfile.yaml.dumping import dump, one_line, round_trip_yaml
 from hybrid_tamp.taskfile.yaml.nodes import read_text
-
-_WIDTH = 4096
-"""Longer than any line, so that none is broken anew."""
 
 
 def with_members(
@@ -31,33 +25,21 @@ def with_members(
     Raises:
         InputError: the file cannot be read.
     """
-    yaml = YAML(typ="rt")
-    yaml.preserve_quotes = True
-    yaml.width = _WIDTH
-    yaml.indent(mapping=2, sequence=4, offset=2)
-    data = yaml.load(read_text(source))
+    data = round_trip_yaml().load(read_text(source))
     entry = data["tokens"][token]
     entry["classes"] += [name for name in joined if name not in entry["classes"]]
     left = [name for name in entry.get("unknown", ()) if name not in settled]
     if left:
-        entry["unknown"] = _row(left)
+        entry["unknown"] = one_line(left)
     else:
         entry.pop("unknown", None)
     if properties:
         entry.setdefault("properties", {})
         for name, value in properties.items():
             if entry["properties"].get(name) != value:
-                entry["properties"][name] = _row(value) if isinstance(value, tuple | list) else value
+                entry["properties"][name] = one_line(value)
     _relocate(data, source.parent, target.parent)
-    out = io.StringIO()
-    yaml.dump(data, out)
-    return out.getvalue()
-
-
-def _row(values: Sequence[Any]) -> CommentedSeq:
-    row = CommentedSeq(values)
-    row.fa.set_flow_style()
-    return row
+    return dump(data)
 
 
 def _relocate(data: Any, before: Path, after: Path) -> None:

@@ -67,7 +67,7 @@ def _check_overlaps(bodies: list[tuple[Token, Body]], faults: Faults) -> None:
     for earlier, later, way in overlaps([body for _, body in ordered], may_share):
         one, other = ordered[earlier][0], ordered[later][0]
         wanted = f"{subject(_path(other))} must put it clear of the other tokens"
-        came = f"a place inside token {shown(one.name)}, whose position is on line {faults.mark(_path(one)).line}"
+        came = f"a place inside token {shown(one.name)}{faults.on_line(_path(one), 'whose position is')}"
         faults.at(_path(other), wanted, came, remedy=f"moved by {_vector(way)} m it is clear of it")
 
 

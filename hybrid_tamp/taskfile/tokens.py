@@ -64,18 +64,18 @@ def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None, fold
 
 
 def _check_name(name: str, faults: Faults, domain: Domain | None) -> None:
-    # A name at fault leaves the token itself sound, hence `add`.
-    mark = faults.mark(("tokens", name), key=True)
+    path = ("tokens", name)
     if not name:
-        faults.add(mark, "a token needs a name that is not empty", shown(name))
-    check_printable(name, ("tokens", name), faults, "a token needs a name")
+        faults.at(path, "a token needs a name that is not empty", shown(name), key=True, sound=True)
+    check_printable(name, path, faults, "a token needs a name")
     if name == ANY:
         remedy = "it means every value in conditions: rename the token"
-        faults.add(mark, f"a token needs a name other than {ANY!r}", shown(name), remedy=remedy)
+        wanted = f"a token needs a name other than {ANY!r}"
+        faults.at(path, wanted, shown(name), remedy=remedy, key=True, sound=True)
     for sort in symbol_sorts(domain) if domain else ():
         if name in sort.symbols:
             wanted = f"a token needs a name that is no {sort.name} of the domain"
-            faults.add(mark, wanted, shown(name), remedy="rename the token")
+            faults.at(path, wanted, shown(name), remedy="rename the token", key=True, sound=True)
 
 
 def check_printable(name: str, path: KeyPath, faults: Faults, who: str, *, key: bool = True) -> None:
@@ -83,7 +83,7 @@ def check_printable(name: str, path: KeyPath, faults: Faults, who: str, *, key: 
     odd = next((character for character in name if not character.isprintable()), None)
     if odd is not None:
         came = f"{shown(name)}, in which the character U+{ord(odd):04X} is not"
-        faults.add(faults.mark(path, key=key), f"{who} of printable characters", came, remedy="rename it")
+        faults.at(path, f"{who} of printable characters", came, remedy="rename it", key=key, sound=True)
 
 
 def symbol_sorts(domain: Domain) -> tuple[SymbolSort, ...]:
@@ -197,8 +197,7 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
     if not has_shape:
         return None
     for complaint in dict.fromkeys(_complaints(token)):
-        # The token may be named elsewhere all the same, hence `add`.
-        faults.add(faults.mark(path, key=True), f"token {shown(token.name)} contradicts itself: {complaint}")
+        faults.at(path, f"token {shown(token.name)} contradicts itself: {complaint}", key=True, sound=True)
     return token
 
 

@@ -9,7 +9,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from hybrid_tamp.errors import did_you_mean
-from hybrid_tamp.taskfile.places import Faults, KeyPath, plain, shown
+from hybrid_tamp.taskfile.places import Faults, KeyPath, dotted, shown
 
 _TASK_FILE = "the task file"
 _MAPPING = "must be a mapping of keys to values"
@@ -170,11 +170,7 @@ def subject(path: KeyPath, whole: str = _TASK_FILE) -> str:
     if not path:
         return whole
     if path[0] != "tokens" or len(path) == 1:
-        return _dotted(path)
+        return dotted(path)
     token = f"token {shown(path[1])}"
     rest = path[3:] if path[2:3] == ("properties",) and len(path) > 3 else path[2:]
-    return f"{_dotted(rest)} of {token}" if rest else token
-
-
-def _dotted(path: KeyPath) -> str:
-    return "".join(f"[{step}]" if isinstance(step, int) else f".{plain(step)}" for step in path).lstrip(".")
+    return f"{dotted(rest)} of {token}" if rest else token

@@ -46,13 +46,13 @@ def resolve(event: ScalarEvent) -> Any:
     text = _whole_characters(event.value)
     tag = _tag(event)
     if tag is None:
-        return _plain(text) if event.style is None or event.style == "" else text
+        return value_of(text) if event.style is None or event.style == "" else text
     if tag in ("!", _CORE + "str"):
         return text
     wanted = _TYPES.get(tag.removeprefix(_CORE)) if tag.startswith(_CORE) else None
     if wanted is None:
         raise _refused(tag)
-    value = _plain(text)
+    value = value_of(text)
     if wanted is float and type(value) is int:
         return float(value)
     if type(value) is not wanted:
@@ -94,7 +94,8 @@ def _whole_characters(text: str) -> str:
         raise Unresolvable("text must be whole characters", "half of a surrogate pair", remedy) from error
 
 
-def _plain(text: str) -> Any:
+def value_of(text: str) -> Any:
+    """Return the value of a scalar without quotes: number, truth value, None, or its text."""
     if _NULL.fullmatch(text):
         return None
     if _BOOLEAN.fullmatch(text):

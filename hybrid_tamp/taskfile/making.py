@@ -1,0 +1,92 @@
+"""A task built in Python: what a task file says, as Python values, checked by the same checks."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from hybrid_tamp.geometry.meshes import MeshShape
+from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.task import Limits, MidLevel, Task
+from hybrid_tamp.taskfile.domains import installed_domain
+from hybrid_tamp.taskfile.loader import read_task
+from hybrid_tamp.taskfile.places import Faults
+
+
+def make_task(
+    domain: Domain | str,
+    tokens: Mapping[str, Mapping[str, Any]],
+    goal: Sequence[Atom | Mapping[str, Sequence[str]]],
+    *,
+    agents: Mapping[str, Sequence[str]] | None = None,
+    assignment: Mapping[str, str] | None = None,
+    primitives: Mapping[str, Path | str] | None = None,
+    planner: str | None = None,
+    objective: str | None = None,
+    limits: Limits | None = None,
+    midlevel: MidLevel | None = None,
+    seed: int = 0,
+    name: str = "task",
+) -> Task:
+    """Make a task from Python values. Keys and units are those of a task file (docs/taskfile.md).
+
+    Args:
+        domain: the domain, or the name of an installed one.
+        tokens: name of each token to its ``classes`` (names or classes), ``properties``, ``shape`` and ``pose``
+            (``position`` [m] with ``rpy`` [rad] or ``quaternion`` x, y, z, w); arrays and tuples count as lists.
+        goal: what holds at the end, each an `Atom` or ``{predicate: [tokens]}``.
+        agents: agent to the names of its capability tokens.
+        assignment: token to the block in which it starts; the domain's resting block by default.
+        primitives: block or action to the file of the motor primitive that it is taught.
+        planner: name of the planning engine.
+        objective: ``length`` or ``makespan``.
+        limits: bounds on the work.
+        midlevel: how hyperparameters are optimised, their bounds and the weights of measures.
+        seed: seed of everything random.
+        name: name of the task.
+
+    Raises:
+        InputError: everything that is wrong, each fault with the keys that lead to it, e.g. ``tokens.drum.pose``.
+    """
+    found = installed_domain(domain) if isinstance(domain, str) else domain
+    optional = {
+        "agents": agents,
+        "assignment": assignment,
+        "primitives": primitives,
+        "planner": planner,
+        "objective": objective,
+        "limits": limits,
+        "midlevel": midlevel,
+    }
+    required = {"domain": found.name, "tokens": tokens, "goal": goal, "seed": seed, "name": name}
+    data = _plain(required | {key: value for key, value in optional.items() if value is not None})
+    return read_task(data, Faults(), name, Path(), lambda _: found)
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as a task file would have it."""
+    if isinstance(value, type) and issubclass(value, ObjectClass):
+        return value.name
+    if isinstance(value, Atom):
+        arguments = {value.predicate: list(value.arguments)}
+        return arguments if value.positive else {"not": arguments}
+    if isinstance(value, MeshShape):
+        return {"kind": "mesh", "file": str(value.path), "scale": value.scale}
+    if isinstance(value, BaseModel):
+        return _plain(value.model_dump())
+    if is_dataclass(value) and not isinstance(value, type):
+        return _plain({key: each for key, each in asdict(value).items() if each is not None})
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, Mapping):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(each) for each in value]
+    return value

@@ -1,0 +1,190 @@
+"""What is saved loads as it was, and a task built in Python is checked as a file is."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hybrid_tamp.errors import InputError
+from hybrid_tamp.geometry.shapes import Cylinder
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.task import Limits, MidLevel, Range, Task
+from hybrid_tamp.taskfile.domains import bundled_tasks
+from hybrid_tamp.taskfile.loader import load_task
+from hybrid_tamp.taskfile.making import make_task
+from hybrid_tamp.taskfile.saving import differences, save_task
+
+HAND = {"classes": ["HAND"], "properties": {"force": 300}, "pose": {"position": [0, 0, 0.3]}}
+DRUM = {
+    "classes": ["ROLLABLE"],
+    "properties": {"axis": (0.0, 0.0, 2.0), "mass": 5.0},
+    "shape": Cylinder(kind="cylinder", radius=0.1, length=0.3),
+    "pose": {"position": np.array([0.0, 0.0, 0.15])},
+}
+GOAL = {"classes": ["REGION"], "properties": {"radius": 0.02}, "pose": {"position": [0.8, 0, 0]}}
+TOKENS = {"hand": HAND, "drum": DRUM, "goal": GOAL}
+WITHIN = Atom("within", ("drum", "goal"))
+
+
+@pytest.mark.parametrize("name", bundled_tasks())
+def test_a_bundled_task_that_is_saved_loads_as_it_was(name: str, tmp_path: Path) -> None:
+    task = load_task(name)
+    save_task(task, tmp_path / "saved.yaml")
+    again = load_task(tmp_path / "saved.yaml")
+    assert differences(task, again) == []
+    assert again.state.layout == task.state.layout
+    for block, same in zip(task.domain.blocks, again.domain.blocks, strict=True):
+        assert [(h.name, h.lower, h.upper) for h in block.hyperparameters] == [
+            (h.name, h.lower, h.upper) for h in same.hyperparameters
+        ]
+        assert [(m.name, m.weight) for m in block.performance] == [(m.name, m.weight) for m in same.performance]
+    save_task(again, tmp_path / "again.yaml")
+    first, second = (tmp_path / "saved.yaml").read_text(), (tmp_path / "again.yaml").read_text()
+    assert second.replace("name: saved\n", "") == first
+
+
+def test_a_task_built_in_python_is_the_one_that_its_file_says(
+    load: Callable[[str], Task], text: str, toy: Domain
+) -> None:
+    built = make_task(
+        toy,
+        {**TOKENS, "drum": {**DRUM, "pose": {"position": (0, 0, 0.1), "rpy": [1.5707963267948966, 0, 0]}}},
+        [WITHIN],
+        agents={"robot": ["hand"]},
+        assignment={"hand": "GUARDING"},
+        limits=Limits(30.0, 1024.0, 2),
+        seed=7,
+        name="t.yaml",
+    )
+    assert differences(built, load(text)) == []
+    assert np.array_equal(built.state.values, load(text).state.values)
+
+
+names = st.text(st.characters(codec="utf-8"), min_size=1, max_size=4) | st.sampled_from(
+    [
+        "no",
+        "null",
+        "0o17",
+        "1e3",
+        "=",
+        "<<",
+        "- a",
+        "a: b",
+        "#",
+        "'",
+        '"',
+        "[",
+        "*a",
+        "&a",
+        "!a",
+        "%",
+        "? a",
+        " a ",
+        ".5",
+    ]
+)
+coordinates = st.floats(-100, 100)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    name=names,
+    x=coordinates,
+    turn=st.tuples(*[st.floats(-1, 1)] * 4),
+    mass=st.floats(1e-6, 1e6),
+    seed=st.integers(0, 9),
+)
+def test_any_task_that_can_be_built_loads_as_it_was_saved(
+    tmp_path_factory: pytest.TempPathFactory,
+    toy: Domain,
+    name: str,
+    x: float,
+    turn: tuple[float, float, float, float],
+    mass: float,
+    seed: int,
+) -> None:
+    pose = {"position": [x, 0.0, 1.0], "quaternion": turn}
+    tokens = {"hand": HAND, "goal": GOAL, name: {**DRUM, "properties": {"axis": [1, 2, 3], "mass": mass}, "pose": pose}}
+    try:
+        task = make_task(toy, tokens, [{"within": [name, "goal"]}], seed=seed, name=name)
+    except InputError:
+        return
+    path = tmp_path_factory.mktemp("saved") / "t.yaml"
+    save_task(task, path)
+    assert differences(task, load_task(path, lambda _: toy)) == []
+
+
+def test_bounds_weights_and_files_are_saved_too(tmp_path: Path) -> None:
+    task = load_task("hammer_push")
+    mesh = load_task("unknown_box")
+    midlevel = MidLevel(
+        evaluations=7, weights={"PUSHING.torque_work": -2.0}, hyperparameters={"REACHING.duration": Range(1.0, 3.0, 2.0)}
+    )
+    built = make_task(
+        "tool_use",
+        {token.name: _entry(task, token.name) for token in task.tokens},
+        task.goal,
+        agents=task.agents,
+        midlevel=midlevel,
+    )
+    save_task(built, tmp_path / "t.yaml")
+    assert load_task(tmp_path / "t.yaml").midlevel == midlevel
+    (tmp_path / "p5.obj").write_text("somebody's own")
+    save_task(mesh, tmp_path / "mesh.yaml")
+    assert (tmp_path / "p5.obj").read_text() == "somebody's own"
+    assert differences(mesh, load_task(tmp_path / "mesh.yaml")) == []
+
+
+def _entry(task: Task, name: str) -> dict[str, object]:
+    token = task.token_by_name[name]
+    entry = {
+        "classes": list(token.classes),
+        "properties": dict(token.properties),
+        "pose": {"position": task.state[name, "position"], "quaternion": task.state[name, "orientation"]},
+    }
+    return entry if token.shape is None else {**entry, "shape": token.shape}
+
+
+@pytest.mark.parametrize(
+    ("tokens", "goal", "where", "wanted"),
+    [
+        ({**TOKENS, "drum": {**DRUM, "pose": {"position": [0, 0, 0.05]}}}, [WITHIN], "tokens.drum.pose.position",
+         "must put it above the floor"),
+        ({**TOKENS, "twin": DRUM}, [WITHIN], "tokens.twin.pose.position", "clear of the other tokens"),
+        ({**TOKENS, "drum": {k: v for k, v in DRUM.items() if k != "shape"}}, [WITHIN], "tokens.drum",
+         "contradicts itself: it rolls and has no shape"),
+        ({**TOKENS, "drum": {**DRUM, "properties": {"mass": 5}}}, [WITHIN], "tokens.drum.properties.axis",
+         "missing key 'axis'"),
+        (TOKENS, [Atom("within", ("drum", "gaol"))], "goal[0].within[1]", "a token that is not there"),
+        (TOKENS, [Atom("within", ("drum", "goal"), False)], "goal[0].not", "a goal says what holds at the end"),
+    ],
+)  # fmt: skip
+def test_a_fault_of_a_task_built_in_python_is_named_by_its_keys(
+    toy: Domain, tokens: dict[str, dict[str, object]], goal: list[Atom], where: str, wanted: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        make_task(toy, tokens, goal)
+    (issue,) = caught.value.issues
+    assert issue.where == where
+    assert wanted in issue.wanted
+    assert "line" not in str(issue)
+
+
+def test_what_a_task_file_cannot_say_is_not_saved(tmp_path: Path, toy: Domain) -> None:
+    task = make_task(toy, TOKENS, [WITHIN])
+    moving = task.replaced(state=task.state.replace({("drum", "velocity"): [1.0, 0.0, 0.0]}))
+    with pytest.raises(InputError, match="velocity of token drum differs"):
+        save_task(moving, tmp_path / "t.yaml")
+    inside = task.replaced(state=task.state.replace({("drum", "position"): [0.0, 0.0, -1.0]}))
+    with pytest.raises(InputError, match="above the floor"):
+        save_task(inside, tmp_path / "t.yaml")
+    with pytest.raises(InputError, match="not within"):
+        save_task(replace(task, goal=(Atom("within", ("drum", "goal"), False),)), tmp_path / "t.yaml")
+    with pytest.raises(InputError, match="a file that can be written"):
+        save_task(task, tmp_path / "nowhere" / "t.yaml")
+    assert list(tmp_path.iterdir()) == []
