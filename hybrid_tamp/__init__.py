@@ -38,9 +38,11 @@ if TYPE_CHECKING:
     from hybrid_tamp.model.predicate import ANY, Atom, Binding, Literal, Parameter, Predicate, SymbolSort
     from hybrid_tamp.model.recording import Recording
     from hybrid_tamp.model.state import State
-    from hybrid_tamp.model.task import Task
+    from hybrid_tamp.model.task import Limits, MidLevel, Range, Task
     from hybrid_tamp.model.token import Token
     from hybrid_tamp.taskfile.loader import load_task
+    from hybrid_tamp.taskfile.making import make_task
+    from hybrid_tamp.taskfile.saving import save_task
     from hybrid_tamp.testing import check_domain
     from hybrid_tamp.verbs.learn import learn, save_primitive
     from hybrid_tamp.verbs.pipeline import plan, replay, run
@@ -76,11 +78,13 @@ _HOMES = {
     "model.predicate": ("ANY", "Atom", "Literal", "Parameter", "Predicate", "SymbolSort"),
     "model.recording": ("Recording",),
     "model.state": ("State",),
-    "model.task": ("Task",),
+    "model.task": ("Limits", "MidLevel", "Range", "Task"),
     "model.token": ("Token",),
     "verbs.pipeline": ("plan", "replay", "run"),
     "verbs.probe": ("probe",),
     "taskfile.loader": ("load_task",),
+    "taskfile.making": ("make_task",),
+    "taskfile.saving": ("save_task",),
     "testing": ("check_domain",),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
@@ -106,13 +110,16 @@ __all__ = [
     "Issue",
     "LawBroken",
     "LimitReached",
+    "Limits",
     "Literal",
+    "MidLevel",
     "Movement",
     "NoPlan",
     "ObjectClass",
     "Parameter",
     "PlaceClass",
     "Predicate",
+    "Range",
     "ReassignmentNetwork",
     "Recording",
     "Slot",
@@ -129,12 +136,14 @@ __all__ = [
     "check_law",
     "learn",
     "load_task",
+    "make_task",
     "plan",
     "probe",
     "quantity",
     "replay",
     "run",
     "save_primitive",
+    "save_task",
 ]
 
 

@@ -2,17 +2,19 @@
 
 from pathlib import Path
 
+from hybrid_tamp.errors import InputError
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.meshfile import MOST_BYTES
+from hybrid_tamp.taskfile.saving import differences, task_text
 from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 
 
-def portable(path: Path) -> tuple[str, dict[str, str]]:
-    """Return a sound task file's text as it may stand in another folder, and the files that go beside it.
+def portable(task: Task) -> tuple[str, dict[str, str]]:
+    """Return the text of a task's file as it may stand in another folder, and the files that go beside it.
 
-    Whatever else the text says stays as it is, letter for letter.
-
-    Args:
-        path: the task file.
+    The text of the file that the task came from stays as it is, letter for letter, but for the names of those files.
+    If there is no such file, or it describes another scene or goal by now, the text is made from the task.
 
     Returns:
         The text, and name to text of the primitive and mesh files that it names.
@@ -20,6 +22,26 @@ def portable(path: Path) -> tuple[str, dict[str, str]]:
     Raises:
         InputError: a file cannot be read.
     """
+    if task.source is None or not _describes(task.source, task):
+        return task_text(task)
+    return _with_files(task.source)
+
+
+def _describes(path: Path, task: Task) -> bool:
+    """Say whether a file has the task's tokens and goal; bounds on the work may be others."""
+    try:
+        written = load_task(path, lambda _: task.domain)
+    except InputError:
+        return False
+    return not differences(_scene(task), _scene(written))
+
+
+def _scene(task: Task) -> Task:
+    """Return the task without what only says how it is worked on."""
+    return Task("", task.domain, task.tokens, task.state, task.goal, task.agents, task.assignment)
+
+
+def _with_files(path: Path) -> tuple[str, dict[str, str]]:
     text = read_text(path)
     document = parse(text, str(path))
     files: dict[str, str] = {}

@@ -169,7 +169,7 @@ def _taught(
         blocks = [task.domain.block_by_name[name] for name in primitives]
         taught = [b.taught(primitives[b.name].primitive) for b in blocks if b.taught is not None]
         return task.replaced(domain=task.domain.with_blocks(taught))
-    text, named = portable(task.source)
+    text, named = portable(task)
     if "primitives" in parse(text, str(task.source)).data:
         _logger.warning("%s names primitives itself: nothing is taught", task.source)
         return task

@@ -123,9 +123,9 @@ def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
     A goal with a choice of which none was made has no PDDL, nor has one about a token of which too little is known.
     """
     # The task may be another run's, in this very folder.
-    text, named = (None, {}) if outcome.task.source is None else portable(outcome.task.source)
+    text, named = portable(outcome.task)
     folder.clear()
-    for name, content in {**({} if text is None else {"task.yaml": text}), **named}.items():
+    for name, content in {"task.yaml": text, **named}.items():
         folder.write_text(name, content)
     folder.write_json("plan.json", outcome.document.dump())
     refinement = outcome.document.refinement

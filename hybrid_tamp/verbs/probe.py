@@ -1,10 +1,7 @@
 """Probing a token never seen: of which classes is it a member, and the task file in which it is."""
 
-import os
-import tempfile
 import time
 from collections.abc import Sequence
-from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +14,7 @@ from hybrid_tamp.symbolic.strategies.stage import Planner
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import FindDomain, load_task
 from hybrid_tamp.taskfile.rewriting import with_members
+from hybrid_tamp.taskfile.saving import write_checked
 
 __all__ = ["probe", "probe_document", "save_members"]
 
@@ -91,28 +89,8 @@ def save_members(
     for verdict in joined:
         properties |= verdict.properties
     text = with_members(task.source, target, report.token, names, settled, properties)
-    _write_checked(target, text, find_domain)
+    write_checked(target, text, lambda path: load_task(path, find_domain))
     return names
-
-
-def _write_checked(target: Path, text: str, find_domain: FindDomain) -> None:
-    """Write a task file under a temporary name beside its place, check it, and rename it."""
-    with ExitStack() as undo:
-        try:
-            descriptor, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".yaml")
-            undo.callback(_forget, name)
-            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-                file.write(text)
-        except OSError as error:
-            raise InputError([Issue(str(target), "a file that can be written", str(error.strerror))]) from error
-        load_task(Path(name), find_domain)
-        os.chmod(name, 0o644)
-        os.replace(name, target)
-
-
-def _forget(name: str) -> None:
-    with suppress(FileNotFoundError):
-        os.unlink(name)
 
 
 def probe_document(report: ProbeReport) -> dict[str, Any]:

@@ -140,7 +140,7 @@ def test_a_task_finds_its_mesh_beside_it_and_takes_it_along(tmp_path: Path) -> N
     (tmp_path / "t.yaml").write_text(TASK, encoding="utf-8")
     task = load_task(tmp_path / "t.yaml")
     assert isinstance(task.token_by_name["P5"].shape, MeshShape)
-    text, files = portable(tmp_path / "t.yaml")
+    text, files = portable(task)
     assert text == TASK.replace("p5.obj", "mesh-01.obj")
     folder = RunFolder.create(tmp_path / "run")
     for name, content in {"task.yaml": text, **files}.items():

@@ -123,7 +123,9 @@ def test_bounds_weights_and_files_are_saved_too(tmp_path: Path) -> None:
     task = load_task("hammer_push")
     mesh = load_task("unknown_box")
     midlevel = MidLevel(
-        evaluations=7, weights={"PUSHING.torque_work": -2.0}, hyperparameters={"REACHING.duration": Range(1.0, 3.0, 2.0)}
+        evaluations=7,
+        weights={"PUSHING.torque_work": -2.0},
+        hyperparameters={"REACHING.duration": Range(1.0, 3.0, 2.0)},
     )
     built = make_task(
         "tool_use",
