@@ -1,7 +1,7 @@
 """The JSON Schema of task files (draft 2020-12), so that editors complete and check them.
 
-The form comes from `entries`; for every domain its classes, properties, predicates and blocks are added under a
-condition on the key ``domain``.
+The form comes from `entries` and is what the package ships. ``hybrid-tamp schema`` adds the classes, properties,
+predicates and blocks of every installed domain, under a condition on the key ``domain``.
 """
 
 from collections.abc import Iterable, Sequence
@@ -22,22 +22,21 @@ __all__ = ["json_schema", "reference_page"]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
-def json_schema(domains: Sequence[Domain]) -> JsonObject:
+def json_schema(domains: Sequence[Domain] = ()) -> JsonObject:
     """Return the JSON Schema of task files.
 
     Args:
-        domains: the domains whose names are completed; files of others are checked in their form only.
+        domains: the domains whose names are completed; files of other domains are checked in their form only.
     """
     form = form_of(TaskFile)
     keys, definitions = dict(form.keys), dict(form.definitions)
-    keys["domain"] = {**keys["domain"], "examples": [domain.name for domain in domains]}
     keys["goal"] = {**keys["goal"], "items": {"type": "object", "minProperties": 1, "maxProperties": 1}}
     keys["tokens"] = {**keys["tokens"], "propertyNames": {"minLength": 1}}
     conditions = []
     for number, domain in enumerate(domains):
         then = _of_domain(domain, f"domain{number}.", definitions)
         conditions.append({"if": _equals("domain", domain.name), "then": then})
-    return {
+    schema = {
         "$schema": DIALECT,
         "title": "A task of hybrid_tamp",
         "description": "Tokens of a domain, where they are, and what is wanted. All numbers are in SI units.",
@@ -45,9 +44,12 @@ def json_schema(domains: Sequence[Domain]) -> JsonObject:
         "properties": keys,
         "required": list(form.required),
         "additionalProperties": False,
-        "allOf": conditions,
         "$defs": dict(sorted(definitions.items())),
     }
+    if domains:
+        keys["domain"] = {**keys["domain"], "examples": [domain.name for domain in domains]}
+        schema["allOf"] = conditions
+    return schema
 
 
 def _equals(key: str, value: str) -> JsonObject:

@@ -3,6 +3,7 @@
 import copy
 import json
 from collections.abc import Callable
+from importlib.resources import files
 from typing import Any
 
 import jsonschema
@@ -96,6 +97,17 @@ def test_all_that_is_installed_fits_together() -> None:
     for name in bundled_tasks():
         data = parse(read_text(find_task_file(name)), name).data
         jsonschema.validate(data, schema, cls=jsonschema.Draft202012Validator)
+
+
+def test_the_packaged_schema_is_that_of_any_domain(text: str) -> None:
+    packaged = json.loads(files("hybrid_tamp.report.schemas").joinpath("task-1.json").read_text(encoding="utf-8"))
+    assert packaged == json_schema()
+    jsonschema.Draft202012Validator.check_schema(packaged)
+    for domain in map(find_domain, available_domains()):
+        assert domain.name not in json.dumps(packaged)
+    for name in bundled_tasks():
+        data = parse(read_text(find_task_file(name)), name).data
+        jsonschema.validate(data, packaged, cls=jsonschema.Draft202012Validator)
 
 
 def test_the_reference_page_names_everything(toy: Domain) -> None:
