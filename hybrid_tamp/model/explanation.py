@@ -7,6 +7,7 @@ from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.change import Change
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.tables import Rows, Tabular
 
 ReasonKind = Literal[
     "no_block",
@@ -64,7 +65,7 @@ class Suggestion:
 
 
 @dataclass(frozen=True)
-class Explanation:
+class Explanation(Tabular):
     """Why a task has no plan, and what would give it one.
 
     Attributes:
@@ -82,6 +83,17 @@ class Explanation:
     suggestions: tuple[Suggestion, ...] = ()
     complete: bool = False
     together: tuple[Change, ...] = ()
+
+    @property
+    def rows(self) -> Rows:
+        """The explanation as a table."""
+        return [
+            ("no plan", self.message),
+            ("reasons", [f"{each.goal_text}: {each.message}" for each in self.reasons]),
+            ("suggestions", [each.change.what for each in self.suggestions]),
+            ("suggested together", [change.what for change in self.together]),
+            ("all single changes examined", self.complete),
+        ]
 
     @property
     def text(self) -> str:

@@ -7,6 +7,7 @@ from hybrid_tamp.model.law import Violation
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.refined import Performance
+from hybrid_tamp.model.tables import Rows, Tabular, cell
 from hybrid_tamp.model.task import Task
 
 
@@ -24,7 +25,7 @@ class ExecutedInstance:
 
 
 @dataclass(frozen=True)
-class RunResult:
+class RunResult(Tabular):
     """The result of one run.
 
     Attributes:
@@ -57,3 +58,26 @@ class RunResult:
         """The block instances that ran."""
         exits = self.recording.exits
         return tuple(ExecutedInstance(each, exits.get(each.name, ())) for each in self.recording.instances)
+
+    @property
+    def rows(self) -> Rows:
+        """The result as a table."""
+        return [
+            ("task", self.task.name),
+            ("success", self.success),
+            ("goal", [f"{each.atom.text}: {cell(each.measured)}" for each in self.recording.goal]),
+            ("failure", self.recording.failure and self.recording.failure.reason),
+            (
+                "blocks",
+                [
+                    f"{each.instance.start:.2f} to {each.instance.end:.2f} s  {each.instance.name}"
+                    for each in self.blocks
+                ],
+            ),
+            ("performance", {f"{each.measure} of {each.instance}": each.measured for each in self.performance}),
+            ("metrics", self.metrics),
+            ("law", self.law),
+            ("replans", self.replans),
+            ("backend", self.recording.backend),
+            ("seconds", self.wall_seconds),
+        ]
