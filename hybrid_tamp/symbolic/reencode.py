@@ -11,7 +11,7 @@ from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
 from hybrid_tamp.symbolic.chaining.folding import folded
 from hybrid_tamp.symbolic.chaining.series import undone_by
 from hybrid_tamp.symbolic.encoding.application import applicable
-from hybrid_tamp.symbolic.encoding.passing import Meaning
+from hybrid_tamp.symbolic.encoding.operator_maker import Meaning
 from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction, ground
 from hybrid_tamp.symbolic.pddl.text import action_line
@@ -142,8 +142,8 @@ def _group(domain: Domain, plan: TaskPlan, group: list[BlockInstance]) -> Iterat
             anchored.append(instance)
             yield _wanted("begin", instance, blocks[instance.block].anchor, source, frozenset())
     leaving = [(_before(plan, i, next(iter(i.slots.values()))), i) for i in single if i not in anchored]
-    order = {slot.name: n for block in domain.blocks for n, slot in enumerate(block.slots)}
-    for source, instance in sorted(leaving, key=lambda pair: order[pair[0][1]] if pair[0] else 0):
+    order = {(block.name, slot.name): n for block in domain.blocks for n, slot in enumerate(block.slots)}
+    for source, instance in sorted(leaving, key=lambda p: order[p[0][0].block, p[0][1]] if p[0] else 0):
         yield _wanted("leave", instance, blocks[instance.block].anchor, source, frozenset())
 
 
@@ -163,22 +163,15 @@ def _concrete(
 ) -> PlannedAction:
     """Return the first applicable action that does what is wanted, else one that cannot be applied."""
     kind, block, slot, before, moved, roles = wanted
-    unfit: PlannedAction = (NO_ACTION,)
     for name, meaning in compilation.encoded.meanings.items():
-        if (meaning.kind, meaning.block, meaning.slot, meaning.source) != (kind, block, slot, before):
-            continue
-        if kind == "begin" and not _moves(name, moved):
+        found = (meaning.kind, meaning.block, meaning.slot, meaning.source, meaning.along)
+        if found != (kind, block, slot, before, moved):
             continue
         binding = _known(compilation, operators[name], meaning, roles)
         full = _complete(operators[name], binding, facts)
         if full is not None:
             return (name, *(full[variable] for variable, _ in operators[name].parameters))
-        unfit = (NO_ACTION, name)
-    return unfit[:1]
-
-
-def _moves(name: str, moved: frozenset[str]) -> bool:
-    return all(f"with-{slot}" in name for slot in moved) and name.count("-with-") == len(moved)
+    return (NO_ACTION,)
 
 
 def _known(compilation: Compilation, operator: Operator, meaning: Meaning, roles: dict[str, str]) -> dict[str, str]:

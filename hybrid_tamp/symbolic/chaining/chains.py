@@ -13,10 +13,10 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork, SlotName
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.chaining.composing import beginning, followed, unused
+from hybrid_tamp.symbolic.chaining.composing import beginning, followed
 from hybrid_tamp.symbolic.chaining.cuts import Cuts
 from hybrid_tamp.symbolic.chaining.series import Link, Series
-from hybrid_tamp.symbolic.pddl.naming import legal
+from hybrid_tamp.symbolic.pddl.naming import legal, unused
 
 Follower = tuple[str, Mapping[str, str]]
 """The one block that can follow a block: its name, and its slots to those of the block before."""
@@ -137,7 +137,7 @@ def _names(domain: Domain, chains: Iterable[Series]) -> dict[str, Series]:
     named: dict[str, Series] = {}
     for series in chains:
         name = f"{series.links[0].block.name} to {series.last.block.name}"
-        chosen = legal(unused(legal(name), taken))
+        chosen = unused(legal(name), taken)
         taken.add(chosen)
         named[name if chosen == legal(name) else chosen] = series
     return named

@@ -10,6 +10,7 @@ from hybrid_tamp.model.affordance import TOKEN, is_place
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
 from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort
+from hybrid_tamp.symbolic.pddl.naming import unused
 
 
 def beginning(block: Block, taken: Iterable[str] = ()) -> Series:
@@ -27,14 +28,6 @@ def beginning(block: Block, taken: Iterable[str] = ()) -> Series:
     held = [literal for literal in link.entry if _lasting(literal) and not _undone(literal, link.exit, sorts)]
     known = (*held, *filter(_positive, link.exit))
     return Series((link,), sorts, link.entry, link.exit, tuple(dict.fromkeys(known)))
-
-
-def unused(name: str, taken: Iterable[str]) -> str:
-    """Return the name, with a number if it is taken."""
-    number, chosen, others = 2, name, set(taken)
-    while chosen in others:
-        number, chosen = number + 1, f"{name} {number}"
-    return chosen
 
 
 def _positive(literal: Literal) -> bool:

@@ -3,33 +3,33 @@
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
-from hybrid_tamp.symbolic.encoding.vocabulary import COUNT, Vocabulary, no_value, opposite
-from hybrid_tamp.symbolic.pddl.naming import legal
+from hybrid_tamp.symbolic.encoding.assignment import COUNT
+from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
+from hybrid_tamp.symbolic.pddl.naming import variable_of
 from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, Typed
 
 Same = dict[str, type[ObjectClass] | SymbolSort]
 
 
 class ActionBuilder:
-    """One operator in the making. Roles of the new block are variables by their own names."""
+    """Collects what one operator asks for and does. Roles of the new block are variables by their own names."""
 
-    def __init__(self, vocabulary: Vocabulary, name: str, block: Block, same: Same | None = None) -> None:
+    def __init__(self, vocabulary: Vocabulary, block: Block, same: Same | None = None) -> None:
         """Begin an operator that takes a token to the block.
 
         Args:
             vocabulary: the words of the domain.
-            name: the operator's name.
             block: the block that the token goes to.
             same: role of the block to the class that the same token has in a role of the block that it leaves; the
                 variable gets the narrower type of the two.
         """
         self.vocabulary = vocabulary
-        self.name = name
         self.block = block
         self._same = same or {}
         self._parameters: dict[str, str] = {}
         self._variables: dict[str, str] = {}
         self._others: dict[str, str] = {}
+        self._old_values: dict[Fact, str] = {}
         self._precondition: dict[Fact, None] = {}
         self._add: dict[Fact, None] = {}
         self._delete: dict[Fact, None] = {}
@@ -54,15 +54,13 @@ class ActionBuilder:
         return self._others[role]
 
     def _declare(self, role: str, sort: type[ObjectClass] | SymbolSort) -> str:
-        variable = self._fresh(legal(role), self.vocabulary.type_of(sort))
+        variable = self._fresh(role, self.vocabulary.type_of(sort))
         for fact in self.vocabulary.guard(variable, sort):
             self.require(fact)
         return variable
 
     def _fresh(self, base: str, type_name: str) -> str:
-        variable, number = f"?{base}", 2
-        while variable in self._parameters:
-            variable, number = f"?{base}-{number}", number + 1
+        variable = variable_of(base, self._parameters)
         self._parameters[variable] = type_name
         return variable
 
@@ -101,7 +99,7 @@ class ActionBuilder:
 
     def count_readers(self, token: str, change: int) -> None:
         """Count one reader of the token more or fewer."""
-        count = self.vocabulary.word(COUNT)
+        count = self.vocabulary.type_of(COUNT)
         now, then = self._fresh("readers", count), self._fresh("readers", count)
         self.require(("next", now, then) if change > 0 else ("next", then, now))
         self.replace(("readers", token, now), ("readers", token, then))
@@ -110,12 +108,12 @@ class ActionBuilder:
 
     def require_literal(self, literal: Literal) -> None:
         """Add an entry condition over roles of the new block."""
-        name = literal.predicate.name if literal.positive else opposite(literal.predicate)
-        self.require((self.vocabulary.word(name), *map(self._argument, literal.arguments)))
+        word = self.vocabulary.predicate(literal.predicate.name, literal.positive)
+        self.require((word, *map(self._argument, literal.arguments)))
 
     def apply_literal(self, literal: Literal) -> None:
         """Add an exit condition over roles of the new block as an effect."""
-        name, index = self.vocabulary.word(literal.predicate.name), literal.predicate.functional_index
+        name, index = self.vocabulary.predicate(literal.predicate.name), literal.predicate.functional_index
         if ANY in literal.arguments and index is None:
             return  # maintained: void when its keeper leaves
         arguments = [ANY if a == ANY else self._argument(a) for a in literal.arguments]
@@ -129,14 +127,13 @@ class ActionBuilder:
     def _clear(self, literal: Literal, name: str, arguments: list[str], index: int) -> None:
         """Take the old value of a functional predicate away; with nothing set after, the value is none."""
         key = (name, *arguments[:index], *arguments[index + 1 :])
-        role = f"from-{literal.predicate.functional} {' '.join(key)}"
         known = self._known_value(literal, index)
         if known is not None:
             self.consume((name, *arguments[:index], self._argument(known), *arguments[index + 1 :]))
-        elif role not in self._others:
+        elif key not in self._old_values:
             sort = literal.predicate.parameters[index].sort
-            variable = self._fresh(f"from-{legal(literal.predicate.functional or '')}", self.vocabulary.type_of(sort))
-            self._others[role] = variable
+            variable = self._fresh(f"from-{literal.predicate.functional}", self.vocabulary.type_of(sort))
+            self._old_values[key] = variable
             self.consume((name, *arguments[:index], variable, *arguments[index + 1 :]))
         sets = [
             other
@@ -148,7 +145,7 @@ class ActionBuilder:
             )
         ]
         if not sets:
-            none = self.vocabulary.word(no_value(literal.predicate))
+            none = self.vocabulary.no_value(literal.predicate)
             self.add((name, *arguments[:index], none, *arguments[index + 1 :]))
 
     def _known_value(self, literal: Literal, index: int) -> str | None:
@@ -163,7 +160,7 @@ class ActionBuilder:
     def _argument(self, argument: str) -> str:
         if argument in self.block.roles:
             return self.role(argument)
-        return self.vocabulary.word(argument)
+        return self.vocabulary.symbol(argument)
 
     # -- result -------------------------------------------------------------------------------------------------
 
@@ -173,17 +170,11 @@ class ActionBuilder:
         order = list(self._parameters)
         return {role: order.index(variable) for role, variable in self._variables.items()}
 
-    @property
-    def old_roles(self) -> dict[str, int]:
-        """Index of the parameter of each role of the old block that is not unified with one of the new."""
-        order = list(self._parameters)
-        return {role: order.index(variable) for role, variable in self._others.items()}
-
-    def build(self) -> Operator:
+    def build(self, name: str) -> Operator:
         """Return the operator. A fact that is deleted and added stays: effects delete before they add."""
         parameters: tuple[Typed, ...] = tuple(self._parameters.items())
         return Operator(
-            self.name,
+            name,
             parameters,
             tuple(self._precondition),
             tuple(self._add),

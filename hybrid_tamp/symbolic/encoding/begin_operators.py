@@ -5,13 +5,12 @@ from itertools import combinations
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.symbolic.encoding.action_builder import ActionBuilder
-from hybrid_tamp.symbolic.encoding.passing import Meaning, Passing
-from hybrid_tamp.symbolic.encoding.vocabulary import leaving
+from hybrid_tamp.symbolic.encoding.operator_maker import Meaning, OperatorMaker
 from hybrid_tamp.symbolic.pddl.naming import legal
 from hybrid_tamp.symbolic.pddl.operators import Operator
 
 
-class Beginning(Passing):
+class BeginOperators(OperatorMaker):
     """Makes the operators by which blocks begin."""
 
     def begin(self, old: Block, new: Block) -> Iterator[tuple[Operator, Meaning]]:
@@ -29,29 +28,31 @@ class Beginning(Passing):
     def _begin(self, old: Block, new: Block, moved: tuple[str, ...]) -> tuple[Operator, Meaning]:
         name = "-".join(["begin", legal(new.name), "from", legal(old.name), *(f"with-{legal(s)}" for s in moved)])
         unified = self.conditions.unified(old, old.anchor, new, new.anchor)
-        action = ActionBuilder(self.vocabulary, name, new, self._same(old, old.anchor, new.anchor, unified))
+        action = ActionBuilder(self.vocabulary, new, self._same(old, old.anchor, new.anchor, unified))
         action.require(("idle",))
         anchor = action.role(new.anchor)
         self._leave_anchor(action, old, anchor, unified)
         rest = tuple(slot.name for slot in old.others if slot.name not in moved)
         for slot in old.others:
-            action.consume((f"{'full' if slot.name in rest else 'moved'}-{legal(old.name)}-{legal(slot.name)}", anchor))
+            action.consume((self.vocabulary.state("full" if slot.name in rest else "moved", old, slot.name), anchor))
         if rest:
             action.delete(("idle",))
-            action.add((leaving(old, rest), anchor))
+            action.add((self.vocabulary.state("leaving", old, *rest), anchor))
         self._enter_anchor(action, old, new)
-        return action.build(), self._meaning("begin", action, new, new.anchor, old, old.anchor)
+        source = (old.name, old.anchor)
+        return action.build(name), Meaning("begin", new.name, new.anchor, source, action.roles, frozenset(moved))
 
     def _enter_anchor(self, action: ActionBuilder, old: Block, new: Block) -> None:
         anchor = action.variable(new.anchor)
         for target in new.targets:
             action.role(target.name)
         if new.others:
-            action.replace((self._claimed(new, new.others[-1].name), anchor), ("unclaimed", anchor))
+            claimed = self.vocabulary.state("claimed", new, new.others[-1].name)
+            action.replace((claimed, anchor), ("unclaimed", anchor))
             for bound in self.conditions.bound_by(new):
-                action.consume((f"for-{legal(new.name)}-{legal(bound)}", anchor, action.variable(bound)))
+                action.consume((self.vocabulary.state("for", new, bound), anchor, action.variable(bound)))
             for slot in new.others:
-                action.add((f"full-{legal(new.name)}-{legal(slot.name)}", anchor))
+                action.add((self.vocabulary.state("full", new, slot.name), anchor))
         elif self.conditions.claimable(new, new.anchor):
             action.require(("unclaimed", anchor))
         for literal in self.conditions.entry_at_begin(new):

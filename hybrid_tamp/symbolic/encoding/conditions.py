@@ -7,11 +7,11 @@ bound by the first such fill, and `begin` must agree.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 
 from hybrid_tamp.model.block import Block, Target
 from hybrid_tamp.model.predicate import Literal, SymbolSort
-from hybrid_tamp.symbolic.encoding.vocabulary import NONE, Vocabulary, keeper, locked_targets
+from hybrid_tamp.symbolic.encoding.assignment import keeper, locked_targets
+from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,11 +81,6 @@ class Conditions:
     def locked(self, block: Block) -> tuple[Target, ...]:
         """Targets of the block that some block may change."""
         return locked_targets(self.vocabulary.domain, block)
-
-    @cached_property
-    def none(self) -> str:
-        """The constant that counts no reader."""
-        return self.vocabulary.word(NONE)
 
     def claimable(self, block: Block, slot: str) -> bool:
         """Say whether the token in this slot may be the anchor of a block with several slots."""

@@ -16,18 +16,18 @@ to the same block.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.chaining.chains import Chains, chained
-from hybrid_tamp.symbolic.encoding.begin_operators import Beginning
-from hybrid_tamp.symbolic.encoding.fill_operators import Filling
-from hybrid_tamp.symbolic.encoding.leave_operators import Leaving
-from hybrid_tamp.symbolic.encoding.passing import Meaning
+from hybrid_tamp.symbolic.encoding.begin_operators import BeginOperators
+from hybrid_tamp.symbolic.encoding.fill_operators import FillOperators
+from hybrid_tamp.symbolic.encoding.leave_operators import LeaveOperators
+from hybrid_tamp.symbolic.encoding.operator_maker import Meaning
 from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
-from hybrid_tamp.symbolic.pddl.naming import legal
-from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain
+from hybrid_tamp.symbolic.pddl.naming import legal, name_apart
+from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain, Typed
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +56,8 @@ def encode_domain(domain: Domain) -> EncodedDomain:
 def _encoded(chains: Chains) -> EncodedDomain:
     vocabulary = Vocabulary(chains.domain)
     built = list(_operators(vocabulary))
+    names = name_apart({number: operator.name for number, (operator, _) in enumerate(built)})
+    built = [(replace(operator, name=names[number]), meaning) for number, (operator, meaning) in enumerate(built)]
     planning = PlanningDomain(
         name=legal(chains.domain.name),
         types=vocabulary.types,
@@ -67,25 +69,25 @@ def _encoded(chains: Chains) -> EncodedDomain:
     return EncodedDomain(vocabulary, planning, {operator.name: meaning for operator, meaning in built}, chains)
 
 
-def _used(vocabulary: Vocabulary, operators: list[Operator]) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:
+def _used(vocabulary: Vocabulary, operators: list[Operator]) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
     """Return the user's predicates and those of the compiler's own that an operator mentions, or a goal."""
     mentioned = {"idle", "unclaimed", "completed"}
     mentioned |= {fact[0] for o in operators for facts in (o.precondition, o.add, o.delete) for fact in facts}
-    own = {name for name, _ in vocabulary.own_predicates}
-    return tuple((name, types) for name, types in vocabulary.predicates if name in mentioned or name not in own)
+    own = [(name, types) for name, types in vocabulary.assignment_predicates if name in mentioned]
+    return (*vocabulary.predicates, *own)
 
 
 def _operators(vocabulary: Vocabulary) -> Iterator[tuple[Operator, Meaning]]:
     """Yield the operators of every edge of the network, each with its meaning."""
-    filling, beginning, leaving = Filling(vocabulary), Beginning(vocabulary), Leaving(vocabulary)
+    fills, begins, leaves = FillOperators(vocabulary), BeginOperators(vocabulary), LeaveOperators(vocabulary)
     for source, target in vocabulary.domain.network.edges:
         old, new = (vocabulary.domain.block_by_name[end[0]] for end in (source, target))
         if len(new.slots) == 1:
             if source[1] == old.anchor:
-                yield from beginning.begin(old, new)
+                yield from begins.begin(old, new)
             else:
-                yield from leaving.leave(old, source[1], new)
+                yield from leaves.leave(old, source[1], new)
         elif target[1] != new.anchor:
-            yield from filling.fill(old, source[1], new, target[1])
+            yield from fills.fill(old, source[1], new, target[1])
         elif source[1] == old.anchor and old is not new:
-            yield from beginning.begin(old, new)
+            yield from begins.begin(old, new)

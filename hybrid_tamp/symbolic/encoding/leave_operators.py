@@ -4,13 +4,13 @@ from collections.abc import Iterator
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.symbolic.encoding.action_builder import ActionBuilder
-from hybrid_tamp.symbolic.encoding.passing import Meaning, Passing
-from hybrid_tamp.symbolic.encoding.vocabulary import leaving, remainders, remembered
+from hybrid_tamp.symbolic.encoding.assignment import remainders, remembered
+from hybrid_tamp.symbolic.encoding.operator_maker import Meaning, OperatorMaker
 from hybrid_tamp.symbolic.pddl.naming import legal
 from hybrid_tamp.symbolic.pddl.operators import Operator
 
 
-class Leaving(Passing):
+class LeaveOperators(OperatorMaker):
     """Makes the operators by which the remaining tokens leave."""
 
     def leave(self, old: Block, slot: str, new: Block) -> Iterator[tuple[Operator, Meaning]]:
@@ -20,21 +20,21 @@ class Leaving(Passing):
                 yield self._leave(old, slot, new, rest)
 
     def _leave(self, old: Block, slot: str, new: Block, rest: tuple[str, ...]) -> tuple[Operator, Meaning]:
-        parts = ["leave", legal(old.name), legal(slot), "to", legal(new.name)]
-        name = "-".join(parts + [f"before-{legal(other)}" for other in rest[1:]])
-        action = ActionBuilder(self.vocabulary, name, new, self._same(old, slot, new.anchor, {}))
+        later = (f"before-{legal(other)}" for other in rest[1:])
+        name = "-".join(["leave", legal(old.name), legal(slot), "to", legal(new.name), *later])
+        action = ActionBuilder(self.vocabulary, new, self._same(old, slot, new.anchor, {}))
         token = action.role(new.anchor)
         if self.conditions.claimable(old, slot):
             action.require(("unclaimed", token))
         anchor = action.other(old, old.anchor)
-        following = (leaving(old, rest[1:]), anchor) if rest[1:] else ("idle",)
-        action.replace((leaving(old, rest), anchor), following)
+        following = (self.vocabulary.state("leaving", old, *rest[1:]), anchor) if rest[1:] else ("idle",)
+        action.replace((self.vocabulary.state("leaving", old, *rest), anchor), following)
         memory = [action.other(old, target) for target in remembered(self.domain, old, slot)]
-        action.consume((f"in-{legal(old.name)}-{legal(slot)}", token, anchor, *memory))
+        action.consume((self.vocabulary.state("in", old, slot), token, anchor, *memory))
         self._void(action, old, slot, {slot: token, old.anchor: anchor}, {})
         for target in new.targets:
             action.role(target.name)
         for literal in self.conditions.entry_at_begin(new):
             action.require_literal(literal)
         self._enter(action, old, slot, new)
-        return action.build(), self._meaning("leave", action, new, new.anchor, old, slot)
+        return action.build(name), Meaning("leave", new.name, new.anchor, (old.name, slot), action.roles)

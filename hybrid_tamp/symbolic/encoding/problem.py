@@ -10,9 +10,9 @@ from hybrid_tamp.model.facts import StaticFacts, facts, static_facts
 from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.symbolic.encoding.assignment import COUNT, locked_targets
 from hybrid_tamp.symbolic.encoding.encoder import EncodedDomain, encode_domain, encode_task
 from hybrid_tamp.symbolic.encoding.goals import with_one_goal
-from hybrid_tamp.symbolic.encoding.vocabulary import COUNT, NONE, locked_targets, no_value, opposite
 from hybrid_tamp.symbolic.pddl.naming import Naming, legal
 from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem
 
@@ -32,14 +32,14 @@ class Compilation:
 
     task: Task
     encoded: EncodedDomain
-    tokens: Naming
+    tokens: Naming[str]
     counts: int
     goal: tuple[Fact, ...]
     feasible: StaticFacts
 
     def name(self, user: str) -> str:
         """Return the PDDL name of a token or symbol."""
-        return self.tokens.pddl(user) if user in self.task.token_by_name else self.encoded.vocabulary.word(user)
+        return self.tokens.pddl(user) if user in self.task.token_by_name else self.encoded.vocabulary.symbol(user)
 
     def user(self, pddl: str) -> str:
         """Return the user's name of a PDDL object."""
@@ -55,7 +55,7 @@ class Compilation:
             domain=self.encoded.planning,
             objects=(
                 *((self.tokens.pddl(token.name), vocabulary.token_type(token)) for token in tokens),
-                *((f"n{i}", vocabulary.word(COUNT)) for i in range(1, self.counts + 1)),
+                *((f"n{i}", vocabulary.type_of(COUNT)) for i in range(1, self.counts + 1)),
             ),
             init=tuple(sorted({*writer.changing(), *writer.lasting(self.feasible)})),
             goal=self.goal,
@@ -81,8 +81,8 @@ class Compilation:
     def _static(self) -> dict[str, tuple[Predicate, bool]]:
         """Static predicates and their opposites by their names in the planning domain."""
         vocabulary = self.encoded.vocabulary
-        static = {vocabulary.word(p.name): (p, True) for p in self.task.domain.predicates if p.static}
-        return static | {vocabulary.word(opposite(p)): (p, False) for p in vocabulary.denied}
+        static = {vocabulary.predicate(p.name): (p, True) for p in self.task.domain.predicates if p.static}
+        return static | {vocabulary.predicate(p.name, positive=False): (p, False) for p in vocabulary.denied}
 
 
 def compile_task(task: Task, whole: Compilation | None = None, chains: bool = True) -> Compilation:
@@ -102,7 +102,7 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
     own = {name for name, _ in encoded.planning.predicates}
     counts = _counts(task)
     taken = encoded.vocabulary.names.all | own | {f"n{i}" for i in range(1, counts + 1)}
-    tokens = Naming((token.name for token in task.tokens), taken)
+    tokens = Naming({token.name: token.name for token in task.tokens}, taken)
     goal = tuple(sorted(set(_Writer(task, encoded, tokens, counts).goal())))
     return Compilation(task, encoded, tokens, counts, goal, whole.feasible if whole else StaticFacts(task))
 
@@ -121,7 +121,7 @@ def _counts(task: Task) -> int:
 class _Writer:
     """Writes initial facts and goal of one task in the words of its encoded domain."""
 
-    def __init__(self, task: Task, encoded: EncodedDomain, tokens: Naming, counts: int) -> None:
+    def __init__(self, task: Task, encoded: EncodedDomain, tokens: Naming[str], counts: int) -> None:
         self.task = task
         self.vocabulary = encoded.vocabulary
         self.used = {name for name, _ in encoded.planning.predicates}
@@ -129,10 +129,10 @@ class _Writer:
         self.counts = counts
 
     def name(self, user: str) -> str:
-        return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.word(user)
+        return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.symbol(user)
 
     def fact(self, atom: Atom) -> Fact:
-        return (self.vocabulary.word(atom.predicate), *map(self.name, atom.arguments))
+        return (self.vocabulary.predicate(atom.predicate), *map(self.name, atom.arguments))
 
     def changing(self) -> Iterator[Fact]:
         """Yield the initial facts but those of feasibility and difference, of those predicates that the domain has."""
@@ -165,14 +165,14 @@ class _Writer:
             for others in self._tuples(predicate, skip=index):
                 if others not in valued:
                     names = list(map(self.name, others))
-                    names.insert(index, self.vocabulary.word(no_value(predicate)))
-                    yield (self.vocabulary.word(predicate.name), *names)
+                    names.insert(index, self.vocabulary.no_value(predicate))
+                    yield (self.vocabulary.predicate(predicate.name), *names)
 
     def _denials(self, static: frozenset[Atom]) -> Iterator[Fact]:
         for predicate in self.vocabulary.denied:
             for names in self._tuples(predicate):
                 if Atom(predicate.name, names) not in static:
-                    yield (self.vocabulary.word(opposite(predicate)), *map(self.name, names))
+                    yield (self.vocabulary.predicate(predicate.name, positive=False), *map(self.name, names))
 
     def _tuples(self, predicate: Predicate, skip: int | None = None) -> Iterator[tuple[str, ...]]:
         """Yield the names of every well-typed tuple of arguments, without the skipped one."""
@@ -184,12 +184,12 @@ class _Writer:
         return iter(tuples)
 
     def _assignment(self) -> Iterator[Fact]:
-        none = self.vocabulary.word(NONE)
+        none = self.vocabulary.none_reading
         yield ("idle",)
         for token in self.task.assigned:
             name = self.tokens.pddl(token.name)
-            block = self.task.assignment.get(token.name, self.task.domain.resting)
-            yield (f"in-{legal(block)}", name)
+            block = self.task.domain.block_by_name[self.task.assignment.get(token.name, self.task.domain.resting)]
+            yield (self.vocabulary.state("in", block), name)
             yield from ((word, name) for word in ("settled", "unclaimed", "completed"))
             yield ("readers", name, none)
         steps = [none, *(f"n{i}" for i in range(1, self.counts + 1))]

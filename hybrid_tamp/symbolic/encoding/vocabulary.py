@@ -5,21 +5,23 @@ it and in another class that is neither above nor below it; otherwise it is a st
 slot. Either way it is found under its own name.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
-from hybrid_tamp.model.block import Block, Target
+from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Predicate, SymbolSort
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.symbolic.pddl.naming import Naming, legal
+from hybrid_tamp.symbolic.encoding.assignment import COUNT, ROOT, Sort, State, assignment_predicates
+from hybrid_tamp.symbolic.pddl.naming import Naming, legal, name_apart, name_variables
 from hybrid_tamp.symbolic.pddl.operators import Fact, Typed
 
-COUNT = "how many"
-NONE = "none reading"
-ROOT = "object"
+Word = tuple[str, str]
+"""What a word is (a class, a sort, a symbol, a predicate, ...) and the user's name of it."""
+
+_NONE_READING: Word = ("count", "none reading")
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,14 +53,18 @@ class Vocabulary:
         return tuple({sort.name: sort for sort in mentioned}.values())
 
     @cached_property
-    def names(self) -> Naming:
+    def names(self) -> Naming[Word]:
         """PDDL names of the user's classes, sorts, symbols and predicates, and of the compiler's own words."""
-        words = [c.name for c in self.classes] + [COUNT, NONE]
-        words += [s.name for s in self.sorts] + [symbol for s in self.sorts for symbol in s.symbols]
-        words += [p.name for p in self.domain.predicates]
-        words += [no_value(p) for p in self.domain.predicates if p.functional]
-        words += [opposite(p) for p in self.denied]
-        return Naming(words, taken={name for name, _ in self.own_predicates})
+        words: dict[Word, str] = {("class", c.name): c.name for c in self.classes}
+        words |= {("sort", s.name): s.name for s in self.sorts}
+        words |= {("symbol", symbol): symbol for s in self.sorts for symbol in s.symbols}
+        words |= {("predicate", p.name): p.name for p in self.domain.predicates}
+        words |= {
+            ("no value", p.name): f"no {p.functional} of {p.name}" for p in self.domain.predicates if p.functional
+        }
+        words |= {("opposite", p.name): f"not {p.name}" for p in self.denied}
+        words |= {("type", COUNT): COUNT, _NONE_READING: _NONE_READING[1]}
+        return Naming(words, taken=self._state_names.values())
 
     @cached_property
     def denied(self) -> tuple[Predicate, ...]:
@@ -66,21 +72,47 @@ class Vocabulary:
         found = [c.predicate for b in self.domain.blocks for c in b.entry if c.predicate.static and not c.positive]
         return tuple({predicate.name: predicate for predicate in found}.values())
 
+    # -- words ----------------------------------------------------------------------------------------------------
+
+    def symbol(self, name: str) -> str:
+        """Return the constant of a symbol."""
+        return self.names.pddl(("symbol", name))
+
+    def predicate(self, name: str, positive: bool = True) -> str:
+        """Return the predicate of that name, or the static predicate that says that it does not hold."""
+        return self.names.pddl(("predicate" if positive else "opposite", name))
+
+    def no_value(self, predicate: Predicate) -> str:
+        """Return the constant that says that a functional predicate has no value."""
+        return self.names.pddl(("no value", predicate.name))
+
+    @property
+    def none_reading(self) -> str:
+        """The constant that counts no reader."""
+        return self.names.pddl(_NONE_READING)
+
+    def state(self, kind: str, block: Block, *names: str) -> str:
+        """Return the compiler's own predicate about a block, and slots or targets of it."""
+        state = (kind, block.name, *names)
+        return self._state_names[state]
+
     @cached_property
-    def own_predicates(self) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
-        """The compiler's predicates over assignment; their names never depend on the user's tokens."""
-        return tuple(_assignment_predicates(self.domain))
+    def _state_names(self) -> Mapping[State, str]:
+        # Their names depend on the domain alone, never on the user's tokens.
+        return name_apart({state: "-".join(map(legal, state)) for state, _ in assignment_predicates(self.domain)})
 
-    def word(self, name: str) -> str:
-        """Return the PDDL name of a class, sort, symbol or predicate."""
-        return self.names.pddl(name)
+    # -- types ----------------------------------------------------------------------------------------------------
 
-    def type_of(self, sort: type[ObjectClass] | SymbolSort) -> str:
-        """Return the PDDL type of variables that range over a class or sort."""
-        if isinstance(sort, SymbolSort) or sort in self.typed:
-            return self.word(sort.name)
+    def type_of(self, sort: Sort) -> str:
+        """Return the PDDL type of variables that range over a class or sort, over counts, or over everything."""
+        if isinstance(sort, str):
+            return ROOT if sort == ROOT else self.names.pddl(("type", sort))
+        if isinstance(sort, SymbolSort):
+            return self.names.pddl(("sort", sort.name))
+        if sort in self.typed:
+            return self.names.pddl(("class", sort.name))
         above = [c for c in sort.__mro__ if c in self.typed]
-        return self.word(above[0].name) if above else (ROOT if is_place(sort) else self.word(TOKEN.name))
+        return self.type_of(above[0] if above else ROOT if is_place(sort) else TOKEN)
 
     def narrower(
         self, one: type[ObjectClass] | SymbolSort, other: type[ObjectClass] | SymbolSort
@@ -99,145 +131,57 @@ class Vocabulary:
     def guard(self, variable: str, sort: type[ObjectClass] | SymbolSort) -> Iterator[Fact]:
         """Yield the unary fact that guards a variable whose class is no type."""
         if not isinstance(sort, SymbolSort) and sort not in self.typed:
-            yield (self.word(sort.name), variable)
+            yield (self.names.pddl(("class", sort.name)), variable)
 
     @property
     def types(self) -> tuple[Typed, ...]:
         """(type, parent) pairs."""
-        pairs = [(self.word(c.name), self._parent(c)) for c in self.typed]
-        pairs += [(self.word(s.name), ROOT) for s in self.sorts]
-        return (*pairs, (self.word(COUNT), ROOT))
+        pairs = [(self.type_of(c), self._parent(c)) for c in self.typed]
+        pairs += [(self.type_of(s), ROOT) for s in self.sorts]
+        return (*pairs, (self.type_of(COUNT), ROOT))
 
     def _parent(self, object_class: type[ObjectClass]) -> str:
         above = [c for c in object_class.__mro__[1:] if c in self.typed]
         if above:
-            return self.word(above[0].name)
-        return ROOT if object_class is TOKEN or is_place(object_class) else self.word(TOKEN.name)
+            return self.type_of(above[0])
+        return ROOT if object_class is TOKEN or is_place(object_class) else self.type_of(TOKEN)
 
     def token_type(self, token: Token) -> str:
         """Return the PDDL type of a token: the deepest class that it is a member of and that is a type."""
         deepest = max(filter(token.is_member, self.typed), key=lambda c: (len(c.__mro__), c is not TOKEN), default=None)
-        return self.word(deepest.name) if deepest else ROOT
+        return self.type_of(deepest) if deepest else ROOT
+
+    # -- declarations ---------------------------------------------------------------------------------------------
 
     @property
     def constants(self) -> tuple[Typed, ...]:
         """Symbols, the value 'none' of each functional predicate, and the count zero."""
-        symbols = [(self.word(symbol), self.word(s.name)) for s in self.sorts for symbol in s.symbols]
-        values = []
-        for predicate in self.domain.predicates:
-            if predicate.functional_index is not None:
-                sort = predicate.parameters[predicate.functional_index].sort
-                values.append((self.word(no_value(predicate)), self.type_of(sort)))
-        return (*symbols, *values, (self.word(NONE), self.word(COUNT)))
+        symbols = [(self.symbol(symbol), self.type_of(s)) for s in self.sorts for symbol in s.symbols]
+        values = [
+            (self.no_value(predicate), self.type_of(predicate.parameters[predicate.functional_index].sort))
+            for predicate in self.domain.predicates
+            if predicate.functional_index is not None
+        ]
+        return (*symbols, *values, (self.none_reading, self.type_of(COUNT)))
 
     @property
     def predicates(self) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
-        """Every predicate with its typed parameters."""
-        root, count = self.word(TOKEN.name), self.word(COUNT)
+        """The user's predicates, with those that stand for classes, each with its typed parameters."""
         guards = [
-            (self.word(c.name), (("?thing", ROOT if is_place(c) else root),))
+            self._declared(self.names.pddl(("class", c.name)), [("thing", ROOT if is_place(c) else TOKEN)])
             for c in self.classes
             if c not in self.typed
         ]
-        named = [(p.name, p) for p in self.domain.predicates] + [(opposite(p), p) for p in self.denied]
-        users = [
-            (self.word(name), tuple((f"?{legal(q.name)}", self.type_of(q.sort)) for q in p.parameters))
-            for name, p in named
-        ]
-        kinds = {"TOKEN": root, "COUNT": count, "OBJECT": ROOT}
-        own = [(name, tuple((v, kinds.get(t, t)) for v, t in parameters)) for name, parameters in self.own_predicates]
-        own = [(name, tuple((v, self._role_type(t)) for v, t in parameters)) for name, parameters in own]
-        return (*guards, *users, *own)
+        users = [(self.predicate(p.name), p) for p in self.domain.predicates]
+        users += [(self.predicate(p.name, positive=False), p) for p in self.denied]
+        return (*guards, *(self._declared(name, [(q.name, q.sort) for q in p.parameters]) for name, p in users))
 
-    def _role_type(self, kind: str) -> str:
-        block, dot, role = kind.partition("/")
-        return self.type_of(self.domain.block_by_name[block].roles[role]) if dot else kind
+    @property
+    def assignment_predicates(self) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
+        """The compiler's own predicates, each with its typed parameters."""
+        declared = assignment_predicates(self.domain)
+        return tuple(self._declared(self._state_names[state], parameters) for state, parameters in declared)
 
-
-def no_value(predicate: Predicate) -> str:
-    """Return the name of the symbol that says that a functional predicate has no value."""
-    return f"no {predicate.functional} of {predicate.name}"
-
-
-def opposite(predicate: Predicate) -> str:
-    """Return the name of the static predicate that says that this one does not hold."""
-    return f"not {predicate.name}"
-
-
-def locked_targets(domain: Domain, block: Block) -> tuple[Target, ...]:
-    """Return the targets of a block that some block's system may change while this block reads them."""
-
-    def written(target: Target) -> bool:
-        return any(
-            set(block.writes.get(slot.name, ())) & set(target.reads)
-            and not isinstance(target.sort, SymbolSort)
-            and domain.relations.can_share_token(slot.object_class, target.sort)
-            for block in domain.blocks
-            for slot in block.slots
-        )
-
-    return tuple(target for target in block.targets if written(target))
-
-
-def remembered(domain: Domain, block: Block, slot: str) -> tuple[str, ...]:
-    """Return the targets that must be known when the token in a slot leaves.
-
-    The anchor remembers locked targets, to release them; every slot those of its maintained exit conditions.
-    """
-    locked = {t.name for t in locked_targets(domain, block)} if slot == block.anchor else set()
-    targets = {t.name for t in block.targets}
-    for literal in block.exit:
-        if literal.predicate.maintained and literal.positive and keeper(block, literal.arguments) == slot:
-            locked |= targets & set(literal.arguments)
-    return tuple(t.name for t in block.targets if t.name in locked)
-
-
-def keeper(block: Block, arguments: tuple[str, ...]) -> str:
-    """Return the slot whose token carries a condition: the last slot in it besides the anchor, else the anchor."""
-    others = [slot.name for slot in block.others if slot.name in arguments]
-    return others[-1] if others else block.anchor
-
-
-def _assignment_predicates(domain: Domain) -> Iterator[tuple[str, tuple[Typed, ...]]]:
-    yield ("idle", ())
-    for name in ("settled", "unclaimed", "completed"):
-        yield (name, (("?token", "TOKEN"),))
-    yield ("readers", (("?token", "TOKEN"), ("?count", "COUNT")))
-    yield ("next", (("?count", "COUNT"), ("?more", "COUNT")))
-    yield ("distinct", (("?one", "OBJECT"), ("?other", "OBJECT")))
-    for block in domain.blocks:
-        name = legal(block.name)
-        anchor = ("?anchor", f"{block.name}/{block.anchor}")
-        yield (
-            f"in-{name}",
-            (anchor, *((f"?{legal(t)}", f"{block.name}/{t}") for t in remembered(domain, block, block.anchor))),
-        )
-        for slot in block.others:
-            yield (
-                f"in-{name}-{legal(slot.name)}",
-                (
-                    ("?token", f"{block.name}/{slot.name}"),
-                    anchor,
-                    *((f"?{legal(t)}", f"{block.name}/{t}") for t in remembered(domain, block, slot.name)),
-                ),
-            )
-            for state in ("claimed", "full", "moved"):
-                yield (f"{state}-{name}-{legal(slot.name)}", (anchor,))
-        for target in block.targets if block.others else ():
-            yield (f"for-{name}-{legal(target.name)}", (anchor, ("?target", f"{block.name}/{target.name}")))
-        for rest in remainders(block):
-            yield (leaving(block, rest), (anchor,))
-
-
-def remainders(block: Block) -> tuple[tuple[str, ...], ...]:
-    """Return every non-empty set of slots, in order, that may still have to leave after the anchor has."""
-    names = [slot.name for slot in block.others]
-    sets: list[tuple[str, ...]] = [()]
-    for name in names:
-        sets += [(*chosen, name) for chosen in sets]
-    return tuple(chosen for chosen in sets if chosen)
-
-
-def leaving(block: Block, rest: tuple[str, ...]) -> str:
-    """Return the predicate that says that the tokens of these slots are still to leave."""
-    return "-".join(["leaving", legal(block.name), *map(legal, rest)])
+    def _declared(self, name: str, parameters: Sequence[tuple[str, Sort]]) -> tuple[str, tuple[Typed, ...]]:
+        variables = name_variables(parameter for parameter, _ in parameters)
+        return name, tuple((v, self.type_of(sort)) for v, (_, sort) in zip(variables, parameters, strict=True))

@@ -6,8 +6,12 @@ gets a number. Names that are legal already come through unchanged.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
+from typing import Any, Generic, TypeVar
+
+Key = TypeVar("Key", bound=Any)
+"""Stands for what is named: a name, or a kind with names. Keys of one map can be sorted."""
 
 _ILLEGAL = re.compile(r"[^a-z0-9_-]+")
 # Words of PDDL that stand without a colon; ':goal' and the like take nothing from anyone.
@@ -62,6 +66,9 @@ _KEYWORDS = frozenset(
     }
 )
 
+# VAL takes other keywords for keywords even behind a question mark.
+_NO_VARIABLES = frozenset(f"?{word}" for word in _KEYWORDS - {"all", "at", "end", "object", "over", "start"})
+
 
 def legal(name: str) -> str:
     """Return a legal PDDL identifier that resembles the name; different names may give the same one."""
@@ -69,27 +76,57 @@ def legal(name: str) -> str:
     return folded if folded[:1].isalpha() and folded[:1].isascii() else f"n-{folded}".rstrip("-")
 
 
-class Naming:
-    """An injective map from users' names to PDDL names."""
+def name_apart(texts: Mapping[Key, str], taken: Iterable[str] = ()) -> dict[Key, str]:
+    """Return a PDDL name of its own for each key, which resembles its text.
 
-    def __init__(self, names: Iterable[str], taken: Iterable[str] = ()) -> None:
-        """Name the given names; none of the `taken` PDDL names and no PDDL keyword is used.
+    None of the `taken` PDDL names and no PDDL keyword is used. The result does not depend on the order of the keys.
+    """
+    used = set(taken) | _KEYWORDS
+    named: dict[Key, str] = {}
+    # Texts that are legal as they stand come first, so that they keep themselves.
+    for key, text in sorted(texts.items(), key=lambda item: (legal(item[1]) != item[1], item[1], item[0])):
+        named[key] = unused(legal(text), used)
+        used.add(named[key])
+    return named
 
-        The result does not depend on the order of the names.
+
+def name_variables(names: Iterable[str]) -> list[str]:
+    """Return a variable for each name, no two the same."""
+    variables: list[str] = []
+    for name in names:
+        variables.append(variable_of(name, variables))
+    return variables
+
+
+def variable_of(name: str, taken: Collection[str]) -> str:
+    """Return a variable for a name that is not taken yet."""
+    return unused(f"?{legal(name)}", {*taken, *_NO_VARIABLES})
+
+
+def unused(name: str, taken: Collection[str]) -> str:
+    """Return the name, with a number if it is taken."""
+    chosen, number = name, 2
+    while chosen in taken:
+        chosen, number = f"{name}-{number}", number + 1
+    return chosen
+
+
+class Naming(Generic[Key]):
+    """An injective map from what has a name of the user's to PDDL names."""
+
+    def __init__(self, names: Mapping[Key, str], taken: Iterable[str] = ()) -> None:
+        """Name the given things apart; see `name_apart`.
+
+        Args:
+            names: each thing to the user's name of it.
+            taken: PDDL names that are not to be used.
         """
-        used = set(taken) | _KEYWORDS
-        self._pddl: dict[str, str] = {}
-        # Names that are legal as they stand come first, so that they keep themselves.
-        for name in sorted(set(names), key=lambda name: (legal(name) != name, name)):
-            chosen, number = legal(name), 2
-            while chosen in used:
-                chosen, number = f"{legal(name)}-{number}", number + 1
-            used.add(chosen)
-            self._pddl[name] = chosen
+        self._names = names
+        self._pddl = name_apart(names, taken)
 
-    def pddl(self, name: str) -> str:
-        """Return the PDDL name of a user's name; KeyError if it was never named."""
-        return self._pddl[name]
+    def pddl(self, key: Key) -> str:
+        """Return the PDDL name of a thing; KeyError if it was never named."""
+        return self._pddl[key]
 
     def user(self, pddl: str) -> str:
         """Return the user's name of a PDDL name, in whatever case it comes; KeyError if there is none."""
@@ -101,12 +138,12 @@ class Naming:
 
     @cached_property
     def _user(self) -> Mapping[str, str]:
-        return {pddl: name for name, pddl in self._pddl.items()}
+        return {pddl: self._names[key] for key, pddl in self._pddl.items()}
 
     @property
     def changed(self) -> tuple[tuple[str, str], ...]:
         """(PDDL name, user's name) pairs that differ, sorted."""
-        return tuple(sorted((pddl, name) for name, pddl in self._pddl.items() if pddl != name))
+        return tuple(sorted((pddl, name) for pddl, name in self._user.items() if pddl != name))
 
     @property
     def all(self) -> frozenset[str]:

@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 from itertools import combinations
 
-from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.affordance import TOKEN, ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
-from hybrid_tamp.symbolic.encoding.vocabulary import opposite
-from hybrid_tamp.symbolic.pddl.naming import legal
+from hybrid_tamp.symbolic.pddl.naming import legal, variable_of
 from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.problem import Condition, DurativeAction, Effect, Value, When
 from hybrid_tamp.symbolic.temporal.sources import Sources
@@ -47,7 +46,7 @@ class ActionMaker:
         self.conditions: dict[Condition, None] = {}
         self.effects: dict[Effect, None] = {}
         self.changes: dict[Fact, int] = {}
-        self.roles = {role: self._declare(legal(role), sort) for role, sort in block.roles.items()}
+        self.roles = {role: self._declare(role, sort) for role, sort in block.roles.items()}
 
     def built(self) -> tuple[DurativeAction, Running]:
         """Return the action with what it runs."""
@@ -59,7 +58,7 @@ class ActionMaker:
         self._lock()
         self._exit()
         name = "-".join(["run", legal(block.name), *(f"along-{legal(slot)}" for slot in sorted(self.along))])
-        duration = (self.words(f"lasts {block.name}"), *self.roles.values())
+        duration = (self.words("lasts", block.name), *self.roles.values())
         order = list(self.parameters)
         changes = [Effect("start", fact, change, add=True) for fact, change in self.changes.items() if change]
         effects = (*self.effects, *changes)
@@ -69,9 +68,7 @@ class ActionMaker:
     # -- pieces -------------------------------------------------------------------------------------------------
 
     def _declare(self, base: str, sort: type[ObjectClass] | SymbolSort | str) -> str:
-        variable, number = f"?{base}", 2
-        while variable in self.parameters:
-            variable, number = f"?{base}-{number}", number + 1
+        variable = variable_of(base, self.parameters)
         if isinstance(sort, str):
             self.parameters[variable] = sort
         else:
@@ -99,7 +96,7 @@ class ActionMaker:
 
     def _arguments(self, literal: Literal) -> tuple[str, ...]:
         return tuple(
-            ANY if a == ANY else self.roles[a] if a in self.roles else self.vocabulary.word(a)
+            ANY if a == ANY else self.roles[a] if a in self.roles else self.vocabulary.symbol(a)
             for a in literal.arguments
         )
 
@@ -114,8 +111,8 @@ class ActionMaker:
 
     def _entry(self) -> None:
         for literal in self.block.entry:
-            name = literal.predicate.name if literal.positive else opposite(literal.predicate)
-            word, arguments = self.vocabulary.word(name), self._arguments(literal)
+            arguments = self._arguments(literal)
+            word = self.vocabulary.predicate(literal.predicate.name, literal.positive)
             if literal.predicate.static:
                 self.require((word, *arguments))
             else:
@@ -129,7 +126,7 @@ class ActionMaker:
         place, own = (self.words("place"), variable), self.words.slot(block, slot)
         before = constants[0]
         if len(constants) > 1:
-            before = self._declare(f"{legal(slot)}-from", self.words("slot"))
+            before = self._declare(f"{slot}-from", self.words("slot"))
             self.require((self.words("passes"), before, own))
         # It comes from there all the while: no other action can take it meanwhile.
         self.require(place, (before,), "throughout")
@@ -152,7 +149,7 @@ class ActionMaker:
         else:
             bound = any(before != old.anchor for old, before in sources)
             if bound:
-                last = self._declare(f"{legal(slot)}-partner", self.vocabulary.word("TOKEN"))
+                last = self._declare(f"{slot}-partner", self.vocabulary.type_of(TOKEN))
                 self.require(partner, (last,))
                 self.require((self.words("let-go"), last))
                 self.count("crew", last, -1)
@@ -193,7 +190,7 @@ class ActionMaker:
         role = named.pop() if len(named) == 1 else None
         if role is not None and role in self.roles:
             return self.roles[role]
-        return self._declare(f"{legal(slot)}-read", self.vocabulary.word("TOKEN"))
+        return self._declare(f"{slot}-read", self.vocabulary.type_of(TOKEN))
 
     def _void(self, slot: str, sources: list[tuple[Block, str]]) -> None:
         """Void what the last instance maintained of the token, unless this one will maintain it anew."""
@@ -201,7 +198,7 @@ class ActionMaker:
         anew = {literal.predicate for literal in self._kept(self.block, slot)}
         for predicate in maintained:
             if predicate not in anew and len(self.words.key(predicate)) < len(predicate.parameters):
-                fact = (self.vocabulary.word(predicate.name), self.roles[slot])
+                fact = (self.vocabulary.predicate(predicate.name), self.roles[slot])
                 self.at_start(fact, self.words.none(predicate))
 
     def _kept(self, block: Block, slot: str) -> list[Literal]:
@@ -222,7 +219,7 @@ class ActionMaker:
         literals = sorted(self.block.exit, key=lambda literal: literal.positive)
         stated: dict[Fact, Value] = {}
         for literal in literals:
-            predicate, word = literal.predicate, self.vocabulary.word(literal.predicate.name)
+            predicate, word = literal.predicate, self.vocabulary.predicate(literal.predicate.name)
             if predicate.static or (predicate.maintained and not literal.positive):
                 continue
             fact, value = self.words.stated(predicate, word, self._arguments(literal))

@@ -10,7 +10,6 @@ from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.predicate import Atom, Predicate, name_of
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.encoding.goals import with_one_goal
-from hybrid_tamp.symbolic.encoding.vocabulary import opposite
 from hybrid_tamp.symbolic.pddl.naming import Naming, legal
 from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.encoder import TemporalEncoding, encode_durative
@@ -33,13 +32,13 @@ class TemporalCompilation:
 
     task: Task
     encoding: TemporalEncoding
-    tokens: Naming
+    tokens: Naming[str]
     reached: tuple[Run, ...]
     problem: TemporalProblem
 
     def name(self, user: str) -> str:
         """Return the PDDL name of a token or symbol."""
-        return self.tokens.pddl(user) if user in self.task.token_by_name else self.encoding.vocabulary.word(user)
+        return self.tokens.pddl(user) if user in self.task.token_by_name else self.encoding.vocabulary.symbol(user)
 
     def user(self, pddl: str) -> str:
         """Return the user's name of a PDDL object that names a token or symbol."""
@@ -64,7 +63,7 @@ def compile_durative(task: Task) -> TemporalCompilation:
     encoding = encode_durative(task.domain)
     fluents = {fluent.name for fluent in encoding.planning.fluents}
     taken = encoding.vocabulary.names.all | encoding.names.all | fluents
-    tokens = Naming((token.name for token in task.tokens), taken)
+    tokens = Naming({token.name: token.name for token in task.tokens}, taken)
     runs = reachable(task)
     writer = _Writer(task, encoding, tokens, runs)
     ordered = sorted(task.tokens, key=lambda token: token.name)
@@ -80,7 +79,7 @@ def compile_durative(task: Task) -> TemporalCompilation:
 
 
 class _Writer:
-    def __init__(self, task: Task, encoding: TemporalEncoding, tokens: Naming, runs: tuple[Run, ...]) -> None:
+    def __init__(self, task: Task, encoding: TemporalEncoding, tokens: Naming[str], runs: tuple[Run, ...]) -> None:
         self.task = task
         self.vocabulary, self.words = encoding.vocabulary, encoding.names
         self.used = {fluent.name: fluent for fluent in encoding.planning.fluents}
@@ -88,11 +87,11 @@ class _Writer:
         self.runs = runs
 
     def name(self, user: str) -> str:
-        return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.word(user)
+        return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.symbol(user)
 
     def stated(self, atom: Atom) -> tuple[Fact, Value]:
         """Return an atom as a fluent and its value."""
-        predicate, word = self.task.domain.predicate_by_name[atom.predicate], self.vocabulary.word(atom.predicate)
+        predicate, word = self.task.domain.predicate_by_name[atom.predicate], self.vocabulary.predicate(atom.predicate)
         arguments = tuple(map(self.name, atom.arguments))
         return ((word, *arguments), True) if predicate.static else self.words.stated(predicate, word, arguments)
 
@@ -114,7 +113,7 @@ class _Writer:
         yield from ((fact, value) for fact, value in self._assignment() if fact[0] in self.used)
         lasts: dict[tuple[str, ...], float] = {}
         for run in self.runs:
-            words = (self.words(f"lasts {run.block}"), *(self.name(value) for _, value in run.roles))
+            words = (self.words("lasts", run.block), *(self.name(value) for _, value in run.roles))
             lasts[words] = min(run.seconds, lasts.get(words, run.seconds))
         yield from ((words, round(1e3 * seconds)) for words, seconds in lasts.items())
 
@@ -130,7 +129,7 @@ class _Writer:
             key = self.words.key(predicate)
             if predicate.static or len(key) == len(predicate.parameters):
                 continue
-            word = self.vocabulary.word(predicate.name)
+            word = self.vocabulary.predicate(predicate.name)
             valued = {tuple(a.arguments[i] for i in key) for a in changing if a.predicate == predicate.name}
             kept = [self.task.values_of(predicate.parameters[i].sort) for i in key]
             for values in product(*([self.task.assigned] if predicate.maintained else kept)):
@@ -142,7 +141,7 @@ class _Writer:
         for predicate in self.vocabulary.denied:
             for values in self._tuples(predicate):
                 if Atom(predicate.name, values) not in static:
-                    yield (self.vocabulary.word(opposite(predicate)), *map(self.name, values))
+                    yield (self.vocabulary.predicate(predicate.name, positive=False), *map(self.name, values))
 
     def _tuples(self, predicate: Predicate) -> Iterator[tuple[str, ...]]:
         for values in product(*(self.task.values_of(parameter.sort) for parameter in predicate.parameters)):

@@ -22,14 +22,16 @@ without a hold, which ends at once, may be left later. `decoder` puts that right
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
+from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.symbolic.encoding.assignment import ROOT
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
-from hybrid_tamp.symbolic.encoding.vocabulary import ROOT, Vocabulary
-from hybrid_tamp.symbolic.pddl.naming import legal
+from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
+from hybrid_tamp.symbolic.pddl.naming import legal, name_apart, name_variables
 from hybrid_tamp.symbolic.pddl.operators import Typed
 from hybrid_tamp.symbolic.temporal.action import ActionMaker, Running
 from hybrid_tamp.symbolic.temporal.problem import DurativeAction, Fluent, TemporalDomain
@@ -51,6 +53,8 @@ def encode_durative(domain: Domain) -> TemporalEncoding:
     """Compile a domain's blocks and network to durative actions; the result depends on nothing else."""
     encoder = _Encoder(Vocabulary(domain))
     built = list(encoder.actions())
+    names = name_apart({number: action.name for number, (action, _) in enumerate(built)})
+    built = [(replace(action, name=names[number]), running) for number, (action, running) in enumerate(built)]
     planning = TemporalDomain(
         name=legal(domain.name),
         types=(*encoder.vocabulary.types, (encoder.words("slot"), ROOT)),
@@ -74,7 +78,7 @@ class _Encoder:
 
     def constants(self) -> Iterator[Typed]:
         """Symbols, slots, and the values that say 'none'."""
-        token, slot = self.vocabulary.word("TOKEN"), self.words("slot")
+        token, slot = self.vocabulary.type_of(TOKEN), self.words("slot")
         own = {constant for constant, _ in self.vocabulary.constants[-1:]}  # the count, which is not used here
         yield from (each for each in self.vocabulary.constants if each[0] not in own)
         yield (self.words(NOBODY), token)
@@ -86,11 +90,11 @@ class _Encoder:
                 for index, parameter in enumerate(predicate.parameters):
                     if index not in key:
                         kind = self.vocabulary.type_of(parameter.sort)
-                        yield (self.words(f"no {parameter.name} of {predicate.name}"), kind)
+                        yield (self.words("no", predicate.name, parameter.name), kind)
 
     def fluents(self, actions: list[DurativeAction]) -> Iterator[Fluent]:
         """Every fluent of the user's, and of the encoder's own those that an action mentions."""
-        token, slot = self.vocabulary.word("TOKEN"), self.words("slot")
+        token, slot = self.vocabulary.type_of(TOKEN), self.words("slot")
         yield from self._users()
         mentioned = {fact[0] for action in actions for fact in action.facts}
         own = [
@@ -106,24 +110,23 @@ class _Encoder:
         ]
         yield from (fluent for fluent in own if fluent.name in mentioned)
         for block in self.domain.blocks:
-            roles = tuple((f"?{legal(role)}", self.vocabulary.type_of(sort)) for role, sort in block.roles.items())
-            yield Fluent(self.words(f"lasts {block.name}"), roles, "number")
+            types = map(self.vocabulary.type_of, block.roles.values())
+            roles = tuple(zip(name_variables(block.roles), types, strict=True))
+            yield Fluent(self.words("lasts", block.name), roles, "number")
 
     def _users(self) -> Iterator[Fluent]:
-        declared = dict(self.vocabulary.predicates)
-        own = {name for name, _ in self.vocabulary.own_predicates}
-        changing = {self.vocabulary.word(p.name): p for p in self.domain.predicates if not p.static}
-        for name, parameters in declared.items():
+        changing = {self.vocabulary.predicate(p.name): p for p in self.domain.predicates if not p.static}
+        for name, parameters in self.vocabulary.predicates:
             if name in changing:
                 key = self.words.key(changing[name])
                 values = tuple(kind for i, (_, kind) in enumerate(parameters) if i not in key)
                 # Any token may leave what it maintained, whatever an action knows of it.
                 wide = changing[name].maintained and values
                 keys = tuple(
-                    (parameters[i][0], self.vocabulary.word("TOKEN") if wide else parameters[i][1]) for i in key
+                    (parameters[i][0], self.vocabulary.type_of(TOKEN) if wide else parameters[i][1]) for i in key
                 )
                 yield Fluent(name, keys, "objects" if values else "truth", values)
-            elif name not in own:
+            else:
                 yield Fluent(name, parameters)
 
     # -- which tokens come from where -----------------------------------------------------------------------------

@@ -97,7 +97,7 @@ class _Special:
             for effect in action.effects:
                 values.setdefault(effect.fact[0], set()).add(effect.value)
         for predicate in self.compilation.task.domain.predicates:
-            word = self.compilation.encoding.vocabulary.word(predicate.name)
+            word = self.compilation.encoding.vocabulary.predicate(predicate.name)
             count = 1
             for parameter in predicate.parameters:
                 count *= len(self.compilation.task.values_of(parameter.sort))

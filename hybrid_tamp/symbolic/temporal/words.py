@@ -5,8 +5,9 @@ from functools import cached_property
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import Predicate
+from hybrid_tamp.symbolic.encoding.assignment import keeper
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
-from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary, keeper, no_value
+from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 from hybrid_tamp.symbolic.pddl.naming import Naming
 from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.problem import Value
@@ -21,22 +22,24 @@ class Words:
     vocabulary: Vocabulary
 
     @cached_property
-    def _names(self) -> Naming:
+    def _names(self) -> Naming[tuple[str, ...]]:
         domain = self.vocabulary.domain
-        words = [NOBODY, "slot", "place", "passes", "partner", "let-go", "crew", "readers", "completed"]
-        words += [f"reads {number}" for number in range(self.locks)]
-        words += [f"{block.name} {slot.name}" for block in domain.blocks for slot in block.slots]
-        words += [f"lasts {block.name}" for block in domain.blocks]
-        words += [f"no {q.name} of {p.name}" for p in domain.predicates if p.maintained for q in p.parameters]
+        own = (NOBODY, "slot", "place", "passes", "partner", "let-go", "crew", "readers", "completed")
+        words: dict[tuple[str, ...], str] = {(name,): name for name in own}
+        words |= {("reads", f"{number}"): f"reads {number}" for number in range(self.locks)}
+        words |= {("slot", b.name, slot.name): f"{b.name} {slot.name}" for b in domain.blocks for slot in b.slots}
+        words |= {("lasts", block.name): f"lasts {block.name}" for block in domain.blocks}
+        kept = [predicate for predicate in domain.predicates if predicate.maintained]
+        words |= {("no", p.name, q.name): f"no {q.name} of {p.name}" for p in kept for q in p.parameters}
         return Naming(words, taken=self.vocabulary.names.all | {"distinct"})
 
-    def __call__(self, word: str) -> str:
+    def __call__(self, *word: str) -> str:
         """Return the PDDL name of one of the encoder's words."""
         return self._names.pddl(word)
 
     def reads(self, number: int) -> str:
         """Return the fluent that says what a token's instance reads, of its targets that others may change."""
-        return self(f"reads {number}")
+        return self("reads", f"{number}")
 
     @property
     def all(self) -> frozenset[str]:
@@ -45,7 +48,7 @@ class Words:
 
     def slot(self, block: Block, slot: str) -> str:
         """Return the constant for a slot."""
-        return self(f"{block.name} {slot}")
+        return self("slot", block.name, slot)
 
     @cached_property
     def locks(self) -> int:
@@ -69,9 +72,9 @@ class Words:
     def none(self, predicate: Predicate) -> tuple[str, ...]:
         """Return the value that says that a predicate has no value."""
         if not predicate.maintained:
-            return (self.vocabulary.word(no_value(predicate)),)
+            return (self.vocabulary.no_value(predicate),)
         rest = [q for i, q in enumerate(predicate.parameters) if i not in self.key(predicate)]
-        return tuple(self(f"no {parameter.name} of {predicate.name}") for parameter in rest)
+        return tuple(self("no", predicate.name, parameter.name) for parameter in rest)
 
     def stated(self, predicate: Predicate, name: str, arguments: tuple[str, ...]) -> tuple[Fact, Value]:
         """Return a predicate's atom as a fluent with its value."""

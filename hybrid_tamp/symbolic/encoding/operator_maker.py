@@ -1,17 +1,18 @@
 """What operators of every kind do where a token passes from one block to another: it leaves, it enters.
 
-Each kind of operator has a module of its own: `filling`, `beginning`, `leaving`.
+Each kind of operator has a module of its own: `fill_operators`, `begin_operators`, `leave_operators`.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.symbolic.encoding.action_builder import ActionBuilder, Same
+from hybrid_tamp.symbolic.encoding.assignment import remembered
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
-from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary, remembered
-from hybrid_tamp.symbolic.pddl.naming import legal
+from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
 
 @dataclass(frozen=True)
@@ -24,18 +25,18 @@ class Meaning:
         slot: the slot that it goes to.
         source: (block, slot) that it comes from.
         roles: roles of the block that are parameters, with their indices.
-        old_roles: roles of the source block that are further parameters, with their indices.
+        along: slots of the source block whose tokens move along with the anchor, when that begins a block.
     """
 
-    kind: str
+    kind: Literal["fill", "begin", "leave"]
     block: str
     slot: str
     source: SlotName
     roles: Mapping[str, int]
-    old_roles: Mapping[str, int]
+    along: frozenset[str] = frozenset()
 
 
-class Passing:
+class OperatorMaker:
     """Leaving and entering blocks, for one domain."""
 
     def __init__(self, vocabulary: Vocabulary) -> None:
@@ -44,18 +45,10 @@ class Passing:
         self.conditions = Conditions(vocabulary)
 
     @staticmethod
-    def _meaning(kind: str, action: ActionBuilder, new: Block, slot: str, old: Block, slot_before: str) -> Meaning:
-        return Meaning(kind, new.name, slot, (old.name, slot_before), action.roles, action.old_roles)
-
-    @staticmethod
     def _same(old: Block, slot_before: str, slot: str, unified: dict[str, str]) -> Same:
         """Return the classes that roles of the new block have in the old one."""
         pairs = {**unified, slot_before: slot}
         return {new: old.roles[role] for role, new in pairs.items() if role in old.roles}
-
-    @staticmethod
-    def _claimed(block: Block, slot: str) -> str:
-        return f"claimed-{legal(block.name)}-{legal(slot)}"
 
     # -- entering the new block
 
@@ -63,7 +56,7 @@ class Passing:
         """What the anchor's entering does in every kind of operator: facts, effects, locks."""
         anchor = action.variable(new.anchor)
         kept = [action.variable(target) for target in remembered(self.domain, new, new.anchor)]
-        action.add((f"in-{legal(new.name)}", anchor, *kept))
+        action.add((self.vocabulary.state("in", new), anchor, *kept))
         for literal in self.conditions.exit_at_begin(new):
             action.apply_literal(literal)
         for target in self.conditions.locked(new):
@@ -83,7 +76,7 @@ class Passing:
             return
         token = action.variable(slot)
         if self.conditions.changes(new, slot):
-            action.require(("readers", token, self.conditions.none))
+            action.require(("readers", token, self.vocabulary.none_reading))
         if self.conditions.disturbs(new, slot):
             action.delete(("settled", token))
         elif self.conditions.disturbs(old, slot_before):
@@ -93,7 +86,7 @@ class Passing:
 
     def _leave_anchor(self, action: ActionBuilder, old: Block, anchor: str, unified: dict[str, str]) -> None:
         memory = [action.other(old, target, unified) for target in remembered(self.domain, old, old.anchor)]
-        action.consume((f"in-{legal(old.name)}", anchor, *memory))
+        action.consume((self.vocabulary.state("in", old), anchor, *memory))
         self._void(action, old, old.anchor, {old.anchor: anchor}, unified)
         for target in self.conditions.locked(old):
             action.count_readers(action.other(old, target.name, unified), -1)
@@ -103,10 +96,12 @@ class Passing:
     ) -> None:
         """Delete what the hold of the old block maintained about the token that leaves."""
         for literal in self.conditions.maintained_by(old, slot):
-            known = [
-                variables[argument]
-                if argument in variables
-                else (action.other(old, argument, unified) if argument in old.roles else self.vocabulary.word(argument))
-                for argument in literal.arguments
-            ]
-            action.delete((self.vocabulary.word(literal.predicate.name), *known))
+            known = []
+            for argument in literal.arguments:
+                if argument in variables:
+                    known.append(variables[argument])
+                elif argument in old.roles:
+                    known.append(action.other(old, argument, unified))
+                else:
+                    known.append(self.vocabulary.symbol(argument))
+            action.delete((self.vocabulary.predicate(literal.predicate.name), *known))

@@ -1,0 +1,94 @@
+"""The compiler's own predicates: which token is in which slot, who reads what, what is under way at an instant.
+
+Each is known by its kind and by the block, slots and targets that it speaks of; its PDDL name only resembles these.
+"""
+
+from collections.abc import Iterator
+
+from hybrid_tamp.model.affordance import TOKEN, ObjectClass
+from hybrid_tamp.model.block import Block, Target
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.predicate import SymbolSort
+
+State = tuple[str, ...]
+"""A kind of predicate, and the names of its block and of the slots or targets of that block."""
+
+COUNT = "how many"
+"""The type of numbers of readers."""
+ROOT = "object"
+"""The root of all types, which is above the places, too."""
+
+Sort = type[ObjectClass] | SymbolSort | str
+"""What a parameter ranges over; as a string `COUNT` or `ROOT`."""
+
+
+def assignment_predicates(domain: Domain) -> Iterator[tuple[State, tuple[tuple[str, Sort], ...]]]:
+    """Yield the compiler's predicates, each with its parameters and what they range over."""
+    yield ("idle",), ()
+    for name in ("settled", "unclaimed", "completed"):
+        yield (name,), (("token", TOKEN),)
+    yield ("readers",), (("token", TOKEN), ("count", COUNT))
+    yield ("next",), (("count", COUNT), ("more", COUNT))
+    yield ("distinct",), (("one", ROOT), ("other", ROOT))
+    for block in domain.blocks:
+        yield from _block_predicates(domain, block)
+
+
+def _block_predicates(domain: Domain, block: Block) -> Iterator[tuple[State, tuple[tuple[str, Sort], ...]]]:
+    anchor = ("anchor", block.roles[block.anchor])
+
+    def targets(slot: str) -> Iterator[tuple[str, Sort]]:
+        return ((target, block.roles[target]) for target in remembered(domain, block, slot))
+
+    yield ("in", block.name), (anchor, *targets(block.anchor))
+    for slot in block.others:
+        yield ("in", block.name, slot.name), (("token", slot.object_class), anchor, *targets(slot.name))
+        for kind in ("claimed", "full", "moved"):
+            yield (kind, block.name, slot.name), (anchor,)
+    for target in block.targets if block.others else ():
+        yield ("for", block.name, target.name), (anchor, ("target", target.sort))
+    for rest in remainders(block):
+        yield ("leaving", block.name, *rest), (anchor,)
+
+
+def remainders(block: Block) -> tuple[tuple[str, ...], ...]:
+    """Return every non-empty set of slots, in order, that may still have to leave after the anchor has."""
+    names = [slot.name for slot in block.others]
+    sets: list[tuple[str, ...]] = [()]
+    for name in names:
+        sets += [(*chosen, name) for chosen in sets]
+    return tuple(chosen for chosen in sets if chosen)
+
+
+def locked_targets(domain: Domain, block: Block) -> tuple[Target, ...]:
+    """Return the targets of a block that some block's system may change while this block reads them."""
+
+    def written(target: Target) -> bool:
+        return any(
+            set(block.writes.get(slot.name, ())) & set(target.reads)
+            and not isinstance(target.sort, SymbolSort)
+            and domain.relations.can_share_token(slot.object_class, target.sort)
+            for block in domain.blocks
+            for slot in block.slots
+        )
+
+    return tuple(target for target in block.targets if written(target))
+
+
+def remembered(domain: Domain, block: Block, slot: str) -> tuple[str, ...]:
+    """Return the targets that must be known when the token in a slot leaves.
+
+    The anchor remembers locked targets, to release them; every slot those of its maintained exit conditions.
+    """
+    locked = {t.name for t in locked_targets(domain, block)} if slot == block.anchor else set()
+    targets = {t.name for t in block.targets}
+    for literal in block.exit:
+        if literal.predicate.maintained and literal.positive and keeper(block, literal.arguments) == slot:
+            locked |= targets & set(literal.arguments)
+    return tuple(t.name for t in block.targets if t.name in locked)
+
+
+def keeper(block: Block, arguments: tuple[str, ...]) -> str:
+    """Return the slot whose token carries a condition: the last slot in it besides the anchor, else the anchor."""
+    others = [slot.name for slot in block.others if slot.name in arguments]
+    return others[-1] if others else block.anchor
