@@ -7,11 +7,12 @@ from typing import Annotated
 
 import typer
 
-from hybrid_tamp.cli.imitating import imitate
+from hybrid_tamp.cli.affordances import affordances
+from hybrid_tamp.cli.explain import explain
+from hybrid_tamp.cli.imitate import imitate
 from hybrid_tamp.cli.listing import domains, network, schema
 from hybrid_tamp.cli.planning import check, pddl, plan, run
-from hybrid_tamp.cli.probing import probe
-from hybrid_tamp.cli.questions import affordances, explain
+from hybrid_tamp.cli.probe import probe
 from hybrid_tamp.cli.recordings import learn, replay, report
 
 app = typer.Typer(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from hybrid_tamp.cli.flags import with_flags
 from hybrid_tamp.errors import HybridTampError, InputError, Issue
 
 if TYPE_CHECKING:
@@ -81,6 +82,7 @@ def tell_network(document: "PlanDocument") -> None:
 
 def report_error(error: HybridTampError, as_json: bool) -> None:
     """Print an error: for people on standard error, for programs as one JSON document as well."""
+    error = with_flags(error)
     typer.echo(str(error), err=True)
     if as_json:
         issues: tuple[Issue, ...] = error.issues if isinstance(error, InputError) else ()

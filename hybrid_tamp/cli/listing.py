@@ -78,10 +78,9 @@ def schema(
 ) -> None:
     """Print the JSON Schema of task files, or of the documents that are printed and written."""
     if document is not Document.task:
-        from hybrid_tamp.report.affordance_documents import affordance_schemas
         from hybrid_tamp.report.documents import json_schemas
 
-        print_json({**json_schemas(), **affordance_schemas()}[f"{document.value}-1"])
+        print_json(json_schemas()[f"{document.value}-1"])
         return
     from hybrid_tamp.taskfile.domains import available_domains, find_domain
     from hybrid_tamp.taskfile.schema import json_schema, reference_page

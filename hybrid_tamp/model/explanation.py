@@ -4,10 +4,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hybrid_tamp.model.affordance import ObjectClass
-from hybrid_tamp.model.change import Change
-from hybrid_tamp.model.network import SlotName
+from hybrid_tamp.model.change import Change, ChangeKind
+from hybrid_tamp.model.network import SlotName, slot_text
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.tables import Rows, Tabular
+from hybrid_tamp.model.task import Task
 
 ReasonKind = Literal[
     "no_block",
@@ -50,6 +51,18 @@ class Reason:
         """The goal atoms as text."""
         return " and ".join(atom.text for atom in self.goal)
 
+    @property
+    def atom_text(self) -> str:
+        """The failing condition as text, empty if there is none."""
+        return "" if self.atom is None else self.atom.text
+
+    @property
+    def lacks_text(self) -> str:
+        """The class or the slot 'BLOCK.slot' of which there is too little, or empty."""
+        if isinstance(self.lacks, tuple):
+            return slot_text(self.lacks)
+        return "" if self.lacks is None else self.lacks.name
+
 
 @dataclass(frozen=True)
 class Suggestion:
@@ -62,6 +75,21 @@ class Suggestion:
 
     change: Change
     length: int
+
+    @property
+    def kind(self) -> ChangeKind:
+        """What sort of change it is."""
+        return self.change.kind
+
+    @property
+    def what(self) -> str:
+        """The change in words."""
+        return self.change.what
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The token, class, slots, atom or property that it is about."""
+        return self.change.names
 
 
 @dataclass(frozen=True)
@@ -94,6 +122,11 @@ class Explanation(Tabular):
             ("suggested together", [change.what for change in self.together]),
             ("all single changes examined", self.complete),
         ]
+
+    @property
+    def together_text(self) -> tuple[str, ...]:
+        """Changes with which there is a plan if all are made, in words; empty if a single one suffices."""
+        return tuple(change.what for change in self.together)
 
     @property
     def text(self) -> str:
@@ -136,3 +169,26 @@ class Cause:
     used: bool
     why: str
     links: tuple[Link, ...]
+
+
+@dataclass(frozen=True)
+class TaskExplanation(Tabular):
+    """Why a task has the plan that it has, or why it has none.
+
+    Attributes:
+        task: the task.
+        status: what came of planning it.
+        explanation: why there is no plan; None if there is one.
+        tokens: why each token is in the plan; empty if there is none.
+    """
+
+    task: Task
+    status: Literal["solved", "unsolvable", "unknown", "limit"]
+    explanation: Explanation | None
+    tokens: tuple[Cause, ...] = ()
+
+    @property
+    def rows(self) -> Rows:
+        """The explanation as a table."""
+        explained = [] if self.explanation is None else self.explanation.rows
+        return [("task", self.task.name), ("status", self.status), *explained, *((c.token, c.why) for c in self.tokens)]

@@ -2,8 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
+from hybrid_tamp.model.affordances import AffordanceResult, Implication
+from hybrid_tamp.model.explanation import Explanation, Link, Reason, Suggestion, TaskExplanation
+from hybrid_tamp.model.membership import MembershipResult, Verdict
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.recording import AtomMargin
@@ -45,7 +48,76 @@ def breaches(result: RunResult) -> tuple[str, ...]:
     return tuple(map(str, result.law))
 
 
+def domain(result: TaskExplanation | AffordanceResult) -> str:
+    """Name of the domain."""  # Not by its path, because type hints of domains hold forward references.
+    return result.task.domain.name
+
+
+def solvable(suggestion: Suggestion) -> Literal[True]:
+    """Whether there is a plan with the change; only such changes are suggested."""
+    return True
+
+
+QUESTION_KEYS: Mapping[type, Keys] = {
+    TaskExplanation: (Key("task", "task.name"), Key("domain", domain), "status", "explanation", "tokens"),
+    Explanation: (
+        "kind",
+        "message",
+        "reasons",
+        Key("suggestions", default=[]),
+        Key("all_looked_at", "complete", default=False),
+        Key("together", "together_text", default=[]),
+    ),
+    Reason: (
+        Key("goal", "goal_text"),
+        "block",
+        "kind",
+        "message",
+        Key("atom", "atom_text", default=""),
+        Key("margin", default=None),
+        Key("unit", default=""),
+        Key("lacks", "lacks_text", default=""),
+    ),
+    Suggestion: ("kind", "what", Key("solvable", solvable, default=True), "length", "names"),
+    Link: ("instance", "atom", Key("needed_by", "needed_by_text")),
+    AffordanceResult: (
+        Key("task", "task.name"),
+        Key("domain", domain),
+        "view",
+        Key("agents", "task.agents"),
+        "affordances",
+        "implied",
+        "what_if",
+    ),
+    Implication: (
+        "seen",
+        "observer",
+        Key("object", "affordance.object"),
+        Key("block", "affordance.block"),
+        Key("slot", "affordance.slot"),
+        "holds",
+        "witness",
+    ),
+    MembershipResult: ("task", "token", "seed", Key("resting_faces", "resting"), Key("classes", "verdicts")),
+    Verdict: (
+        Key("class", "object_class"),
+        "verdict",
+        "likelihood",
+        "labelled",
+        "residual",
+        "properties",
+        "contacts",
+        "successes",
+        "trials",
+        "interval",
+        "obstacle",
+    ),
+}
+"""The keys of the answers to questions."""
+
+
 KEYS: Mapping[type, Keys] = {
+    **QUESTION_KEYS,
     RunResult: (
         Key("task", "task.name"),
         "success",
@@ -84,5 +156,10 @@ KEYS: Mapping[type, Keys] = {
 TEXTS: Mapping[type, Callable[[Any], str]] = {Atom: lambda atom: atom.text}
 """Values that are shown as text."""
 
-DOCUMENTS: Mapping[str, type] = {"result-1": RunResult}
+DOCUMENTS: Mapping[str, type] = {
+    "result-1": RunResult,
+    "explain-1": TaskExplanation,
+    "affordances-1": AffordanceResult,
+    "probe-1": MembershipResult,
+}
 """File stem of a JSON Schema to the result that is shown."""

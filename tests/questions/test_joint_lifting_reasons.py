@@ -6,7 +6,7 @@ from bank import problem
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.affordances.perspectives import agent, environment, team
+from hybrid_tamp.questions.affordances.perspectives import afforded_to, environment, team
 from hybrid_tamp.questions.changes import with_copy
 from hybrid_tamp.questions.explain.explanation import explain
 from hybrid_tamp.verbs import pipeline
@@ -28,17 +28,17 @@ def reasons(task: Task) -> dict[str, Reason]:
 def test_two_robots_lift_what_neither_can() -> None:
     task = crate(24, "four")
     assert {each.block for each in environment(task)} == TWO | FOUR
-    assert agent(task, "A") == agent(task, "B") == []
+    assert afforded_to(task, "A") == afforded_to(task, "B") == []
     found = team(task)
     assert {each.block for each in found} == FOUR
-    assert {(each.agents, each.thing) for each in found} == {(("A", "B"), "crate")}
+    assert {(each.agents, each.object) for each in found} == {(("A", "B"), "crate")}
     hands = {"first": "a-left", "second": "b-left", "third": "a-right", "fourth": "b-right"}
     assert all(each.witness == {**hands, "object": "crate"} for each in found)
 
 
 def test_a_light_crate_each_robot_lifts_alone() -> None:
     for name in ("A", "B"):
-        assert {each.block for each in agent(crate(12, "four"), name)} == TWO
+        assert {each.block for each in afforded_to(crate(12, "four"), name)} == TWO
     assert {each.block for each in team(crate(12, "four"))} == FOUR
 
 

@@ -7,11 +7,12 @@ from scenes import rolling_task
 from workshop import at, cut, workshop_task
 
 from hybrid_tamp.errors import InputError
+from hybrid_tamp.model.affordances import Affordance
 from hybrid_tamp.model.predicate import SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.questions.affordances.perspectives import Affordance, agent, environment, observer, team
-from hybrid_tamp.questions.affordances.what_if import asked
+from hybrid_tamp.questions.affordances.perspectives import afforded_to, environment, observer, team
+from hybrid_tamp.questions.affordances.what_if import change_task
 
 TIPPING = {"TIPPING:opposite", "TIPPING:adjacent", "TIPPING:lower"}
 
@@ -47,12 +48,12 @@ def check(task: Task, affordance: Affordance) -> None:
 def test_by_class_alone_a_box_can_be_tumbled_and_a_drum_rolled() -> None:
     assert blocks(environment(robots())) == TIPPING | {"TILTING"}
     (roll,) = environment(rolling_task(hands=0))
-    assert (roll.thing, roll.block, roll.slot, dict(roll.witness)) == ("drum 0", "ROLLING", "object", {})
+    assert (roll.object, roll.block, roll.slot, dict(roll.witness)) == ("drum 0", "ROLLING", "object", {})
 
 
 def test_two_one_handed_robots_can_only_together() -> None:
     task = robots()
-    assert agent(task, "A") == agent(task, "B") == []
+    assert afforded_to(task, "A") == afforded_to(task, "B") == []
     found = team(task)
     assert blocks(found) == TIPPING | {"TILTING"}
     assert {each.agents for each in found} == {("A", "B")}
@@ -62,7 +63,7 @@ def test_two_one_handed_robots_can_only_together() -> None:
 
 def test_what_a_member_can_alone_is_not_the_teams() -> None:
     task = robots().replaced(agents={"A": ("hand-a", "hand-b"), "B": ()})
-    assert blocks(agent(task, "A")) == TIPPING | {"TILTING"}
+    assert blocks(afforded_to(task, "A")) == TIPPING | {"TILTING"}
     assert team(task) == []
 
 
@@ -73,7 +74,7 @@ def test_a_robot_that_is_too_weak_is_of_no_help() -> None:
 @pytest.mark.parametrize("name", ["roll_cylinder", "tumble_two_hands", "tumble_two_boxes_four_hands"])
 def test_every_witness_holds(name: str) -> None:
     task = problem(name)
-    found = agent(task, "robot")
+    found = afforded_to(task, "robot")
     assert found
     for each in found:
         check(task, each)
@@ -81,21 +82,21 @@ def test_every_witness_holds(name: str) -> None:
 
 def test_a_block_that_no_edge_leads_to_is_not_afforded() -> None:
     task = workshop_task((at(),), hands=(50.0,))
-    assert {(a.thing, a.block) for a in agent(task, "robot")} == {
+    assert {(a.object, a.block) for a in afforded_to(task, "robot")} == {
         ("cutter 0", "SETTING"),
         ("cutter 0", "CUTTING"),
         ("part 0", "CUTTING"),
     }
     # Where nothing can be cut, what may only be reached from there is out of reach, too.
     blunt = workshop_task((at(),), hands=(50.0,), edges=(1.0,))
-    assert {(a.thing, a.block) for a in agent(blunt, "robot")} == {("cutter 0", "SETTING")}
+    assert {(a.object, a.block) for a in afforded_to(blunt, "robot")} == {("cutter 0", "SETTING")}
 
 
 def test_who_was_seen_acting_implies_the_same_for_those_like_it() -> None:
     task = workshop_task((cut(),)).replaced(agents={"A": ("hand 0",), "B": ("hand 1",)})
     seen, implied = observer(task)
     assert {each.agents for each in seen} == {("A",), ("B",)}
-    assert {(each.seen.agents, each.observer) for each in implied} == {(("A",), "B"), (("B",), "A")}
+    assert {(each.affordance.agents, each.observer) for each in implied} == {(("A",), "B"), (("B",), "A")}
     assert all(each.witness for each in implied)
 
 
@@ -108,20 +109,20 @@ def test_more_hands_imply_nothing_for_fewer() -> None:
 def test_like_classes_imply_but_a_weak_hand_cannot() -> None:
     task = workshop_task((at(),), hands=(50.0, 50.0, 9.0, 9.0))
     task = task.replaced(agents={"A": ("hand 0", "hand 1"), "B": ("hand 2", "hand 3")})
-    carrying = [each for each in observer(task)[1] if each.seen.block == "CARRYING" and each.observer == "B"]
+    carrying = [each for each in observer(task)[1] if each.affordance.block == "CARRYING" and each.observer == "B"]
     assert carrying
     assert not any(each.witness for each in carrying)
 
 
 def test_one_more_hand_makes_tumbling_possible_and_one_less_takes_it_away() -> None:
     def seen(of: Task) -> list[Affordance]:
-        return agent(of, "robot")
+        return afforded_to(of, "robot")
 
     one = problem("tumble_one_hand")
     assert seen(one) == []
-    assert blocks(seen(asked(one, "+STATIC END-EFFECTOR", seen))) == TIPPING | {"TILTING"}
-    assert seen(asked(problem("tumble_two_hands"), "-hand-2", seen)) == []
-    assert asked(problem("tumble_two_hands"), "-box", seen).goal == ()
+    assert blocks(seen(change_task(one, "+STATIC END-EFFECTOR", seen))) == TIPPING | {"TILTING"}
+    assert seen(change_task(problem("tumble_two_hands"), "-hand-2", seen)) == []
+    assert change_task(problem("tumble_two_hands"), "-box", seen).goal == ()
 
 
 @pytest.mark.parametrize(
@@ -134,11 +135,11 @@ def test_one_more_hand_makes_tumbling_possible_and_one_less_takes_it_away() -> N
     ],
 )
 def test_questions_that_cannot_be_answered(question: str, said: str) -> None:
-    with pytest.raises(InputError, match="--what-if") as raised:
-        asked(problem("tumble_one_hand"), question, environment)
+    with pytest.raises(InputError, match="questions") as raised:
+        change_task(problem("tumble_one_hand"), question, environment)
     assert said in str(raised.value)
 
 
 def test_one_more_of_a_class_without_members() -> None:
-    task = asked(workshop_task((cut(),), edges=()), "+CUTTER", environment)
-    assert ("cutter (2)", "CUTTING") in {(each.thing, each.block) for each in agent(task, "robot")}
+    task = change_task(workshop_task((cut(),), edges=()), "+CUTTER", environment)
+    assert ("cutter (2)", "CUTTING") in {(each.object, each.block) for each in afforded_to(task, "robot")}

@@ -21,15 +21,14 @@ from hybrid_tamp.geometry.shapes import Box, Cylinder, MeshFile, Shape, Sphere
 from hybrid_tamp.geometry.surfaces import outer_surface, volume_of
 from hybrid_tamp.geometry.warp import warp
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.membership import MembershipResult, Trial, Verdict, wilson_interval
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy, quaternion_of_rotation, rotate
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.planning.plan import plan
-from hybrid_tamp.questions.probe.confidence import wilson_interval
 from hybrid_tamp.questions.probe.membership import Prober
-from hybrid_tamp.questions.probe.verdicts import ProbeReport, Trial, Verdict
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
 from hybrid_tamp.taskfile.meshfile import read_mesh
@@ -140,11 +139,11 @@ def task() -> Task:
 
 
 @pytest.fixture(scope="module")
-def tumbled(task: Task) -> ProbeReport:
+def tumbled(task: Task) -> MembershipResult:
     return probe(task, "P5", ["TUMBLABLE"])
 
 
-def test_p5_is_tumblable(tumbled: ProbeReport) -> None:
+def test_p5_is_tumblable(tumbled: MembershipResult) -> None:
     (verdict,) = tumbled.verdicts
     assert verdict.verdict == "yes", [trial.why for trial in verdict.trials]
     assert verdict.labelled == "P3"
@@ -187,7 +186,7 @@ def test_a_cylinder_never_seen_rolls(task: Task) -> None:
     assert verdict.properties["radius_of_rotation"] == pytest.approx(0.08, rel=0.005)
 
 
-def test_the_written_task_plans_and_runs(task: Task, tumbled: ProbeReport, tmp_path: Path) -> None:
+def test_the_written_task_plans_and_runs(task: Task, tumbled: MembershipResult, tmp_path: Path) -> None:
     target = tmp_path / "known.yaml"
     assert save_members(task, tumbled, target) == ("TUMBLABLE",)
     text = target.read_text(encoding="utf-8")
@@ -229,9 +228,9 @@ def test_a_goal_that_speaks_of_it_waits_for_a_probe(command: Command, tmp_path: 
         compile_task(load_task(TO_TUMBLE))
 
 
-def test_what_is_there_is_not_written_over(task: Task, tumbled: ProbeReport, tmp_path: Path) -> None:
+def test_what_is_there_is_not_written_over(task: Task, tumbled: MembershipResult, tmp_path: Path) -> None:
     (tmp_path / "t.yaml").write_text("mine", encoding="utf-8")
-    with pytest.raises(InputError, match="--force"):
+    with pytest.raises(InputError, match="force=True"):
         save_members(task, tumbled, tmp_path / "t.yaml")
     nothing = replace(tumbled, verdicts=(replace(tumbled.verdicts[0], trials=()),))
     with pytest.raises(ExecutionFailed, match="TUMBLABLE: unsure"):
@@ -262,7 +261,7 @@ def test_a_trial_that_never_settles_ends_and_says_so(task: Task) -> None:
         (verdict,) = prober.probe(task, "P5", ["TUMBLABLE"]).verdicts
         assert verdict.trials[0].why == "it did not settle within 1 s of simulated time"
         late = replace(prober, deadline=0.0)
-        with pytest.raises(LimitReached, match="--time-limit"):
+        with pytest.raises(LimitReached, match="a larger time_limit"):
             late.probe(task, "P5", ["TUMBLABLE"])
 
 

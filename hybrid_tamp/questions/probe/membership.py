@@ -1,8 +1,8 @@
 """Whether a token never seen is a member of a class: predicted from a labelled one, then tried (paper, Sec. II-B).
 
-Features of its shape rank the classes. For each class the surface of a labelled member is warped onto the new one; what
-is known of the labelled one is carried along and gives the properties. With them the token is taken for a member in
-tasks of the domain's own, which are planned and run from several starts; what was measured is the verdict.
+Features of its shape rank the classes. For each class the surface of a labelled member is warped onto the new token,
+which carries over the properties of the labelled one. With them the token is assumed to be a member in trial tasks of
+the domain, which are planned and run from several starts; the measurements decide the verdict.
 """
 
 import logging
@@ -19,22 +19,22 @@ from hybrid_tamp.geometry.features import resting_poses
 from hybrid_tamp.geometry.warp import Warp, warp
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.membership import MembershipResult, Trial, Verdict
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.model.trial import TrialRecipe
 from hybrid_tamp.physics.protocol import Backend
-from hybrid_tamp.questions.probe.verdicts import ProbeReport, Trial, Verdict
 
 STARTS = 4
-"""From so many starts a class is tried at first: of all or none of them the interval leaves out 1/2."""
+"""From how many starts a class is tried at first: if all or none succeed, the interval excludes 1/2."""
 MOST_STARTS = 16
-"""From no more starts a class is tried that stays unsure: one that succeeds in 9 of 10 is told from 1/2 by then."""
+"""From how many starts at most: a class that succeeds in 9 of 10 trials is told from 1/2 by then."""
 BLOCK_SECONDS = 8.0
-"""Whatever a block may take in a task, in a trial it is given up after so long [s]."""
+"""How long a block may take in a trial, whatever it may take in a task [s]."""
 MOST_SECONDS = 60.0
-"""Simulated time within which a trial must have come to its end [s]."""
+"""Simulated time within which a trial must end [s]."""
 
 FindPlan = Callable[[Task], TaskPlan]
 """Task to plan; raises NoPlan or LimitReached."""
@@ -46,14 +46,14 @@ _logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class Prober:
-    """What a probe works with.
+    """Probes tokens.
 
     Attributes:
         find_plan: how tasks are planned.
         backend: where plans are run.
         starts: from how many starts a class is tried at first.
-        most_starts: up to so many further ones are tried while the verdict is unsure. Looking at the interval after
-            each makes it less sure than it says: a token that succeeds in half of the trials gets a verdict more often.
+        most_starts: from how many starts at most, while the verdict is unsure. A test after each trial makes the
+            interval less sure than it says: a token that succeeds in half of the trials gets a verdict too often.
         most_seconds: simulated time of a trial [s].
         deadline: when all must be done, on the monotonic clock [s].
         tell: told how far the work is.
@@ -67,7 +67,7 @@ class Prober:
     deadline: float = float("inf")
     tell: Tell = lambda share, what: None
 
-    def probe(self, task: Task, name: str, classes: Sequence[str] = (), seed: int = 0) -> ProbeReport:
+    def probe(self, task: Task, name: str, classes: Sequence[str] = (), seed: int = 0) -> MembershipResult:
         """Find out of which of its unknown classes a token is a member.
 
         Args:
@@ -89,7 +89,7 @@ class Prober:
         for number, object_class in enumerate(ranked):
             self.tell(number / len(ranked), f"probing {token.name} as {object_class.name}")
             verdicts.append(self._verdict(task, token, object_class, seed))
-        return ProbeReport(task.name, name, resting_poses(shape), tuple(verdicts), seed)
+        return MembershipResult(task.name, name, seed, resting_poses(shape), tuple(verdicts))
 
     def _verdict(self, task: Task, token: Token, object_class: type[ObjectClass], seed: int) -> Verdict:
         recipe = next((each for each in task.domain.trials if each.object_class is object_class), None)
@@ -107,7 +107,7 @@ class Prober:
             object_class.name, likelihood, labelled.name, warped.residual, estimate.properties, estimate.contacts
         )
         member = as_member(token, {object_class: estimate.properties})
-        task = task.replaced(domain=impatient(task.domain))
+        task = task.replaced(domain=with_time_bounds(task.domain))
         try:
             plan = self.find_plan(recipe.task(task, member, None))
         except NoPlan as error:
@@ -147,11 +147,11 @@ class Prober:
         if simulated > self.most_seconds:
             raise _NeverSettles
         if time.monotonic() > self.deadline:
-            raise LimitReached("the probe was not done in time; give it more by --time-limit", limit="time")
+            raise LimitReached("the probe was not done in time; a larger time_limit gives it more", limit="time")
 
 
 class _NeverSettles(Exception):
-    """A trial goes on and on."""
+    """A trial does not end."""
 
 
 def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]]) -> Token:
@@ -167,9 +167,9 @@ def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]
 def _token(task: Task, name: str) -> Token:
     token = task.token_by_name.get(name)
     if token is None:
-        raise InputError([Issue("--token", "the name of a token", repr(name), tuple(task.token_by_name))])
+        raise InputError([Issue("token", "the name of a token", repr(name), tuple(task.token_by_name))])
     if token.shape is None:
-        raise InputError([Issue("--token", f"a token with a shape, which {name} has not")])
+        raise InputError([Issue("token", f"a token with a shape, which {name} has not")])
     return token
 
 
@@ -177,12 +177,12 @@ def _classes(task: Task, token: Token, names: Sequence[str]) -> tuple[type[Objec
     known = task.domain.class_by_name
     for name in names:
         if name not in known:
-            raise InputError([Issue("--class", "a class of the domain", repr(name), tuple(known))])
+            raise InputError([Issue("classes", "a class of the domain", repr(name), tuple(known))])
         if known[name] in token.classes:
-            raise InputError([Issue("--class", f"a class of which {token.name} is not known to be a member", name)])
+            raise InputError([Issue("classes", f"a class of which {token.name} is not known to be a member", name)])
     if not names and not token.unknown:
-        remedy = "write unknown: [CLASS, ...] in the task file, or say --class"
-        raise InputError([Issue("--token", "a token that is unknown in some class", token.name, remedy=remedy)])
+        remedy = "write unknown: [CLASS, ...] in the task file, or name classes=[...]"
+        raise InputError([Issue("token", "a token that is unknown in some class", token.name, remedy=remedy)])
     return tuple(known[name] for name in names) or token.unknown
 
 
@@ -196,8 +196,8 @@ def _nearest(task: Task, token: Token, recipe: TrialRecipe) -> tuple[Token, Warp
     return min(found, key=lambda each: each[1].residual, default=None)
 
 
-def impatient(domain: Domain) -> Domain:
-    """Return the domain with blocks that give up sooner: most of a probe's time would go by in trials that fail."""
+def with_time_bounds(domain: Domain) -> Domain:
+    """Return the domain with blocks that give up sooner: otherwise failing trials take most of the time."""
     durations = [replace(block.duration, maximum=min(block.duration.maximum, BLOCK_SECONDS)) for block in domain.blocks]
     blocks = zip(domain.blocks, durations, strict=True)
     return domain.with_blocks([replace(block, duration=duration) for block, duration in blocks])

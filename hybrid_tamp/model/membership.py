@@ -1,16 +1,20 @@
-"""What trials say of a token: of one start, of one class, of all."""
+"""What trials say about the classes of a token: the verdict on each class, with its confidence."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from math import sqrt
+from typing import Any, Literal
 
 from hybrid_tamp.geometry.features import RestingPose
-from hybrid_tamp.questions.probe.confidence import wilson_interval
+from hybrid_tamp.model.tables import Rows, Tabular
+
+_Z = 1.959963984540054
+"""Quantile of the normal distribution for an interval of 95 %."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One start.
+    """One trial from one start.
 
     Attributes:
         success: whether the goal was reached and every measure was within its bounds.
@@ -25,16 +29,16 @@ class Trial:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is known of one class.
+    """What is known about one class.
 
     Attributes:
-        object_class: its name.
+        object_class: name of the class.
         likelihood: how characteristic the shape is of the class, 0 to 1.
         labelled: the member from which the properties were carried over, or None.
         residual: mean distance between its warped surface and the new one [m].
         properties: the token's properties as a member.
         contacts: where hands are expected to touch it, in its body frame [m].
-        trials: one a start.
+        trials: one for each start.
         obstacle: why it could not be tried, or empty.
     """
 
@@ -54,14 +58,14 @@ class Verdict:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Confidence interval of the success rate, 95 %."""
+        """95 % confidence interval of the success rate."""
         return wilson_interval(self.successes, len(self.trials))
 
     @property
-    def verdict(self) -> str:
-        """``yes`` or ``no`` where the interval lies beyond one half, ``unsure`` where it does not, or ``not tried``.
+    def verdict(self) -> Literal["yes", "no", "unsure", "not tried"]:
+        """``yes`` or ``no`` if the interval excludes one half, ``unsure`` if it does not, or ``not tried``.
 
-        Without a plan for it, it is no.
+        If there is no plan for a trial, it is ``no``.
         """
         if self.obstacle:
             return "no" if self.properties else "not tried"
@@ -70,19 +74,41 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class ProbeReport:
-    """What came of a probe.
+class MembershipResult(Tabular):
+    """The result of probing a token.
 
     Attributes:
         task: name of the task.
         token: name of the token.
+        seed: seed of the starts.
         resting: the faces on which its shape comes to rest.
-        verdicts: one a class, the likeliest first.
-        seed: from which the starts were drawn.
+        verdicts: one for each class, the likeliest first.
     """
 
     task: str
     token: str
+    seed: int
     resting: tuple[RestingPose, ...]
     verdicts: tuple[Verdict, ...]
-    seed: int
+
+    @property
+    def rows(self) -> Rows:
+        """The verdicts as a table."""
+        verdicts = {each.object_class: each.verdict for each in self.verdicts}
+        return [("task", self.task), ("token", self.token), ("faces to rest on", len(self.resting)), *verdicts.items()]
+
+
+def wilson_interval(successes: int, trials: int) -> tuple[float, float]:
+    """Return the 95 % confidence interval of a success rate (Wilson 1927).
+
+    Args:
+        successes: how many trials succeeded.
+        trials: how many there were; without trials the interval is 0 to 1.
+    """
+    if trials == 0:
+        return 0.0, 1.0
+    rate, spread = successes / trials, _Z**2 / trials
+    middle = rate + spread / 2.0
+    half = _Z * sqrt(rate * (1.0 - rate) / trials + spread / (4.0 * trials))
+    low, high = (middle - half) / (1.0 + spread), (middle + half) / (1.0 + spread)
+    return max(0.0, low) if successes else 0.0, min(1.0, high) if successes < trials else 1.0

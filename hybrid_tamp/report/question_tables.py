@@ -1,0 +1,117 @@
+"""Tables of the answers to questions about a task, for people."""
+
+from collections.abc import Iterable, Mapping
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from hybrid_tamp.model.affordances import Affordance, AffordanceResult, Implication
+from hybrid_tamp.model.explanation import Cause, TaskExplanation
+from hybrid_tamp.model.membership import MembershipResult
+from hybrid_tamp.report.documents import document
+from hybrid_tamp.report.plan_entries import ExplanationEntry
+from hybrid_tamp.report.tables import explanation_text
+
+
+def explanation_table(result: TaskExplanation) -> RenderableType:
+    """Return why there is no plan, or a row for each token that says why it is in the plan or not."""
+    if result.explanation is not None:
+        return explanation_text(ExplanationEntry.model_validate(document(result)["explanation"]))
+    table = _table(f"Why {result.task.name} has the plan that it has", "token", "in the plan", "why")
+    for cause in result.tokens:
+        table.add_row(Text(cause.token), "yes" if cause.used else "no", Text("\n".join(_reasons_of(cause))))
+    return table
+
+
+def _reasons_of(cause: Cause) -> list[str]:
+    """Return each instance once, with the nearest one that needs it; documents have the whole chain."""
+    others = {link.instance: link for link in reversed(cause.links)}
+    others.pop(cause.links[0].instance if cause.links else "", None)
+    more = [f"{link.instance} for {link.needed_by_text}: {link.atom.text}" for link in reversed(others.values())]
+    return [f"{cause.why}.", *more]
+
+
+def affordances_table(result: AffordanceResult) -> RenderableType:
+    """Return which object affords which block, and what each question changes."""
+    title = f"{result.task.name}, {result.view} view"
+    shown: list[RenderableType] = []
+    if result.affordances:
+        shown.append(_affordances(title, result.affordances))
+    else:
+        shown.append(Text(f"{title}: no object affords anything."))
+    if result.implied:
+        shown.append(_implied(result.implied))
+    for answer in result.what_if:
+        changed = [("becomes possible", answer.gained), ("is lost", answer.lost)]
+        if not answer.gained and not answer.lost:
+            shown.append(Text(f"{answer.question}: nothing changes."))
+        shown += [_affordances(f"{answer.question}: what {what}", found) for what, found in changed if found]
+    return Group(*shown)
+
+
+def _affordances(title: str, affordances: Iterable[Affordance]) -> Table:
+    table = _table(title, "object", "affords", "as", "to", "e.g. with")
+    for each in affordances:
+        to = ", ".join(each.agents) or "-"
+        table.add_row(*map(Text, (each.object, each.block, each.slot, to, _witness(each.witness, each.slot))))
+    return table
+
+
+def _implied(implications: Iterable[Implication]) -> Table:
+    title = "What an agent seen acting implies for one with the same capability classes"
+    table = _table(title, "seen", "with", "in", "so", "can too?", "e.g. with")
+    for each in implications:
+        said = "yes" if each.holds else "by class, but a feasibility fact fails"
+        seen = each.affordance
+        witness = _witness(each.witness, seen.slot)
+        table.add_row(*map(Text, (each.seen, seen.object, seen.block, each.observer, said, witness)))
+    return table
+
+
+def _witness(witness: Mapping[str, str], slot: str) -> str:
+    return ", ".join(f"{role}={value}" for role, value in witness.items() if role != slot) or "-"
+
+
+def resting_text(result: MembershipResult) -> str:
+    """Say on how many faces a token can rest."""
+    faces = f"{len(result.resting)} faces to rest on" if result.resting else "no face to rest on"
+    return f"{result.token} has {faces}."
+
+
+def membership_table(result: MembershipResult) -> RenderableType:
+    """Return a row for each class of which the token may be a member."""
+    table = Table("class", "likelihood", "as", "verdict", "trials", "95 % of", header_style="bold")
+    for verdict in result.verdicts:
+        low, high = verdict.interval
+        table.add_row(
+            verdict.object_class,
+            f"{verdict.likelihood:.2f}",
+            verdict.labelled or "",
+            verdict.verdict,
+            f"{verdict.successes} of {len(verdict.trials)}",
+            f"{low:.2f} to {high:.2f}" if verdict.trials else "",
+        )
+    return table
+
+
+def membership_lines(result: MembershipResult) -> list[str]:
+    """Return the properties that a token has as a member of each class, and what went wrong in trials."""
+    lines = []
+    for verdict in result.verdicts:
+        known = ", ".join(f"{name} {_number(value)}" for name, value in verdict.properties.items())
+        lines += [f"{verdict.object_class} with {known}"] if known else []
+        obstacles = dict.fromkeys([verdict.obstacle, *(trial.why for trial in verdict.trials)])
+        lines += [f"{verdict.object_class}: {obstacle}" for obstacle in obstacles if obstacle]
+    return lines
+
+
+def _number(value: object) -> str:
+    return f"[{', '.join(f'{part:g}' for part in value)}]" if isinstance(value, tuple) else f"{value:g}"
+
+
+def _table(title: str, *headings: str) -> Table:
+    table = Table(title=title, title_justify="left", header_style="bold")
+    for heading in headings:
+        table.add_column(heading, overflow="fold")
+    return table

@@ -1,0 +1,77 @@
+"""Loading a task, with settings of a verb in place of those of the task file."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.task import Limits, MidLevel, Task
+from hybrid_tamp.symbolic.engines.registry import check_engine
+from hybrid_tamp.taskfile.domains import find_domain, installed_domain
+from hybrid_tamp.taskfile.loader import load_task
+
+Record = TypeVar("Record", Task, Limits, MidLevel)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings that replace those of the task file; None keeps what the file says.
+
+    Attributes:
+        domain: the domain: a name, ``package.module:ATTRIBUTE`` or a Python file.
+        planner: name of the planning engine.
+        objective: what a plan should be short in, ``length`` or ``makespan``.
+        seed: seed of everything random.
+        time_limit: wall-clock time of the planner [s].
+        memory_limit: memory of the planner [MiB].
+        optimiser: how hyperparameters are searched, ``cma`` or ``grid``.
+        evaluations: budget of candidates that are rolled out.
+        refine: ``none``, or ``physics``: go on from the analytic optimum in the physics backend.
+    """
+
+    domain: str | None = None
+    planner: str | None = None
+    objective: str | None = None
+    seed: int | None = None
+    time_limit: float | None = None
+    memory_limit: float | None = None
+    optimiser: str | None = None
+    evaluations: int | None = None
+    refine: str | None = None
+
+
+def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: bool = False) -> Task:
+    """Load a task.
+
+    Code is imported only if the settings, not the file, name it.
+
+    Args:
+        source: a task, the path of a task file, or the name of a bundled task.
+        settings: what replaces what the file says.
+        plans: whether the verb plans: then the planner that the file names is checked, unless another one is set.
+
+    Raises:
+        InputError: something is wrong with the file; every fault has its place.
+    """
+    check = check_engine if plans and not settings.planner else None
+    task = load_task(source, domain_finder(settings.domain), check)
+    limits = _replaced(task.limits, time=settings.time_limit, memory=settings.memory_limit)
+    midlevel = _replaced(
+        task.midlevel, optimiser=settings.optimiser, evaluations=settings.evaluations, refine=settings.refine
+    )
+    own = {"planner": settings.planner, "objective": settings.objective, "seed": settings.seed}
+    return _replaced(task, limits=limits, midlevel=midlevel, **own)
+
+
+def _replaced(record: Record, **values: Any) -> Record:
+    """Return a record with those values that are not None."""
+    return replace(record, **{name: value for name, value in values.items() if value is not None})
+
+
+def domain_finder(name: str | None) -> Callable[[str], Domain]:
+    """Return how the domain of a task file is found: the one that is given, else among the installed ones."""
+    if name is None:
+        return installed_domain
+    chosen = find_domain(name)
+    return lambda _: chosen
