@@ -61,7 +61,7 @@ TABLE: dict[str, tuple[str, ...]] = {
 """Package or module to what it may import besides `errors`, itself and `BASE`."""
 
 LIBRARIES = {
-    "unified_planning": ("symbolic.engines", "symbolic.temporal.unified", "interop"),
+    "unified_planning": ("symbolic.engines", "interop"),
     "pybullet": ("physics.bullet",),
     "cmaes": ("midlevel.cma",),
     "matplotlib": ("report",),

@@ -15,7 +15,7 @@ import sys
 import threading
 import time
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,7 +28,6 @@ from hybrid_tamp.symbolic.engines.processes import ProcessTree, marked_environme
 from hybrid_tamp.symbolic.engines.registry import check_engine, known_engines, unknown_engine
 from hybrid_tamp.symbolic.engines.worker import REPLY, REQUEST
 from hybrid_tamp.symbolic.pddl.operators import PlannedAction, PlanningProblem
-from hybrid_tamp.symbolic.temporal.problem import Step, TemporalProblem, TimedAction
 
 if TYPE_CHECKING:
     # Its import takes as long as the worker's; the worker ought to have started by then.
@@ -40,7 +39,6 @@ _LOG = logging.getLogger(__name__)
 
 _FIRST_LOOK = 0.01  # From the request to the first look at the processes [s]; later ones are further apart,
 _LAST_LOOK = 0.05  # up to this [s].
-_OVERHEAD = 1.5  # For what is done before and after Aries's own search [s].
 _GRACE = 1.0  # For the worker to end what it started and itself, before it is killed [s].
 _LOG_FILE = "log"
 _LOG_TAIL = 2000  # How much of a crashed worker's log goes into the message [byte].
@@ -110,32 +108,6 @@ class PlannerProcess:
         reply, seconds = self._replied({"problem": problem, "engine": engine}, limits)
         _LOG.debug("%s: %s", engine, reply)
         return _answer(reply, engine, seconds)
-
-    def arrange(
-        self, problem: TemporalProblem, steps: Sequence[Step], unit: int, limits: "Limits"
-    ) -> tuple[tuple[TimedAction, ...], str]:
-        """Have Aries arrange steps to the shortest temporal plan that it finds in the time.
-
-        Args:
-            problem: the problem.
-            steps: the actions that there may be.
-            unit: milliseconds in a unit of Aries's time.
-            limits: the time from now, and the memory of all processes together.
-
-        Returns:
-            The plan, and an empty text; or no plan and why there is none.
-
-        Raises:
-            InputError: if Aries is not installed.
-        """
-        check_engine("aries")
-        request = {"problem": problem, "steps": steps, "unit": unit, "seconds": max(0.1, limits.time - _OVERHEAD)}
-        try:
-            reply, _ = self._replied(request, limits)
-        except LimitReached as reached:
-            return (), str(reached)
-        _LOG.debug("aries: %s", reply)
-        return tuple(TimedAction(**each) for each in reply.get("actions", ())), reply.get("message", "")
 
     def _replied(self, request: Mapping[str, Any], limits: "Limits") -> tuple[dict[str, Any], float]:
         """Return the reply to a request, and how long it took [s].

@@ -121,11 +121,6 @@ def known_engines() -> tuple[str, ...]:
     return tuple(ENGINES)
 
 
-def is_installed(name: str) -> bool:
-    """Say whether a known engine is there, as far as can be seen without importing unified_planning."""
-    return find_spec(ENGINES[name].module) is not None
-
-
 def check_engine(name: str) -> None:
     """Check that an engine is there, as far as can be seen without importing unified_planning.
 

@@ -25,8 +25,6 @@ from typing import Any, BinaryIO, NoReturn
 from hybrid_tamp.symbolic.engines.processes import adopt_orphans, kill_descendants
 from hybrid_tamp.symbolic.engines.solver import Solver
 from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain, PlanningProblem
-from hybrid_tamp.symbolic.temporal.problem import decoded, decoded_steps
-from hybrid_tamp.symbolic.temporal.unified import arranged
 
 REQUEST = "request.json"
 REPLY = "reply.json"
@@ -48,7 +46,7 @@ def main(directory: Path, descriptor: int) -> None:
         asked.wait()
         request = json.loads((directory / REQUEST).read_text(encoding="utf-8"))
         _bound_java(request["memory"])
-        _write(directory / REPLY, _reply(solver, request))
+        _write(directory / REPLY, solver.reply(decode_problem(request["problem"]), request["engine"]))
     except Exception:  # noqa: BLE001 the outermost boundary: engines raise anything, and the log shows it
         traceback.print_exc()
         sys.stderr.flush()
@@ -58,15 +56,7 @@ def main(directory: Path, descriptor: int) -> None:
     follower.join()
 
 
-def _reply(solver: Solver, request: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the reply to a request: a problem to solve, or the steps of a temporal one to arrange."""
-    if "steps" not in request:
-        return solver.reply(decoded_problem(request["problem"]), request["engine"])
-    problem, steps = decoded(request["problem"]), decoded_steps(request["steps"])
-    return arranged(problem, steps, request["unit"], request["seconds"])
-
-
-def decoded_problem(data: Mapping[str, Any]) -> PlanningProblem:
+def decode_problem(data: Mapping[str, Any]) -> PlanningProblem:
     """Return the planning problem from its JSON form, in which tuples are lists."""
     fields = {key: _tuples(value) for key, value in data.items() if key != "domain"}
     domain = {key: _tuples(value) for key, value in data["domain"].items()}

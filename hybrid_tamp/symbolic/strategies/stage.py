@@ -13,7 +13,6 @@ from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
-from hybrid_tamp.symbolic.engines.registry import is_installed
 from hybrid_tamp.symbolic.strategies.apart.goals_apart import GoalsApart
 from hybrid_tamp.symbolic.strategies.makespan import shortened
 from hybrid_tamp.symbolic.strategies.search import Candidate, Planner, Search
@@ -23,12 +22,8 @@ __all__ = ["Planned", "Planner", "plan_task"]
 SHORTENING = 15.0
 """How long shorter plans are looked for when the objective is the makespan [s]."""
 
-ARRANGING = 8.0
-"""How long Aries arranges durative actions, of that time [s]."""
-
 WHOLE = "the whole task at once"
 REBOUND = "interchangeable tokens rebound"
-ARRANGED = "arranged by Aries"
 
 _DECOMPOSING = ("fast-downward", "symk", "enhsp", "pyperplan")
 """Engines that end where a part has no plan, and whose plans are not expected to be the shortest in actions."""
@@ -201,8 +196,7 @@ class _Stage:
         Further ways are put in here; what they yield has been judged by `Search.judged` or `Search.candidate`.
         """
         apart = [self._apart] if self.task.planner in _DECOMPOSING else []
-        aries = [self._arranged] if is_installed("aries") else []
-        return [*apart, self._whole, self._rebound, *aries]
+        return [*apart, self._whole, self._rebound]
 
     def _apart(self, best: Candidate | None) -> Iterator[Candidate]:
         """Plan the goals apart, with several numbers of helpers."""
@@ -236,20 +230,3 @@ class _Stage:
                 found = self.search.judged(Candidate(f"{best.way}, {REBOUND}", shorter))
                 if found is not None:
                     yield found
-
-    def _arranged(self, best: Candidate | None) -> Iterator[Candidate]:
-        """Have Aries arrange what the best plan needs, in durative actions."""
-        if best is None:
-            return
-        # Only this way needs the modules of durative actions.
-        from hybrid_tamp.symbolic.temporal.arranging import Durative
-
-        seconds = min(ARRANGING, self.shortening - self.search.elapsed)
-        with self.search.stage("compiling"):
-            plans = Durative(self.task, self.search.compilation, self.search.estimates).shorter(best.plan, seconds)
-        while True:
-            with self.search.stage("planner"):
-                plan = next(plans, None)
-            if plan is None:
-                return
-            yield Candidate(f"{best.way}, {ARRANGED}", plan)

@@ -1,4 +1,4 @@
-"""The second encoder: one durative action a block, for Aries and for PDDL 2.1.
+"""The second encoder, for export: one durative action a block, in PDDL 2.1.
 
-Before: a task, and for Aries a lawful plan of it. After: temporal PDDL, timelines as temporal plans, shorter plans.
+Before: a task, and a plan of it where there is one. After: temporal PDDL, and the plan as a temporal plan.
 """

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import permutations, product
 
 from hybrid_tamp.model.affordance import TOKEN
@@ -26,31 +25,17 @@ class TemporalCompilation:
         task: the task.
         encoding: its domain, encoded.
         tokens: names of its tokens.
-        reached: the runs that can happen.
         problem: the temporal problem.
     """
 
     task: Task
     encoding: TemporalEncoding
     tokens: Naming[str]
-    reached: tuple[Run, ...]
     problem: TemporalProblem
 
     def name(self, user: str) -> str:
         """Return the PDDL name of a token or symbol."""
         return self.tokens.pddl(user) if user in self.task.token_by_name else self.encoding.vocabulary.symbol(user)
-
-    def user(self, pddl: str) -> str:
-        """Return the user's name of a PDDL object that names a token or symbol."""
-        return self.tokens.user(pddl) if self.tokens.knows(pddl) else self.encoding.vocabulary.names.user(pddl)
-
-    @cached_property
-    def runs(self) -> dict[str, list[Run]]:
-        """The runs of each block."""
-        found: dict[str, list[Run]] = {}
-        for run in self.reached:
-            found.setdefault(run.block, []).append(run)
-        return found
 
 
 def compile_durative(task: Task) -> TemporalCompilation:
@@ -75,7 +60,7 @@ def compile_durative(task: Task) -> TemporalCompilation:
         goal=tuple(sorted(set(writer.goal()), key=str)),
         comments=tokens.changed,
     )
-    return TemporalCompilation(task, encoding, tokens, runs, problem)
+    return TemporalCompilation(task, encoding, tokens, problem)
 
 
 class _Writer:

@@ -32,11 +32,6 @@ class Run:
     source: SlotName
     seconds: float
 
-    @property
-    def binding(self) -> dict[str, str]:
-        """Role to name."""
-        return dict(self.roles)
-
 
 def reachable(task: Task) -> tuple[Run, ...]:
     """Return the runs that can be reached, each condition taken by itself, in the order of the domain's blocks."""

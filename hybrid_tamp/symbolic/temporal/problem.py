@@ -6,9 +6,8 @@ number, each at the start or at the end of an action; conditions also all the wh
 names already (`symbolic.naming`); variables begin with a question mark.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 from hybrid_tamp.symbolic.pddl.operators import Fact, Typed
 
@@ -38,12 +37,11 @@ class Fluent:
 
 @dataclass(frozen=True)
 class Condition:
-    """At a time the fluent has the value; or, with `other`, another one."""
+    """At a time the fluent has the value."""
 
     when: When
     fact: Fact
     value: Value = True
-    other: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,13 +68,6 @@ class DurativeAction:
     def facts(self) -> tuple[Fact, ...]:
         """The fluents, with their arguments, that it asks for or changes."""
         return (*(condition.fact for condition in self.conditions), *(effect.fact for effect in self.effects))
-
-    @property
-    def mentioned(self) -> set[str]:
-        """The arguments and values in them."""
-        words = {word for fact in self.facts for word in fact[1:]}
-        values = [*(condition.value for condition in self.conditions), *(effect.value for effect in self.effects)]
-        return words.union(*(value for value in values if isinstance(value, tuple)))
 
 
 @dataclass(frozen=True)
@@ -113,21 +104,6 @@ class TemporalProblem:
 
 
 @dataclass(frozen=True)
-class Step:
-    """An action that there may be.
-
-    Attributes:
-        action: its name.
-        fixed: index of a parameter to the object that it is, where that is decided.
-        optional: whether it may be left out.
-    """
-
-    action: str
-    fixed: tuple[tuple[int, str], ...] = ()
-    optional: bool = False
-
-
-@dataclass(frozen=True)
 class TimedAction:
     """One action of a temporal plan: its start [s], name, objects, and duration [s]."""
 
@@ -135,33 +111,3 @@ class TimedAction:
     name: str
     arguments: tuple[str, ...]
     duration: float
-
-
-def decoded(data: Mapping[str, Any]) -> TemporalProblem:
-    """Return a temporal problem from its JSON form, in which tuples are lists."""
-    domain = {key: _tuples(value) for key, value in data["domain"].items()}
-    domain["fluents"] = tuple(Fluent(**each) for each in domain["fluents"])
-    domain["actions"] = tuple(
-        DurativeAction(
-            **{
-                **each,
-                "conditions": tuple(Condition(**condition) for condition in each["conditions"]),
-                "effects": tuple(Effect(**effect) for effect in each["effects"]),
-            }
-        )
-        for each in domain["actions"]
-    )
-    fields = {key: _tuples(value) for key, value in data.items() if key != "domain"}
-    return TemporalProblem(domain=TemporalDomain(**domain), **fields)
-
-
-def decoded_steps(data: Sequence[Mapping[str, Any]]) -> tuple[Step, ...]:
-    """Return steps from their JSON form."""
-    return tuple(Step(**{key: _tuples(value) for key, value in each.items()}) for each in data)
-
-
-def _tuples(value: Any) -> Any:
-    """Return the value with tuples for lists."""
-    if isinstance(value, dict):
-        return {key: _tuples(each) for key, each in value.items()}
-    return tuple(map(_tuples, value)) if isinstance(value, list) else value

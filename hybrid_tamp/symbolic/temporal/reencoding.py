@@ -13,7 +13,6 @@ from hybrid_tamp.symbolic.pddl.operators import Fact, ground
 from hybrid_tamp.symbolic.pddl.temporal_text import named
 from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation
 from hybrid_tamp.symbolic.temporal.problem import DurativeAction, TemporalProblem, TimedAction, Value
-from hybrid_tamp.symbolic.temporal.sketch import actions_of
 
 _APART = 1e-2
 """Between two actions of one instant [s]."""
@@ -32,7 +31,7 @@ def reencode_durative(
 def _lasting(compilation: TemporalCompilation, plan: TaskPlan) -> TemporalProblem:
     """Return the problem with the plan's own durations; where a run has several, with the shortest: it may hold."""
     lasts: dict[Fact, int] = {}
-    for instance, action in actions_of(compilation, plan):
+    for instance, action in _actions_of(compilation, plan):
         block = compilation.task.domain.block_by_name[instance.block]
         fact = (_duration(compilation, action), *(compilation.name(instance.roles[role]) for role in block.roles))
         end = instance.end if instance.reached is None else min(instance.reached, instance.end)
@@ -126,7 +125,7 @@ class _Following:
 
         Those that take tokens out of one instance stay together, the one that takes the anchor first.
         """
-        everything = list(actions_of(self.compilation, self.plan))
+        everything = list(_actions_of(self.compilation, self.plan))
         for time in self.plan.instants:
             waiting = [pair for pair in everything if at(pair[0].start, time)]
             groups = self._groups(waiting)
@@ -158,3 +157,21 @@ class _Following:
         readers = self.compilation.encoding.names("readers")
         actions = [self.templates[name] for _, name in group]
         return any(c.fact[0] == readers for action in actions for c in action.conditions)
+
+
+def _actions_of(compilation: TemporalCompilation, plan: TaskPlan) -> Iterator[tuple[BlockInstance, str]]:
+    """Yield the instances that begin after the start, each with the name of its action."""
+    blocks = compilation.task.domain.block_by_name
+    names = {(r.block, r.along): name for name, r in compilation.encoding.running.items()}
+    before: dict[str, BlockInstance] = {}
+    for instance in sorted(plan.instances, key=lambda i: (i.start, i.end, i.name)):
+        block = blocks[instance.block]
+        home = before.get(instance.slots[block.anchor])
+        along = frozenset(
+            slot.name
+            for slot in block.others
+            if home is not None and home is before.get(instance.slots[slot.name]) and len(home.slots) > 1
+        )
+        if home is not None:
+            yield instance, names[instance.block, along]
+        before.update(dict.fromkeys(instance.slots.values(), instance))
