@@ -24,11 +24,12 @@ import numpy as np
 from numpy.typing import NDArray
 from ruamel.yaml import YAML
 
-from hybrid_tamp.midlevel.objective import Objective, RollOut
-from hybrid_tamp.midlevel.optimiser import Budget, Optimum, find_optimiser
+from hybrid_tamp.midlevel.objective import Evaluator, Objective, RollOut
+from hybrid_tamp.midlevel.optimiser import Budget, Optimum
+from hybrid_tamp.midlevel.registry import find_optimiser
 from hybrid_tamp.midlevel.rollout import Rollout, Rollouts
 from hybrid_tamp.midlevel.scores import Scores
-from hybrid_tamp.midlevel.separate import optimised_apart
+from hybrid_tamp.midlevel.separate import optimise_apart
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
@@ -134,10 +135,7 @@ class Figure:
         self.task, self.plan = task, figure_plan(kind)
         self.objective = Objective(task, self.plan, roll_out or Rollouts(task, self.plan))
         self.part = self.objective.space.only([".".join(GRASP)])
-
-    def evaluate(self, grasps: FloatArray) -> Scores:
-        """Return the scores of grasps ``(n, 1)`` [m]."""
-        return self.objective(self.part.embed(grasps))
+        self.evaluate = Evaluator(self.objective, self.part)
 
     def sampled(self, count: int) -> Scan:
         """Look at grasps all along the handle."""
@@ -151,7 +149,7 @@ class Figure:
 
     def apart(self) -> tuple[float, float]:
         """Return the grasp [m] that is the best for grasping alone, and the value of the whole plan with it."""
-        point = optimised_apart(self.objective, set(self.part.names))
+        point = optimise_apart(self.evaluate.objective, self.part.names)
         grasp = point[self.objective.keys.index(GRASP)]
         return float(grasp), float(self.evaluate(np.array([[grasp]])).value[0])
 

@@ -7,7 +7,7 @@ because of all places there this one suits the strike best that comes later (pap
 ::
 
     TaskPlan ─ rollout ─► objective (violation V, value J) of a whole population at once
-                             ├─ relevance ──► the hyperparameters that matter; the others keep their defaults
+                             ├─ screening ──► the hyperparameters that matter; the others keep their defaults
                              └─ optimiser ──► the best candidate: CMA-ES (`cma`) or direct sampling (`grid`)
     best candidate ─► RefinedPlan
 

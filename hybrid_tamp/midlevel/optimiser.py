@@ -6,29 +6,17 @@ default wins, by the Euclidean distance in the unit cube, and of equally near on
 is not moved for nothing, and a tie is broken in the same way by every optimiser.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from hybrid_tamp.errors import HybridTampError, InputError, Issue
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import SearchSpace
+from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.motion.arrays import FloatArray
-
-__all__ = [
-    "OPTIMISERS",
-    "Budget",
-    "Evaluate",
-    "Milestone",
-    "NothingFinite",
-    "Optimiser",
-    "Optimum",
-    "Progress",
-    "Scores",
-    "find_optimiser",
-]
 
 Evaluate = Callable[[FloatArray], Scores]
 """From points ``(n, d)`` in real units, read-only, to the scores of n candidates."""
@@ -55,14 +43,6 @@ class Budget:
             raise InputError([Issue("budget.evaluations", "at least 1 evaluation", str(self.evaluations))])
         if not self.seconds > 0.0:
             raise InputError([Issue("budget.seconds", "more than 0 s", str(self.seconds))])
-
-
-class Milestone(NamedTuple):
-    """The best after so many evaluations: a point of the convergence curve."""
-
-    evaluations: int
-    violation: float
-    value: float
 
 
 Progress = Callable[[Milestone], None]
@@ -120,38 +100,3 @@ class Optimiser(Protocol):
         Raises:
             NothingFinite: every rollout failed.
         """
-
-
-def find_optimiser(name: str, *, batch: int | None = None, noisy: bool = False, quick: bool = False) -> Optimiser:
-    """Return the optimiser of this name.
-
-    Args:
-        name: one of `OPTIMISERS`.
-        batch: candidates evaluated at once, the population of CMA-ES; None for the optimiser's own choice.
-        noisy: whether a repeated rollout may score differently.
-        quick: whether to begin near the default, which is good, and to end where little is gained any more.
-
-    Raises:
-        InputError: there is none of this name.
-    """
-    if name not in OPTIMISERS:
-        raise InputError([Issue("", "unknown optimiser", repr(name), tuple(sorted(OPTIMISERS)))])
-    return OPTIMISERS[name](batch, noisy, quick)
-
-
-def _cma(batch: int | None, noisy: bool, quick: bool) -> Optimiser:
-    from hybrid_tamp.midlevel.cma import CMAES
-
-    if quick:
-        return CMAES(population=batch, sigma=0.15, tolerance=2e-3, noisy=noisy, quick=True)
-    return CMAES(population=batch, noisy=noisy)
-
-
-def _grid(batch: int | None, noisy: bool, quick: bool) -> Optimiser:
-    from hybrid_tamp.midlevel.grid import Grid
-
-    return Grid() if batch is None else Grid(batch)
-
-
-OPTIMISERS: Mapping[str, Callable[[int | None, bool, bool], Optimiser]] = {"cma": _cma, "grid": _grid}
-"""Makers of the optimisers by name."""

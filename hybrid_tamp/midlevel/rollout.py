@@ -16,7 +16,7 @@ from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom, Literal
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
-from hybrid_tamp.model.refined import GOAL
+from hybrid_tamp.model.refined import GOAL, Shortfall
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
@@ -53,6 +53,10 @@ class Condition:
     def violation(self) -> FloatArray:
         """How far it is from holding, in units of its scale, shape ``(n,)``."""
         return np.asarray(np.maximum(0.0, -self.margin) / self.scale)
+
+    def at(self, candidate: int) -> Shortfall:
+        """Return what one candidate, for which it does not hold, lacks."""
+        return Shortfall(self.where, self.atom, self.unit, float(self.margin[candidate]))
 
 
 @dataclass(frozen=True, eq=False)

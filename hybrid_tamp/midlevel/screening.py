@@ -35,7 +35,7 @@ class Effect(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Relevance:
+class Screening:
     """What matters.
 
     Attributes:
@@ -65,7 +65,7 @@ class Relevance:
             if effect.violation <= most.violation and effect.value <= most.value
         )
 
-    def moving(self, figures: FloatArray, tolerance: float = 2e-3) -> tuple[str, ...]:
+    def find_moving(self, figures: FloatArray, tolerance: float = 2e-3) -> tuple[str, ...]:
         """Return the names of the variables that change a figure by more than this part of its spread.
 
         Args:
@@ -81,9 +81,9 @@ class Relevance:
         return tuple(name for name, size in zip(self.effects, ranges, strict=True) if size > max(least, SAME))
 
 
-def find_relevant(
+def screen_hyperparameters(
     evaluate: Evaluate, space: SearchSpace, rng: np.random.Generator, *, bases: int = 32, tolerance: float = 2e-3
-) -> Relevance:
+) -> Screening:
     """Return which variables have an effect anywhere within their bounds; all points go in one batch.
 
     Args:
@@ -101,7 +101,7 @@ def find_relevant(
     varying = space.only(space.varying)
     k = varying.d
     if k == 0:
-        return Relevance({}, Effect(tolerance, 0.0), 0)
+        return Screening({}, Effect(tolerance, 0.0), 0)
     base = _bases(varying.to_unit(varying.default), bases, rng)
     cube = np.concatenate([base, _moved(base, rng).reshape(-1, k)])
     scores = evaluate(varying.embed(varying.from_unit(cube)))
@@ -110,7 +110,7 @@ def find_relevant(
     allowed = _allowed(scores, tolerance)
     violation, value = (_lines(figures, bases, k) for figures in (scores.violation, scores.value))
     effects = [_effect(violation[:, i], value[:, i], allowed.violation) for i in range(k)]
-    return Relevance(dict(zip(varying.names, effects, strict=True)), allowed, len(cube), bases)
+    return Screening(dict(zip(varying.names, effects, strict=True)), allowed, len(cube), bases)
 
 
 def _bases(default: FloatArray, n: int, rng: np.random.Generator) -> FloatArray:

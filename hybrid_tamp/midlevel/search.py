@@ -1,12 +1,14 @@
 """The book of one search: what was evaluated, the best of it, and what is left of the budget."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
-from hybrid_tamp.midlevel.optimiser import Budget, Evaluate, Milestone, NothingFinite, Optimum, Progress
+from hybrid_tamp.midlevel.optimiser import Budget, Evaluate, NothingFinite, Optimum, Progress
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import SearchSpace
+from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.motion.arrays import FloatArray
 
 
@@ -89,7 +91,7 @@ class Search:
         first = int(np.argmin(scores.ranks()))
         new = Milestone(self.evaluations, float(scores.violation[first]), float(scores.value[first]))
         best = min([*self._history[-1:], new], key=lambda milestone: (milestone.violation, -milestone.value))
-        self._history.append(best._replace(evaluations=self.evaluations))
+        self._history.append(replace(best, evaluations=self.evaluations))
         if self._progress is not None:
             self._progress(self._history[-1])
 

@@ -4,6 +4,8 @@ An instance's own conditions and measures are all that counts, and what comes la
 are equally good the middle of their interval is taken.
 """
 
+from collections.abc import Collection
+
 import numpy as np
 
 from hybrid_tamp.midlevel.objective import Objective
@@ -18,7 +20,7 @@ _EQUAL = 1e-6
 """Difference of values, as a part of their spread over a scan, that counts as none."""
 
 
-def optimised_apart(objective: Objective, relevant: set[str]) -> FloatArray:
+def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArray:
     """Return the point ``(d,)`` at which each action is the best on its own.
 
     Args:

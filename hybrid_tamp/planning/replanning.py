@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 from hybrid_tamp.errors import InputError, NoPlan
 from hybrid_tamp.midlevel.objective import RollOut
-from hybrid_tamp.midlevel.refinement import Progress, refine
+from hybrid_tamp.midlevel.plan_search import Progress
+from hybrid_tamp.midlevel.refinement import refine
 from hybrid_tamp.model.forbidding import forbid
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.refined import GOAL, RefinedPlan, Shortfall

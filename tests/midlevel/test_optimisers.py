@@ -14,18 +14,11 @@ from optimisation_problems import PROBLEMS, Problem, bare, box, corner, ours, ro
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.midlevel.cma import CMAES, folded
 from hybrid_tamp.midlevel.grid import Grid, axis_counts
-from hybrid_tamp.midlevel.optimiser import (
-    OPTIMISERS,
-    Budget,
-    Evaluate,
-    Milestone,
-    NothingFinite,
-    Optimiser,
-    Optimum,
-    find_optimiser,
-)
+from hybrid_tamp.midlevel.optimiser import Budget, Evaluate, NothingFinite, Optimiser, Optimum
+from hybrid_tamp.midlevel.registry import OPTIMISERS, find_optimiser
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
+from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.motion.arrays import FloatArray
 
 BOTH = pytest.mark.parametrize("name", sorted(OPTIMISERS))
@@ -150,9 +143,10 @@ def test_history_is_the_convergence_curve(name: str) -> None:
         valued(lambda points: -sphere(points)), box(2, 3.0), Budget(200), np.random.default_rng(3000), told.append
     )
     assert tuple(told) == optimum.history
-    evaluations, _, values = zip(*optimum.history, strict=True)
-    assert list(evaluations) == [17, *range(33, 200, 16), *([200] if name == "cma" else [197])]
-    assert sorted(values) == list(values)
+    evaluations = [milestone.evaluations for milestone in optimum.history]
+    values = [milestone.value for milestone in optimum.history]
+    assert evaluations == [17, *range(33, 200, 16), *([200] if name == "cma" else [197])]
+    assert sorted(values) == values
     assert values[-1] == pytest.approx(optimum.value, rel=1e-11)
     assert optimum.evaluations == evaluations[-1]
 

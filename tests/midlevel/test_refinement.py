@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from midlevel.pucks import APART, FIRST, JOINT, SECOND, puck_plan, puck_task, with_dummies
 
-from hybrid_tamp.midlevel.refinement import NotFinite, refine
+from hybrid_tamp.midlevel.plan_search import NotFinite
+from hybrid_tamp.midlevel.refinement import refine
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.refined import RefinedPlan
 

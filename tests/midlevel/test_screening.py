@@ -7,7 +7,7 @@ import pytest
 
 from hybrid_tamp.midlevel.optimiser import NothingFinite
 from hybrid_tamp.midlevel.scores import Scores
-from hybrid_tamp.midlevel.screening import find_relevant
+from hybrid_tamp.midlevel.screening import screen_hyperparameters
 from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
 from hybrid_tamp.motion.arrays import FloatArray
 
@@ -52,7 +52,7 @@ def failing(points: FloatArray) -> Scores:
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("evaluate", [always, sometimes, by_violation_alone, failing])
 def test_all_dummies_and_no_others_are_free(evaluate: Callable[[FloatArray], Scores], seed: int) -> None:
-    found = find_relevant(evaluate, SPACE, np.random.default_rng(seed))
+    found = screen_hyperparameters(evaluate, SPACE, np.random.default_rng(seed))
     assert found.free == DUMMIES
     assert found.relevant == RELEVANT
     assert found.evaluations == 32 * (4 * 10 + 1)
@@ -74,7 +74,7 @@ def test_noise_is_no_effect(evaluate: Callable[[FloatArray], Scores], seed: int)
         violation = np.where(broken, np.abs(scores.violation + blur(scores.violation)), 0.0)
         return Scores(violation, scores.value + blur(scores.value[~broken], len(points)))
 
-    found = find_relevant(noisy, SPACE, np.random.default_rng(seed))
+    found = screen_hyperparameters(noisy, SPACE, np.random.default_rng(seed))
     assert found.free == DUMMIES
 
 
@@ -82,14 +82,14 @@ def test_an_effect_that_is_absent_at_the_default_is_found() -> None:
     at_default = np.tile(SPACE.default, (2, 1))
     at_default[:, 3] = [-1.0, 1.0]
     assert np.ptp(value(at_default)) == 0.0
-    assert find_relevant(always, SPACE, np.random.default_rng(3000)).effects["x4"].value > 1.0
+    assert screen_hyperparameters(always, SPACE, np.random.default_rng(3000)).effects["x4"].value > 1.0
 
 
 def test_a_variable_that_makes_rollouts_fail_is_relevant() -> None:
     def evaluate(points: FloatArray) -> Scores:
         return Scores(np.zeros(len(points)), np.where(points[:, 5] > 30.0, np.nan, value(points)))
 
-    found = find_relevant(evaluate, SPACE, np.random.default_rng(3000))
+    found = screen_hyperparameters(evaluate, SPACE, np.random.default_rng(3000))
     assert found.effects["dummy1"].violation == np.inf
     assert found.free == DUMMIES[1:]
 
@@ -99,18 +99,20 @@ def test_the_value_does_not_count_where_conditions_are_violated() -> None:
         scores = sometimes(points)
         return Scores(scores.violation, scores.value + np.where(scores.violation > 0.01, points[:, 5], 0.0))
 
-    assert find_relevant(evaluate, SPACE, np.random.default_rng(3000)).free == DUMMIES
+    assert screen_hyperparameters(evaluate, SPACE, np.random.default_rng(3000)).free == DUMMIES
 
 
 def test_where_no_point_meets_the_conditions_the_value_counts_everywhere() -> None:
     def evaluate(points: FloatArray) -> Scores:
         return Scores(np.full(len(points), 0.5), value(points))
 
-    assert find_relevant(evaluate, SPACE, np.random.default_rng(3000)).free == DUMMIES
+    assert screen_hyperparameters(evaluate, SPACE, np.random.default_rng(3000)).free == DUMMIES
 
 
 def test_a_flat_objective_leaves_everything_free() -> None:
-    found = find_relevant(lambda p: Scores(np.zeros(len(p)), np.full(len(p), 3.0)), SPACE, np.random.default_rng(3000))
+    found = screen_hyperparameters(
+        lambda p: Scores(np.zeros(len(p)), np.full(len(p), 3.0)), SPACE, np.random.default_rng(3000)
+    )
     assert (found.free, found.relevant) == ((*RELEVANT, *DUMMIES), ())
 
 
@@ -121,7 +123,9 @@ def test_points_are_within_bounds_in_one_batch_and_the_same_for_a_seed() -> None
         batches.append(points)
         return always(points)
 
-    found = [find_relevant(evaluate, SPACE, np.random.default_rng(seed), bases=8) for seed in (3000, 3000, 3001)]
+    found = [
+        screen_hyperparameters(evaluate, SPACE, np.random.default_rng(seed), bases=8) for seed in (3000, 3000, 3001)
+    ]
     assert [len(points) for points in batches] == [8 * 41] * 3
     assert np.all((batches[0] >= SPACE.lower) & (batches[0] <= SPACE.upper))
     np.testing.assert_allclose(batches[0][0], SPACE.default, rtol=1e-14)
@@ -133,10 +137,10 @@ def test_points_are_within_bounds_in_one_batch_and_the_same_for_a_seed() -> None
 
 
 def test_a_space_of_constants_has_nothing_to_find() -> None:
-    found = find_relevant(always, SPACE.only(["constant"]), np.random.default_rng(3000))
+    found = screen_hyperparameters(always, SPACE.only(["constant"]), np.random.default_rng(3000))
     assert (found.free, found.relevant, found.evaluations) == ((), (), 0)
 
 
 def test_nothing_finite_is_an_error() -> None:
     with pytest.raises(NothingFinite):
-        find_relevant(lambda p: Scores(np.full(len(p), np.nan), value(p)), SPACE, np.random.default_rng(3000))
+        screen_hyperparameters(lambda p: Scores(np.full(len(p), np.nan), value(p)), SPACE, np.random.default_rng(3000))

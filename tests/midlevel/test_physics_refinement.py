@@ -8,8 +8,8 @@ import pytest
 from midlevel.pucks import FIRST, puck_plan, puck_task
 
 from hybrid_tamp.midlevel.objective import Objective
+from hybrid_tamp.midlevel.physics_refinement import narrow_space
 from hybrid_tamp.midlevel.refinement import refine
-from hybrid_tamp.midlevel.retuning import neighbourhood
 from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.measure import Measure
@@ -75,9 +75,8 @@ def test_the_neighbourhood_ends_where_a_condition_does() -> None:
     blocks = [replace(block, exit=(low("puck"),)) for block in task.domain.blocks[:2]]
     domain = replace(task.domain, predicates=(low,), blocks=(*blocks, task.domain.blocks[2]))
     narrowed = task.replaced(domain=domain)
-    objective = Objective(narrowed, puck_plan(), Rollouts(narrowed, puck_plan()))
-    objective.reserves = {}
-    a, b = neighbourhood(objective, np.array([0.95, 0.5]), objective.space.names).variables
+    objective = Objective(narrowed, puck_plan(), Rollouts(narrowed, puck_plan()), reserves={})
+    a, b = narrow_space(objective, np.array([0.95, 0.5]), objective.space.names).variables
     assert (a.lower, a.upper, a.default) == pytest.approx((0.75, 1.0, 0.95))
     assert b.lower == pytest.approx(0.3)
     assert 0.505 <= b.upper <= 0.51

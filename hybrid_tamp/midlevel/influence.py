@@ -1,0 +1,59 @@
+"""Which performance measures each hyperparameter changes, and whether its own action feels it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hybrid_tamp.midlevel.objective import Objective
+from hybrid_tamp.midlevel.rollout import Rollout
+from hybrid_tamp.midlevel.scores import SAME
+from hybrid_tamp.midlevel.screening import Screening
+from hybrid_tamp.model.refined import MeasureKey
+from hybrid_tamp.motion.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What the variables of a search change.
+
+    Attributes:
+        moves: variable to the performance measures that it changes.
+        own: the variables that change a condition or a measure of the instance whose hyperparameter they are.
+    """
+
+    moves: Mapping[str, tuple[MeasureKey, ...]] = field(default_factory=dict)
+    own: frozenset[str] = frozenset()
+
+
+def find_influence(objective: Objective, screening: Screening, sampled: Rollout) -> Influence:
+    """Return what each variable changes within the population that a screening rolled out."""
+    moves: dict[str, tuple[MeasureKey, ...]] = {}
+    for measure, figures in sampled.figures.items():
+        for name in screening.find_moving(figures):
+            moves[name] = (*moves.get(name, ()), measure)
+    names = dict(zip(objective.keys, objective.space.names, strict=True))
+    own: set[str] = set()
+    for instance in {instance for instance, _ in names}:
+        felt = [c.violation for c in sampled.conditions if c.where == instance]
+        felt += [figures for (owner, _), figures in sampled.figures.items() if owner == instance]
+        moving = {name for figures in felt for name in screening.find_moving(figures)}
+        own |= {name for (owner, _), name in names.items() if owner == instance and name in moving}
+    return Influence(moves, frozenset(own))
+
+
+def find_moved_measures(rollouts: list[Rollout]) -> tuple[MeasureKey, ...]:
+    """Return the performance measures that differ between any candidates of some populations."""
+    figures = {key: np.concatenate([rollout.figures[key] for rollout in rollouts]) for key in rollouts[0].figures}
+    return tuple(key for key, each in figures.items() if _spread(each) > SAME)
+
+
+def is_idle(rollouts: list[Rollout]) -> bool:
+    """Say whether neither a performance measure nor the violation differs between any candidates."""
+    violation = np.concatenate([rollout.violation for rollout in rollouts])
+    return not find_moved_measures(rollouts) and _spread(violation) <= SAME
+
+
+def _spread(figures: FloatArray) -> float:
+    finite = figures[np.isfinite(figures)]
+    return float(np.ptp(finite)) if len(finite) else 0.0
