@@ -12,7 +12,6 @@ LONG_MODULES = frozenset(
     {
         "hybrid_tamp/execution/run.py",
         "hybrid_tamp/execution/storage.py",
-        "hybrid_tamp/midlevel/refinement.py",
         "hybrid_tamp/midlevel/simulation.py",
         "hybrid_tamp/model/block.py",
         "hybrid_tamp/report/documents.py",
