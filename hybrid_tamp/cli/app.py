@@ -8,12 +8,16 @@ from typing import Annotated
 import typer
 
 from hybrid_tamp.cli.affordances import affordances
+from hybrid_tamp.cli.domains import domains
 from hybrid_tamp.cli.explain import explain
 from hybrid_tamp.cli.imitate import imitate
-from hybrid_tamp.cli.listing import domains, network, schema
+from hybrid_tamp.cli.learn import learn
+from hybrid_tamp.cli.network import network
 from hybrid_tamp.cli.planning import check, pddl, plan, run
 from hybrid_tamp.cli.probe import probe
-from hybrid_tamp.cli.recordings import learn, replay, report
+from hybrid_tamp.cli.recordings import replay
+from hybrid_tamp.cli.report import report
+from hybrid_tamp.cli.schema import schema
 
 app = typer.Typer(
     name="hybrid-tamp",

@@ -7,6 +7,7 @@ from hybrid_tamp.errors import HybridTampError, InputError, LimitReached
 _FLAGS = {
     "agent": "--agent",
     "backend": "--backend",
+    "block": "BLOCK",
     "classes": "--class",
     "questions": "--what-if",
     "token": "--token",

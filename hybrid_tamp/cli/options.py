@@ -34,16 +34,6 @@ class Encoding(str, Enum):
     temporal = "temporal"
 
 
-class Document(str, Enum):
-    """Documents whose JSON Schema can be printed."""
-
-    task = "task"
-    plan = "plan"
-    result = "result"
-    explain = "explain"
-    affordances = "affordances"
-
-
 TaskArgument = Annotated[str, typer.Argument(metavar="TASK", help="a YAML task file, or the name of a bundled one")]
 JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON document and nothing else")]
 PlannerOption = Annotated[str | None, typer.Option("--planner", metavar="NAME", help="planning engine")]

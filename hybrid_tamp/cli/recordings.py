@@ -1,4 +1,4 @@
-"""Verbs that take what runs left behind or what was shown: replay, report, learn."""
+"""The verb that runs a recording again: replay."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +7,7 @@ import typer
 
 from hybrid_tamp.cli.console import say
 from hybrid_tamp.cli.loading import finder
-from hybrid_tamp.cli.options import DomainOption, ForceOption, JsonOption
+from hybrid_tamp.cli.options import DomainOption, JsonOption
 
 
 def replay(
@@ -40,52 +40,3 @@ def replay(
     say(document, as_json, lambda: said)
     if not report.identical:
         raise typer.Exit(40)
-
-
-def report(
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="the folder that plan or run left")],
-    as_json: JsonOption = False,
-) -> None:
-    """Write report.html again from the documents in the folder."""
-    from hybrid_tamp.report.folder import RunFolder
-    from hybrid_tamp.report.page import write_page
-
-    file = str(write_page(RunFolder(directory)))
-    say({"schema": "hybrid-tamp/report/1", "directory": str(directory), "file": file}, as_json, lambda: file)
-
-
-def learn(
-    block: Annotated[str, typer.Argument(metavar="BLOCK", help="a block, or an action whose modes all move alike")],
-    demonstrations: Annotated[
-        list[Path], typer.Argument(metavar="DEMO...", help="CSV files of time and position or pose, or folders of runs")
-    ],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.json", help="the primitive's file")],
-    as_json: JsonOption = False,
-    domain: DomainOption = None,
-    token: Annotated[str | None, typer.Option("--token", metavar="NAME", help="which token to watch in a run")] = None,
-    weights: Annotated[int, typer.Option("--weights", min=1, max=1000, help="number of basis functions")] = 20,
-    force: ForceOption = False,
-) -> None:
-    """Learn a block's motor primitive from what was shown."""
-    from hybrid_tamp.verbs.learn import learn as learnt
-    from hybrid_tamp.verbs.learn import save_primitive
-
-    primitive = learnt(block, demonstrations, domain=domain, token=token, weights=weights)
-    save_primitive(primitive, output, force=force)
-    document = {
-        "schema": "hybrid-tamp/learn/1",
-        "file": str(output),
-        "block": block,
-        "dimensions": primitive.dimensions,
-        "weights": weights,
-        "sources": primitive.sources,
-        "rms": primitive.rms,
-        "unit": primitive.unit,
-    }
-
-    def sentence() -> str:
-        sources = ", ".join(primitive.sources)
-        error = f"{primitive.rms:.2g} {primitive.unit} rms from what was shown"
-        return f"{output}: primitive of {block} with {weights} weights a dimension, {error} ({sources})"
-
-    say(document, as_json, sentence)

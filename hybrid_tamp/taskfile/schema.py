@@ -13,11 +13,8 @@ from hybrid_tamp.model.predicate import ANY, Parameter, Predicate, SymbolSort
 from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.forms import JsonObject, form_of
 from hybrid_tamp.taskfile.midlevel import names_of
-from hybrid_tamp.taskfile.reference import reference_page
 from hybrid_tamp.taskfile.roles import can_start
 from hybrid_tamp.taskfile.tokens import known_classes
-
-__all__ = ["json_schema", "reference_page"]
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 

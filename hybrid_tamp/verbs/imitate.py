@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from hybrid_tamp.errors import InputError, Issue, NoPlan
+from hybrid_tamp.model.demonstrated import demonstrated_movements
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
@@ -29,7 +30,7 @@ from hybrid_tamp.taskfile.pose_tables import read_poses
 from hybrid_tamp.taskfile.primitives import PrimitiveFile
 from hybrid_tamp.taskfile.yaml.nodes import parse
 from hybrid_tamp.verbs import pipeline
-from hybrid_tamp.verbs.learn import learn_from, save_primitive
+from hybrid_tamp.verbs.learn import fit_primitive, save_primitive
 
 _WAY = "imitation"
 _ALLOWANCE_OF_POSES = 1.0
@@ -153,7 +154,8 @@ def _learnt(shown: Shown, plan: TaskPlan, task: Task) -> dict[str, PrimitiveFile
         instances = [instance for instance in plan.instances if instance.block == name]
         seen = shown.observation
         try:
-            found[name] = learn_from(block, shown.source, seen.times, seen.trajectory, instances)
+            movements = demonstrated_movements(shown.source, seen.times, seen.trajectory, instances, block.movement)
+            found[name] = fit_primitive(name, list(movements), block.movement)
         except InputError as error:
             _logger.warning("%s keeps its own motor primitive: %s", name, error)
     return found

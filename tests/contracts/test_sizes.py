@@ -69,7 +69,7 @@ def test_no_function_over_40_lines() -> None:
 
 
 LONGEST_VERB = 150
-LONG_VERBS = frozenset({"imitate.py", "learn.py", "pipeline.py"})
+LONG_VERBS = frozenset({"imitate.py", "pipeline.py"})
 """Verbs whose file is too long. The list may only shrink."""
 
 

@@ -18,7 +18,8 @@ from hybrid_tamp.model.predicate import ANY, Atom, Binding
 from hybrid_tamp.model.task import MidLevel, Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
-from hybrid_tamp.taskfile.schema import json_schema, reference_page
+from hybrid_tamp.taskfile.reference import reference_page
+from hybrid_tamp.taskfile.schema import json_schema
 from hybrid_tamp.taskfile.yaml.nodes import parse
 
 PROBLEMS = Path(__file__).parents[2] / "problems"

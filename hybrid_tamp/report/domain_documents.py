@@ -1,0 +1,36 @@
+"""Documents about domains, as `domains --json` and `network --json` print them."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from hybrid_tamp.model.domain import Domain
+
+
+def domains_document(domains: Iterable[Domain]) -> dict[str, Any]:
+    """Return what each domain has, by name."""
+    return {
+        "schema": "hybrid-tamp/domains/1",
+        "domains": [
+            {
+                "name": domain.name,
+                "description": domain.description,
+                "classes": [each.name for each in domain.classes],
+                "blocks": [each.name for each in domain.blocks],
+                "predicates": [each.name for each in domain.predicates],
+            }
+            for domain in domains
+        ],
+    }
+
+
+def network_document(domain: Domain) -> dict[str, Any]:
+    """Return the reassignment network of a domain: its blocks with their slots, and its edges."""
+    return {
+        "schema": "hybrid-tamp/network/1",
+        "domain": domain.name,
+        "blocks": [
+            {"name": block.name, "slots": {slot.name: slot.object_class.name for slot in block.slots}}
+            for block in domain.blocks
+        ],
+        "edges": [[".".join(source), ".".join(target)] for source, target in domain.network.edges],
+    }
