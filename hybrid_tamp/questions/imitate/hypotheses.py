@@ -1,6 +1,6 @@
-"""What an observer may take a stretch of a token's time for: one running of a block, judged by what is seen.
+"""Hypotheses of an observer: one instance of a block that explains what some tokens do for a while.
 
-A running of a block lasts at least until its exit conditions are seen to hold. From then on it holds: its tokens are
+An instance of a block lasts at least until its exit conditions are seen to hold. From then on it holds: its tokens are
 still until they leave. What a block does not write does not move while it runs, and what it reads of its targets does
 not change before its exit conditions hold.
 """
@@ -28,22 +28,22 @@ Roles = tuple[tuple[str, str], ...]
 """(role, token or symbol) of an instance."""
 
 UNEXPLAINED_COST = 20.0
-"""What a movement that no block explains costs, in instances of blocks."""
+"""Cost of a movement that no block explains, in instances of blocks."""
 MISFIT_SCALE = 0.05
-"""A token that comes to rest so far from where its block would bring it costs as much as an instance [m]."""
+"""A misfit of this distance costs as much as one instance [m]."""
 PAUSE_COST = 4.0
-"""What a pause costs that the block's own policy does not make."""
+"""Cost of a pause that the block's own policy does not make."""
 _MISFIT_BOUND = (0.08, 0.25)
-"""How far off at most [m], and how much further per distance that was moved."""
+"""Largest misfit [m], and how much it grows per distance moved."""
 _OPEN = 0.2
-"""How long exit conditions may come and go by noise until they hold [s]."""
+"""How long noise may make exit conditions come and go until they hold [s]."""
 _PAUSE = 0.2
-"""A token that is still for so long has come to an end of its movement [s]."""
+"""A token that is still for this long has ended its movement [s]."""
 
 
 @dataclass(frozen=True)
-class Guess:
-    """One instance of a block as the observer sees it; of no block where a movement is not explained.
+class Hypothesis:
+    """One instance of a block as the observer sees it; of no block if a movement is not explained.
 
     Attributes:
         block: the block's name, or None.
@@ -53,7 +53,7 @@ class Guess:
         reached: the row at which its exit conditions hold first.
         departs: the row by which its tokens have left, because one of them moves; beyond the last one if none does.
         due: the row by which it must end; earlier than `departs` for a block without a hold.
-        cost: what it adds to the cost of an explanation.
+        cost: what it adds to the cost of an interpretation.
     """
 
     block: str | None
@@ -75,15 +75,15 @@ class Guess:
         return next(slot for slot, name in self.slots if name == token)
 
 
-class Guesser:
-    """Makes guesses of one observation, and says when they can begin and end."""
+class Hypotheses:
+    """The hypotheses about one observation, and when they can begin and end."""
 
     def __init__(self, task: Task, observation: Observation) -> None:
         self.task = task
         self.observation = observation
         self.static = StaticFacts(task)
         self._targets: dict[tuple[str, Roles], tuple[Roles, ...]] = {}
-        self._guesses: dict[tuple[str, Roles, Roles, int], tuple[Guess, ...]] = {}
+        self._found: dict[tuple[str, Roles, Roles, int], tuple[Hypothesis, ...]] = {}
         self._over_symbols: dict[str, tuple[Roles, ...]] = {}
 
     def block(self, name: str) -> Block:
@@ -91,7 +91,7 @@ class Guesser:
         return self.task.domain.block_by_name[name]
 
     def truth(self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False, sure: float = SURE) -> Truth:
-        """Return where all conditions hold; arguments as of `Observation.truth`."""
+        """Return the rows in which all conditions hold; arguments as of `Observation.truth`."""
         binding = self.task.bind(dict(roles))
         found = np.ones(len(self.observation.times), dtype=bool)
         for literal in literals:
@@ -100,25 +100,25 @@ class Guesser:
                 break
         return found
 
-    def ready(self, guess: Guess, strict: bool = False) -> Truth:
-        """Return where it may end: its exit conditions hold, and it has lasted its minimum."""
-        if guess.block is None:
-            return self._from(guess.reached)
-        exits = self.block(guess.block).measured_exits
-        return self.truth(exits, guess.slots + guess.targets, strict) & self._from(guess.reached)
+    def ready(self, hypothesis: Hypothesis, strict: bool = False) -> Truth:
+        """Return the rows in which it may end: its exit conditions hold, and its minimum duration is over."""
+        if hypothesis.block is None:
+            return self._from(hypothesis.reached)
+        exits = self.block(hypothesis.block).measured_exits
+        return self.truth(exits, hypothesis.slots + hypothesis.targets, strict) & self._from(hypothesis.reached)
 
     def may_start(self, name: str, roles: Roles, strict: bool = False) -> Truth:
-        """Return where the entry conditions hold that are measured."""
+        """Return the rows in which the measured entry conditions hold."""
         return self.truth(self.block(name).measured_entries, roles, strict)
 
-    def guesses(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Guess, ...]:
-        """What may begin in a row: nothing if what is seen contradicts it, several if noise leaves it open."""
+    def find(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Hypothesis, ...]:
+        """Return what may begin in a row: none if the observation contradicts it, several if noise leaves it open."""
         key = (name, slots, targets, start)
-        if key not in self._guesses:
+        if key not in self._found:
             rows = self._reached(self.block(name), slots + targets, start)
-            made = [self._made(name, slots, targets, start, row) for row in rows]
-            self._guesses[key] = tuple(guess for guess in made if guess is not None)
-        return self._guesses[key]
+            candidates = [self._make(name, slots, targets, start, row) for row in rows]
+            self._found[key] = tuple(each for each in candidates if each is not None)
+        return self._found[key]
 
     def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
         """Return the rows at which the exit conditions may hold first, with more and less allowance for noise."""
@@ -134,7 +134,7 @@ class Guesser:
         again = near[np.flatnonzero(np.diff(near, prepend=near[0] - 2) > 1)[-1]]
         return sorted({int(loose[0]), int(again), int(near[-1]), *map(int, exact[:1])})
 
-    def _made(self, name: str, slots: Roles, targets: Roles, start: int, reached: int) -> Guess | None:
+    def _make(self, name: str, slots: Roles, targets: Roles, start: int, reached: int) -> Hypothesis | None:
         block, seen = self.block(name), self.observation
         departs = min(self._departure(block, slot, token, start, reached) for slot, token in slots)
         if departs <= reached or self._disturbed(block, targets, start, reached):
@@ -147,9 +147,9 @@ class Guesser:
         if halts is None:
             return None
         cost = 1.0 + misfit / MISFIT_SCALE + halts * PAUSE_COST
-        return Guess(name, slots, targets, start, reached, departs, departs if block.hold else reached, cost)
+        return Hypothesis(name, slots, targets, start, reached, departs, departs if block.hold else reached, cost)
 
-    def unexplained(self, token: str, start: int) -> Guess:
+    def unexplained(self, token: str, start: int) -> Hypothesis:
         """Return the movement of a token that no block explains, until it pauses."""
         seen, row = self.observation, start + 1
         while row < seen.last:
@@ -159,7 +159,7 @@ class Guesser:
             row = left
         row = min(row, seen.last)
         due = row if start < seen.last else seen.last + 1
-        return Guess(None, (("token", token),), (), start, row, seen.departure(token, row), due, UNEXPLAINED_COST)
+        return Hypothesis(None, (("token", token),), (), start, row, seen.departure(token, row), due, UNEXPLAINED_COST)
 
     def targets(self, block: Block, slots: Roles) -> tuple[Roles, ...]:
         """Return the targets with which the feasibility facts let the block run on these tokens."""

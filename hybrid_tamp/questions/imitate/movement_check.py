@@ -1,6 +1,6 @@
-"""The manner of a movement, held against the block's own policy on its own forward model, from the same start.
+"""A movement compared with the block's own policy on its own forward model, from the same start.
 
-Where there are more pauses, several blocks were at work; where the way is much longer, none of this kind was.
+If the movement has more pauses, several blocks made it; if its path is much longer, no block of this kind made it.
 """
 
 from itertools import pairwise
@@ -16,17 +16,17 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.questions.imitate.observation import Observation, Truth
 
 _SLOW = 0.03
-"""Slower than this a token pauses [m/s]."""
+"""A token that is slower than this pauses [m/s]."""
 _SHORTEST = 0.12
-"""A pause lasts at least so long [s]."""
+"""Least duration of a pause [s]."""
 _SPAN = 0.05
-"""Between how many looks at it a way is measured [s]."""
+"""Between samples this far apart the length of a path is measured [s]."""
 _LONGER = (1.5, 0.1)
-"""A way is too long if it is so many times as long as expected, and so much longer [m]."""
-_LOOKS = 12
+"""A path is too long if it exceeds this multiple of the expected length by this much [m]."""
+_CHECK_EVERY = 12
 """After so many control periods the exit conditions of a block are measured."""
 _PATIENCE = 2.0
-"""So many times as long as expected a block may take in its own forward model."""
+"""By which factor a block may exceed its expected duration in its own forward model."""
 
 
 def pauses(speeds: FloatArray, period: float, slow: float = _SLOW) -> int:
@@ -44,7 +44,7 @@ def pauses(speeds: FloatArray, period: float, slow: float = _SLOW) -> int:
 
 
 def length(positions: FloatArray, period: float) -> float:
-    """Return the longest way that one of the tokens goes [m].
+    """Return the length of the longest path of a token [m].
 
     Args:
         positions: of the tokens at a constant rate, shape ``(t, tokens, 3)`` [m].
@@ -56,7 +56,7 @@ def length(positions: FloatArray, period: float) -> float:
 
 
 def unexpected_pauses(block: Block, binding: Binding, seen: Observation, start: int, reached: int) -> int | None:
-    """Return how many more pauses are seen than the block makes, or None if it does not go so long a way."""
+    """Return how many more pauses are seen than the block makes, or None if its path is not that long."""
     moved = [str(getattr(binding[slot], "name", "")) for slot, written in block.writes.items() if "position" in written]
     if not moved or block.policy is None:
         return 0
@@ -87,4 +87,4 @@ def _too_long(way: float) -> float:
 def _roll_out(block: Block, binding: Binding, start: State) -> list[State]:
     expected = block.duration.expected(binding, start, block.initial_values(binding, start))
     longest = min(block.duration.maximum, _PATIENCE * expected)
-    return roll_out(block, binding, start, longest, every=_LOOKS)
+    return roll_out(block, binding, start, longest, every=_CHECK_EVERY)

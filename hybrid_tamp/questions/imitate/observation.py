@@ -1,4 +1,4 @@
-"""What an observer sees: the states of all tokens over time, and nothing of who meant what."""
+"""What an observer sees: the states of all tokens over time, without intentions."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -16,21 +16,21 @@ Truth = NDArray[np.bool_]
 """Whether something holds, row by row, shape ``(t,)``."""
 
 SMOOTHING = 0.02
-"""Over how long poses and velocities are averaged [s]: much less than any block lasts."""
+"""Window over which poses and velocities are averaged [s]: much shorter than any block."""
 ALLOWANCE = 0.25
-"""How inexact what is measured is, in scales of predicates."""
+"""Inaccuracy of measurements, in scales of predicates."""
 SURE = 3.0
-"""So many standard deviations of a margin are put down to noise."""
+"""How many standard deviations of a margin count as noise."""
 _MEDIAN = 0.6745
 """Median of the absolute value of noise, in standard deviations."""
 _LEAST = 1e-4
-"""Noise of places below this is the movement itself [m]."""
+"""Noise of positions below this is the movement itself [m]."""
 _DRAWS = 16
-"""So many states are looked at where noise leaves open which one it was."""
+"""How many states are examined if noise leaves open which one it was."""
 STILL = (0.01, 0.04)
-"""A token whose place [m] and orientation [rad] change by no more than this rests or is held."""
+"""A token whose position [m] and orientation [rad] change by no more than this rests or is held."""
 _ONSET = (0.003, 0.01)
-"""A token whose place [m] or orientation [rad] has changed by this much has begun to move."""
+"""A token whose position [m] or orientation [rad] has changed by this much has begun to move."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,15 +92,15 @@ class Observation:
         return State(self.trajectory.layout, self.trajectory.values[row])
 
     def likely(self, row: int) -> State:
-        """Return what the state of a row may have been but for noise, batch shape ``(n,)``, likely ones first."""
+        """Return states that the one of a row may be without noise, batch shape ``(n,)``, likely ones first."""
         draws = np.random.default_rng(row).standard_normal((_DRAWS, self.trajectory.layout.size))
         draws *= np.linspace(0.0, SURE, _DRAWS)[:, None]
         return State(self.trajectory.layout, self.trajectory.values[row] + draws * self.deviation.values)
 
     def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE) -> Truth:
-        """Return where a condition holds as measured, row by row.
+        """Return the rows in which a condition holds as measured.
 
-        Unless `strict`, also where it about holds but for noise of so many standard deviations (`sure`).
+        Unless `strict`, also rows in which it nearly holds, given noise of `sure` standard deviations.
         """
 
         def find() -> Truth:
@@ -114,12 +114,12 @@ class Observation:
         return self._known((literal.ground(binding), strict, sure), find)
 
     def departure(self, token: str, row: int) -> int:
-        """Return the row at which a token is no longer where it was in a row; beyond the last one if it stays."""
+        """Return the row in which a token is no longer where it was in a row; beyond the last one if it stays."""
         moved = np.flatnonzero(self._moved(token, row, STILL)[row:])
         return row + int(moved[0]) if len(moved) else self.last + 1
 
     def onset(self, token: str, row: int) -> int:
-        """Return the row at which the movement begins that takes a token away from where it was in a row."""
+        """Return the row in which the movement begins that takes a token away from where it was in a row."""
         left = self.departure(token, row)
         near = np.flatnonzero(~self._moved(token, row, _ONSET)[row:left])
         return row + int(near[-1])
@@ -130,7 +130,7 @@ class Observation:
 
     @cached_property
     def _shaken(self) -> State:
-        """What was seen with as much noise once more: what becomes of a margin tells how exact that is."""
+        """The observation with as much noise added again: the change of a margin shows how exact it is."""
         draws = np.random.default_rng(0).standard_normal(self.trajectory.values.shape)
         return State(self.trajectory.layout, self.trajectory.values + draws * self.deviation.values)
 
@@ -154,7 +154,7 @@ class Observation:
 
 
 def _noise(trajectory: State, period: float) -> FloatArray:
-    """Return the standard deviation of the noise of each column; none where places are exact."""
+    """Return the standard deviation of the noise of each column; zero if positions are exact."""
     found = measured_noise(trajectory.values, period)
     places = [found[part] for (_, name), part in trajectory.layout.slices.items() if name == "position"]
     return found if places and max(place.max() for place in places) > _LEAST else np.zeros_like(found)
@@ -163,7 +163,7 @@ def _noise(trajectory: State, period: float) -> FloatArray:
 def measured_noise(values: FloatArray, period: float) -> FloatArray:
     """Return the standard deviation of the noise of each column of values ``(t, c)``, from their third differences.
 
-    They are taken over some hundredths of a second, in which movements are all but smooth.
+    They span some hundredths of a second, in which movements are nearly smooth.
     """
     step = max(1, round(SMOOTHING / period))
     if len(values) <= 3 * step:
@@ -173,7 +173,7 @@ def measured_noise(values: FloatArray, period: float) -> FloatArray:
 
 
 def _smoothed(layout: StateLayout, values: FloatArray, window: int) -> FloatArray:
-    """Average poses and velocities over a window of rows; whatever else varies may jump and stays as it is."""
+    """Average poses and velocities over a window of rows; other properties may jump and stay as they are."""
     found = values.copy()
     averaged = {varying.name for varying in BODY_STATE}
     kernel, half = np.ones(window) / window, window // 2

@@ -1,8 +1,7 @@
-"""A plan that was seen, carried over to another agent with the same capability classes (paper, Sec. II-E).
+"""A plan that was seen, transferred to another agent with the same capability classes (paper, Sec. II-E).
 
-Objects take the roles that they have in the goal. Everything else takes, by class, the roles that it can fill: of all
-such assignments of roles the first lawful one counts, those first in which things lie to each other as they lay in
-what was seen.
+Objects take the roles that they have in the goal. All other tokens take the roles that their classes allow. The first
+lawful assignment of roles counts; assignments come first in which the tokens lie to each other as in the observation.
 """
 
 from collections.abc import Iterator, Mapping
@@ -25,8 +24,8 @@ from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 
 KIND = "not_imitable"
 _MOST = 2000
-"""So many assignments of roles are looked at."""
-_TOLD = 4
+"""How many assignments of roles are examined at most."""
+_MOST_BREACHES = 4
 
 
 @dataclass(frozen=True)
@@ -34,8 +33,8 @@ class Transfer:
     """A plan for another agent.
 
     Attributes:
-        plan: it, scheduled and lawful.
-        task: the task with the ground goal that it reaches; the task itself where that leaves no choice.
+        plan: the plan, scheduled and lawful.
+        task: the task with the ground goal that it reaches; the task itself if its goal leaves no choice.
         roles: token that was seen to the token that takes its role.
     """
 
@@ -45,21 +44,21 @@ class Transfer:
 
 
 def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
-    """Return the plan of a task that does as was seen.
+    """Return the plan of a task that does what was seen.
 
     Args:
         shown: the demonstrator's task.
-        plan: what was seen of it; movements that no block explains are left out.
+        plan: the plan that was seen; movements that no block explains are left out.
         task: the imitator's task, with the same domain.
 
     Raises:
-        NoPlan: it cannot be done so; the message says why.
+        NoPlan: the task has no such plan; the message says why.
     """
     if shown.domain.name != task.domain.name:
         raise _refused(f"what was seen is of the domain {shown.domain.name}, {task.name} of {task.domain.name}")
     seen = _acting(shown, plan)
     wanted = _classes(shown, seen)
-    able = {token: _able(task, classes) for token, classes in wanted.items()}
+    able = {token: _members(task, classes) for token, classes in wanted.items()}
     for token, names in able.items():
         if not names:
             classes = ", ".join(sorted(sort.name for sort in wanted[token]))
@@ -70,7 +69,7 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
     found.sort(key=lambda roles: _unlikeness(shown, task, roles))
     why = ""
     for roles in found:
-        found_or_why = _carried_over(task, plan, seen, roles)
+        found_or_why = _transfer_roles(task, plan, seen, roles)
         if isinstance(found_or_why, Transfer):
             return found_or_why
         why = why or found_or_why
@@ -82,10 +81,10 @@ def _refused(said: str) -> NoPlan:
 
 
 def _acting(shown: Task, plan: TaskPlan) -> list[BlockInstance]:
-    """Return the instances of all tokens that do more than rest, the gaps of movements without purpose closed.
+    """Return the instances of all tokens that do more than rest; gaps of unexplained movements are closed.
 
     Raises:
-        NoPlan: a token moves without explanation while it should do something.
+        NoPlan: a token moves without explanation between blocks that act.
     """
     resting = shown.domain.resting
     busy = {t for i in plan.instances if i.block != resting for t in i.slots.values()}
@@ -116,7 +115,7 @@ def _classes(shown: Task, seen: list[BlockInstance]) -> dict[str, set[type[Objec
     return found
 
 
-def _able(task: Task, classes: set[type[ObjectClass]]) -> list[str]:
+def _members(task: Task, classes: set[type[ObjectClass]]) -> list[str]:
     return [token.name for token in task.tokens if all(token.is_member(sort) for sort in classes)]
 
 
@@ -132,11 +131,11 @@ def _goal_roles(shown: Task, task: Task, able: Mapping[str, list[str]]) -> Itera
         same = [(other, _alike(shown, task, atom, other, taken, able)) for other in left]
         other, roles = next(((other, roles) for other, roles in same if roles is not None), (None, {}))
         if other is None:
-            raise _refused(f"{atom} was the goal, and nothing like it is a goal of {task.name}")
+            raise _refused(f"{atom.text} was the goal, and nothing like it is a goal of {task.name}")
         left.remove(other)
         taken |= roles or {}
     if left:
-        raise _refused(f"{left[0]} is a goal of {task.name}, and nothing like it was a goal in what was seen")
+        raise _refused(f"{left[0].text} is a goal of {task.name}, and nothing like it was a goal in what was seen")
     yield from taken.items()
 
 
@@ -171,7 +170,7 @@ def _assignments(able: Mapping[str, list[str]], fixed: dict[str, str]) -> Iterat
 
 
 def _unlikeness(shown: Task, task: Task, roles: Mapping[str, str]) -> float:
-    """Return how much differently the tokens lie to each other, as a sum over pairs of tokens [m]."""
+    """Return how differently the tokens lie to each other, as a sum over pairs of tokens [m]."""
     before = np.array([shown.state[name, "position"] for name in roles])
     after = np.array([task.state[name, "position"] for name in roles.values()])
     return float(np.linalg.norm((before[:, None] - before) - (after[:, None] - after), axis=-1).sum())
@@ -185,7 +184,7 @@ def _counted(wanted: Mapping[str, set[type[ObjectClass]]], able: Mapping[str, li
     return "; ".join(f"{' and '.join(t)} of {c} by {' or '.join(n)}" for (c, n), t in said.items())
 
 
-def _carried_over(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles: Mapping[str, str]) -> Transfer | str:
+def _transfer_roles(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles: Mapping[str, str]) -> Transfer | str:
     """Return the scheduled plan, or why there is none."""
     instants = [time for time in plan.instants if any(at(i.start, time) for i in seen)]
     ordered = [
@@ -205,7 +204,7 @@ def _carried_over(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles: 
         return str(error)
     breaches = check_law(task, scheduled)
     if breaches:
-        return "; ".join(map(str, breaches[:_TOLD]))
+        return "; ".join(map(str, breaches[:_MOST_BREACHES]))
     ground = next(each for each in task.alternatives() if not check_law(each, scheduled))
     actions = tuple(map(action_line, reencode(compile_task(ground), scheduled)))
     return Transfer(replace(scheduled, actions=actions), ground, roles)
@@ -216,7 +215,7 @@ def _index(instants: list[float], time: float) -> int:
 
 
 def _bystanders(task: Task, acting: set[str]) -> Iterator[OrderedInstance]:
-    """Yield the tokens that nothing was seen of: they stay where they start."""
+    """Yield instances for the tokens that do nothing in the observation: they stay where they start."""
     for token in task.assigned:
         if token.name not in acting:
             block = task.domain.block_by_name[task.assignment.get(token.name, task.domain.resting)]
