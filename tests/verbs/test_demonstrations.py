@@ -142,7 +142,7 @@ def test_other_wrong_arguments(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="a recording of a run"):
         hybrid_tamp.learn("REACHING:behind", [tmp_path])
     learnt = hybrid_tamp.learn("REACHING:behind", [tmp_path / "d.csv"])
-    with pytest.raises(InputError, match="--force replaces"):
+    with pytest.raises(InputError, match="force=True replaces"):
         hybrid_tamp.save_primitive(learnt, tmp_path / "d.csv")
     with pytest.raises(InputError, match="that can be written to"):
         hybrid_tamp.save_primitive(learnt, tmp_path / "none" / "p.json")
