@@ -11,7 +11,8 @@ import pytest
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.taskfile.domains import available_domains, bundled_tasks, find_domain, find_task_file
-from hybrid_tamp.taskfile.schema import json_schema, reference_page
+from hybrid_tamp.taskfile.reference import reference_page
+from hybrid_tamp.taskfile.schema import json_schema
 from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 
 
