@@ -1,0 +1,56 @@
+"""A plan of another planner for the exported PDDL, read back: its text becomes actions, and these a checked plan."""
+
+import re
+from pathlib import Path
+
+from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.decode import UndecodableError, decode
+from hybrid_tamp.symbolic.encoding.application import applicable
+from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.pddl.operators import PlannedAction
+from hybrid_tamp.symbolic.pddl.text import action_line
+from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+
+_ACTION = re.compile(r"\(\s*([^()\s]+(?:\s+[^()\s]+)*)\s*\)")
+
+
+def read_plan(task: Task, path: Path | str) -> TaskPlan:
+    """Read a plan that another planner found for the exported PDDL of a task.
+
+    Args:
+        task: the task whose ``domain.pddl`` and ``problem.pddl`` the planner was given.
+        path: the plan as planners write it: one action ``(name argument ...)`` a line, comments after ``;``.
+
+    Returns:
+        The plan with the earliest times; it obeys the law of assignment and reaches the goal.
+
+    Raises:
+        InputError: the file cannot be read, or it is no plan of the task.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError([Issue(str(path), "a plan file that can be read", str(error))]) from error
+    compilation = compile_task(task)
+    actions = [action for line in text.splitlines() for action in _actions_of(line)]
+    wanted = f"a plan of the task {task.name}"
+    if not applicable(compilation, actions):
+        came = "actions that the exported PDDL does not have, that cannot follow each other, or that miss the goal"
+        raise InputError([Issue(str(path), wanted, came)])
+    try:
+        plan = schedule(task, decode(compilation, actions), tuple(map(action_line, actions)))
+    except (UndecodableError, InfeasibleScheduleError) as error:
+        raise InputError([Issue(str(path), wanted, str(error))]) from error
+    breaches = check_law(task, plan)
+    if breaches:
+        raise InputError([Issue(str(path), wanted, str(breach)) for breach in breaches])
+    return plan
+
+
+def _actions_of(line: str) -> list[PlannedAction]:
+    """Return the actions in a line; names are in lower case, as PDDL does not tell them apart."""
+    found = _ACTION.findall(line.partition(";")[0].lower())
+    return [tuple(words.split()) for words in found]
