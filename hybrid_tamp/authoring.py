@@ -23,7 +23,7 @@ from hybrid_tamp.geometry.shapes import (
     Shape,
     Sphere,
     SpherePart,
-    parts_of,
+    solids_of,
 )
 from hybrid_tamp.geometry.surfaces import points_of, volume_of
 from hybrid_tamp.model.affordance import (
@@ -138,7 +138,7 @@ __all__ = [
     "cross",
     "integrate",
     "minimum_jerk",
-    "parts_of",
+    "solids_of",
     "points_of",
     "quantity",
     "quaternion_conjugate",

@@ -17,10 +17,10 @@ from hybrid_tamp.authoring import (
     State,
     Token,
     cross,
-    parts_of,
     quaternion_conjugate,
     quaternion_from_rpy,
     rotate,
+    solids_of,
 )
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -129,13 +129,13 @@ def tool_orientation(direction: FloatArray, angle: FloatArray | float) -> FloatA
 def foot(tool: Token) -> float:
     """Return how far the head's end, on which it stands, lies from the centre of mass [m]."""
     assert tool.shape is not None, "a tool has a shape"
-    return max(map(_ahead, parts_of(tool.shape)))
+    return max(map(_ahead, solids_of(tool.shape)))
 
 
 def butt(tool: Token) -> FloatArray:
     """Return the corner of the handle's end ``(3,)`` [m], in the body frame, that comes near what is struck."""
     assert tool.shape is not None, "a tool has a shape"
-    back = max(_ahead(part, -1.0) for part in parts_of(tool.shape))
+    back = max(_ahead(part, -1.0) for part in solids_of(tool.shape))
     return np.array([-back, 0.0, tool["handle_to"][2] - tool["handle_width"] / 2])
 
 

@@ -12,7 +12,7 @@ from itertools import combinations, product
 import numpy as np
 
 from hybrid_tamp.geometry.meshes import Hull
-from hybrid_tamp.geometry.shapes import Box, Cylinder, Shape, Solid, parts_of
+from hybrid_tamp.geometry.shapes import Box, Cylinder, Shape, Solid, solids_of
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 
@@ -80,15 +80,15 @@ Body = Sequence[ConvexBody]
 
 def placed(shape: Shape, position: FloatArray, orientation: FloatArray) -> Body:
     """Return the body of a shape at a position ``(3,)`` [m] and an orientation, a unit quaternion ``(4,)``."""
-    parts = []
-    for part in parts_of(shape):
+    solids = []
+    for part in solids_of(shape):
         axes = rotate(orientation, rotate(quaternion_from_rpy(part.rpy), np.eye(3)))
         place = position + rotate(orientation, part.position)
         if isinstance(part, Hull):
-            parts.append(_hull(part, place, axes))
+            solids.append(_hull(part, place, axes))
         else:
-            parts.append(ConvexBody(*_core(part), place, axes))
-    return parts
+            solids.append(ConvexBody(*_core(part), place, axes))
+    return solids
 
 
 def _hull(part: Hull, position: FloatArray, axes: FloatArray) -> ConvexBody:

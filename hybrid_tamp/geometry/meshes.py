@@ -69,10 +69,10 @@ class MeshShape:
     skew: float = field(compare=False)
 
     @classmethod
-    def of(cls, path: Path, scale: float, digest: str, parts: Sequence[Hull]) -> "MeshShape":
-        """Return the shape of parts in any frame, moved so that their common centre of mass is the origin."""
-        volume, first, _ = _sum(parts)
-        moved = tuple(part.moved(-first / volume) for part in parts)
+    def of(cls, path: Path, scale: float, digest: str, solids: Sequence[Hull]) -> "MeshShape":
+        """Return the shape of solids in any frame, moved so that their common centre of mass is the origin."""
+        volume, first, _ = _sum(solids)
+        moved = tuple(each.moved(-first / volume) for each in solids)
         _, _, second = _sum(moved)
         spread = np.diag(second) / volume
         x, y, z = (float(moment) for moment in spread.sum() - spread)
@@ -91,18 +91,18 @@ class MeshShape:
         return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 
 
-def _sum(parts: Sequence[Hull]) -> tuple[float, FloatArray, FloatArray]:
-    volumes, firsts, seconds = zip(*(part.integrals for part in parts), strict=True)
+def _sum(solids: Sequence[Hull]) -> tuple[float, FloatArray, FloatArray]:
+    volumes, firsts, seconds = zip(*(each.integrals for each in solids), strict=True)
     return float(sum(volumes)), np.asarray(np.sum(firsts, axis=0)), np.asarray(np.sum(seconds, axis=0))
 
 
-def obj_text(parts: Sequence[Hull]) -> str:
-    """Return parts as the text of a Wavefront OBJ file, each as an object of its own."""
+def obj_text(solids: Sequence[Hull]) -> str:
+    """Return solids as the text of a Wavefront OBJ file, each as an object of its own."""
     lines: list[str] = []
     first = 1
-    for number, part in enumerate(parts, start=1):
+    for number, solid in enumerate(solids, start=1):
         lines.append(f"o part-{number}")
-        lines += ["v {:.9g} {:.9g} {:.9g}".format(*vertex) for vertex in part.vertices]
-        lines += ["f {} {} {}".format(*triangle) for triangle in part.triangles + first]
-        first += len(part.vertices)
+        lines += ["v {:.9g} {:.9g} {:.9g}".format(*vertex) for vertex in solid.vertices]
+        lines += ["f {} {} {}".format(*triangle) for triangle in solid.triangles + first]
+        first += len(solid.vertices)
     return "\n".join(lines) + "\n"

@@ -67,11 +67,11 @@ class SpherePart(Sphere, Placement):
 Part = Annotated[CylinderPart | BoxPart | SpherePart, Field(discriminator="kind")]
 
 
-def _not_empty(parts: tuple[Part, ...]) -> tuple[Part, ...]:
+def _not_empty(solids: tuple[Part, ...]) -> tuple[Part, ...]:
     # pydantic's own bound on the length would complain whenever a part is wrong.
-    if not parts:
+    if not solids:
         raise ValueError("a compound needs at least one part")
-    return parts
+    return solids
 
 
 class Compound(_Shape):
@@ -107,7 +107,7 @@ Shape = Solid | Compound | MeshShape
 _CENTRE = (0.0, 0.0, 0.0)
 
 
-def parts_of(shape: Shape) -> tuple[CylinderPart | BoxPart | SpherePart | Hull, ...]:
+def solids_of(shape: Shape) -> tuple[CylinderPart | BoxPart | SpherePart | Hull, ...]:
     """Return the convex parts of a compound or a mesh; any other shape is its own only part, in the middle."""
     if isinstance(shape, Compound | MeshShape):
         return shape.parts

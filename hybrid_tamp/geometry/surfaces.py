@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hybrid_tamp.geometry.meshes import Hull
-from hybrid_tamp.geometry.shapes import Shape, parts_of
+from hybrid_tamp.geometry.shapes import Shape, solids_of
 from hybrid_tamp.geometry.triangles import solid
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_rpy
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 _OUTSIDE = 1e-5
-"""How far outside a triangle it is looked whether another part is there [m]."""
+"""How far outside a triangle another solid is searched for [m]."""
 
 
 def hulls_of(shape: Shape) -> list[Hull]:
     """Return the convex parts of a shape as triangles in its body frame; round ones have many small sides."""
-    meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in parts_of(shape)]
+    meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in solids_of(shape)]
     return [Hull(mesh.vertices, mesh.triangles) for mesh in meshes]
 
 

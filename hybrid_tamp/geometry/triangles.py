@@ -109,8 +109,8 @@ def sphere(radius: float) -> Mesh:
     """Return a sphere of rings and sides."""
     polar = np.linspace(0, np.pi, _RINGS + 1)[:, None]
     around = np.linspace(0, 2 * np.pi, _SIDES, endpoint=False)[None, :]
-    parts = (np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar) + 0 * around)
-    normals = np.stack(parts, axis=-1).reshape(-1, 3)
+    components = (np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar) + 0 * around)
+    normals = np.stack(components, axis=-1).reshape(-1, 3)
     ring, side = (grid.ravel() for grid in np.meshgrid(np.arange(_RINGS), np.arange(_SIDES), indexing="ij"))
     here, there = ring * _SIDES + side, ring * _SIDES + (side + 1) % _SIDES
     below, beyond = here + _SIDES, there + _SIDES

@@ -14,11 +14,12 @@ from hybrid_tamp.taskfile.domains import find_task_file, installed_domain
 from hybrid_tamp.taskfile.entries import MidLevelEntry, RangeEntry, TaskFile
 from hybrid_tamp.taskfile.goals import read_goal
 from hybrid_tamp.taskfile.midlevel import check_bindings, read_midlevel
+from hybrid_tamp.taskfile.names import check_printable
 from hybrid_tamp.taskfile.places import Faults, KeyPath
 from hybrid_tamp.taskfile.primitives import teach
 from hybrid_tamp.taskfile.roles import read_agents, read_assignment
 from hybrid_tamp.taskfile.starts import check_starts
-from hybrid_tamp.taskfile.tokens import check_printable, read_scene
+from hybrid_tamp.taskfile.tokens import read_scene
 from hybrid_tamp.taskfile.wording import add_validation_faults
 from hybrid_tamp.taskfile.yaml.nodes import check_size, parse, read_text
 
@@ -106,22 +107,19 @@ def read_task(
         InputError: everything that is wrong with the data.
     """
     file = _check_form(data, faults)
-    domain = teach(data, faults, _find(data, faults, find_domain), folder)
+    domain = read_midlevel(data, faults, teach(data, faults, _find(data, faults, find_domain), folder))
     scene = read_scene(data, faults, domain, folder)
     goal = read_goal(data, faults, domain, scene)
     agents = read_agents(data, faults, scene)
     assignment = read_assignment(data, faults, domain, scene)
     check_starts(data, faults, scene)
-    adapted = read_midlevel(data, faults, domain)
-    if isinstance(data.get("name"), str):
-        check_printable(data["name"], ("name",), faults, "a task needs a name", key=False)
     _check_planner(data, faults, check_planner)
     faults.raise_if_any()
     assert file is not None
-    assert adapted is not None
+    assert domain is not None
     task = Task(
         name=file.name or name,
-        domain=adapted,
+        domain=domain,
         tokens=tuple(scene.tokens),
         state=State.of(scene.tokens, scene.given),
         goal=goal,
@@ -149,6 +147,8 @@ def _midlevel(entry: MidLevelEntry) -> MidLevel:
 
 
 def _check_form(data: dict[str, Any], faults: Faults) -> TaskFile | None:
+    if isinstance(data.get("name"), str):
+        check_printable(data["name"], ("name",), faults, "a task needs a name", key=False)
     try:
         return TaskFile.model_validate(data)
     except ValidationError as error:

@@ -15,15 +15,15 @@ from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 MOST_TRIANGLES = 200_000
 MOST_BYTES = 64 * 1024 * 1024
-MOST_PARTS = 1000
+MOST_SOLIDS = 1000
 SMALLEST, LARGEST = 0.001, 10.0
 """What the longest edge of a body's box must be between [m]: beyond that the unit is wrong."""
 MOST_SKEW = 0.05
 _WHAT = "a mesh file"
 _THINNEST = 1e-6
-"""A part's least volume, as a share of the cube of its longest edge."""
+"""A solid's least volume, as a share of the cube of its longest edge."""
 _DENT = 1e-3
-"""How far a convex part may be dented, as a share of its longest edge: files are rounded."""
+"""How far a convex solid may be dented, as a share of its longest edge: files are rounded."""
 _SAME = 1e-7
 """So close two corners are one, as a share of the body's longest edge."""
 
@@ -50,8 +50,8 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
     text = read_text(path, _WHAT, MOST_BYTES)
     vertices, surfaces = read_objects(text, source)
     _check_count(sum(len(surface.triangles) for surface in surfaces), source)
-    if len(surfaces) > MOST_PARTS:
-        raise InputError([Issue(source, f"a mesh of at most {MOST_PARTS} convex parts", str(len(surfaces)))])
+    if len(surfaces) > MOST_SOLIDS:
+        raise InputError([Issue(source, f"a mesh of at most {MOST_SOLIDS} convex parts", str(len(surfaces)))])
     size = _size(vertices, surfaces) * written.scale
     if not SMALLEST <= size <= LARGEST:
         remedy = (
@@ -59,8 +59,8 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
         )
         wanted = f"a body between {SMALLEST:g} m and {LARGEST:g} m long"
         raise InputError([Issue(source, wanted, f"one of {size:.4g} m", remedy=remedy)])
-    parts = [_part(vertices * written.scale, surface, size, source) for surface in surfaces]
-    shape = MeshShape.of(path.absolute(), written.scale, digest_of(text), parts)
+    solids = [_solid(vertices * written.scale, surface, size, source) for surface in surfaces]
+    shape = MeshShape.of(path.absolute(), written.scale, digest_of(text), solids)
     if shape.skew > MOST_SKEW:
         wanted = f"a mesh whose axes are its principal ones, up to a product of inertia of {MOST_SKEW:g} of its moment"
         raise InputError(
@@ -97,45 +97,45 @@ def _size(vertices: FloatArray, surfaces: list[Surface]) -> float:
     return float(np.ptp(used, axis=0).max())
 
 
-def _part(vertices: FloatArray, surface: Surface, size: float, source: str) -> Hull:
-    """Return one object as a convex part, its equal corners made one."""
+def _solid(vertices: FloatArray, surface: Surface, size: float, source: str) -> Hull:
+    """Return one object as a convex solid, its equal corners made one."""
     corners = vertices[np.array(surface.triangles)].reshape(-1, 3)
     _, first, names = np.unique(np.round(corners / (_SAME * size)), axis=0, return_index=True, return_inverse=True)
-    part = Hull(corners[first], names.reshape(-1, 3).astype(np.intp))
-    fault = _fault(part)
+    solid = Hull(corners[first], names.reshape(-1, 3).astype(np.intp))
+    fault = _fault(solid)
     if fault is not None:
         wanted, came = fault
         raise InputError([Issue(source, f"object {surface.name!r} of the mesh must be {wanted}", came)])
-    return part if part.integrals[0] > 0 else Hull(part.vertices, part.triangles[:, ::-1])
+    return solid if solid.integrals[0] > 0 else Hull(solid.vertices, solid.triangles[:, ::-1])
 
 
-def _fault(part: Hull) -> tuple[str, str] | None:
+def _fault(solid: Hull) -> tuple[str, str] | None:
     """Return what an object should be and what it is instead, or None.
 
     What is closed, in one piece of the sphere's topology and nowhere dented across an edge is convex.
     """
-    size = float(np.ptp(part.vertices, axis=0).max())
-    corners = part.vertices[part.triangles]
+    size = float(np.ptp(solid.vertices, axis=0).max())
+    corners = solid.vertices[solid.triangles]
     crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.linalg.norm(crossed, axis=1) / 2.0
     thin = int(np.sum(areas < 1e-12 * size**2))
     if thin:
         return "without degenerate triangles", f"{thin} of {len(areas)} have no area"
-    edges = part.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    edges = solid.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     partners = _partners(edges)
     if partners is None:
         pairs, counts = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
         odd = int(np.sum(counts != 2))
         said = f"{odd} of its {len(pairs)} edges do not join two triangles" if odd else "triangles of two orientations"
         return "watertight", said
-    if len(part.vertices) - len(edges) // 2 + len(areas) != 2:
+    if len(solid.vertices) - len(edges) // 2 + len(areas) != 2:
         return "one solid without holes", "several pieces, or one with holes"
-    volume = part.integrals[0]
+    volume = solid.integrals[0]
     if abs(volume) < _THINNEST * size**3:
         return "a solid", f"degenerate: a volume of {abs(volume):.3g} m^3 at a length of {size:.3g} m"
     normals = np.repeat(crossed / (2.0 * areas[:, None]) * np.sign(volume), 3, axis=0)
-    apexes = part.triangles[:, [2, 0, 1]].reshape(-1)[partners]
-    dent = float(np.max(np.sum(normals * (part.vertices[apexes] - part.vertices[edges[:, 0]]), axis=1)))
+    apexes = solid.triangles[:, [2, 0, 1]].reshape(-1)[partners]
+    dent = float(np.max(np.sum(normals * (solid.vertices[apexes] - solid.vertices[edges[:, 0]]), axis=1)))
     if dent > _DENT * size:
         return "convex: split it into convex objects", f"a dent of {dent:.3g} m"
     return None

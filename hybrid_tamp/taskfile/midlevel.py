@@ -20,9 +20,9 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 
 MOST_BINDINGS = 10_000
-"""So many bindings of a block are looked at."""
+"""At most this many bindings of a block are checked."""
 MOST_SHOWN = 5
-"""So many of their bounds are shown."""
+"""At most this many of their bounds are shown."""
 
 Kind = Literal["weights", "hyperparameters"]
 _WORDS: Mapping[Kind, str] = {"weights": "measure", "hyperparameters": "hyperparameter"}
@@ -66,10 +66,10 @@ def names_of(domain: Domain, kind: Kind) -> dict[str, list[tuple[Block, str]]]:
     """Return every ``BLOCK.name`` that a task file may use, with what it means: blocks, and the name in each."""
     found: dict[str, list[tuple[Block, str]]] = {}
     for block in domain.blocks:
-        parts = block.performance if kind == "weights" else block.hyperparameters
-        for part in parts:
+        declared = block.performance if kind == "weights" else block.hyperparameters
+        for each in declared:
             for owner in dict.fromkeys((block.name, block.action)):
-                found.setdefault(f"{owner}.{part.name}", []).append((block, part.name))
+                found.setdefault(f"{owner}.{each.name}", []).append((block, each.name))
     return found
 
 

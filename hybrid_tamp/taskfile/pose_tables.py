@@ -27,7 +27,7 @@ from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 LONGEST = 600.0
 """Longest demonstration [s]."""
-_PARTS = {"position": ("x", "y", "z"), "orientation": ("qx", "qy", "qz", "qw")}
+_COLUMNS_OF = {"position": ("x", "y", "z"), "orientation": ("qx", "qy", "qz", "qw")}
 _RATE_OF = {"position": "velocity", "orientation": "angular_velocity"}
 _NAME = re.compile(r"^(.*?)\s*(\[[^]]*\])?$")
 _SPANS = (0.03, 0.15)
@@ -98,8 +98,8 @@ def _available(task: Task) -> dict[str, tuple[str, str]]:
         for varying in token.varying:
             if varying.name in _RATE_OF.values():
                 continue
-            parts = _PARTS.get(varying.name, (varying.name,) if varying.size == 1 else ())
-            found |= {f"{token.name}.{part}": (token.name, varying.name) for part in parts}
+            names = _COLUMNS_OF.get(varying.name, (varying.name,) if varying.size == 1 else ())
+            found |= {f"{token.name}.{part}": (token.name, varying.name) for part in names}
     return found
 
 
@@ -111,11 +111,11 @@ def _complete(
         if name not in wanted or wanted[name] in columns:
             continue
         token, varying = wanted[name]
-        parts = [f"{token}.{part}" for part in _PARTS.get(varying, (varying,))]
-        missing = [part for part in parts if part not in found]
+        names = [f"{token}.{part}" for part in _COLUMNS_OF.get(varying, (varying,))]
+        missing = [part for part in names if part not in found]
         if missing:
-            faults.add(header[index].mark, f"{', '.join(parts)} together", f"no {', '.join(missing)}")
-        columns[token, varying] = [found.get(part, 0) for part in parts]
+            faults.add(header[index].mark, f"{', '.join(names)} together", f"no {', '.join(missing)}")
+        columns[token, varying] = [found.get(part, 0) for part in names]
     return columns
 
 

@@ -25,14 +25,14 @@ _COLUMNS = ("key", "type", "unit", "bounds", "default", "meaning")
 
 def reference_page(domains: Sequence[Domain]) -> str:
     """Return the reference page: every key of a task file, then every domain with all that a file can name."""
-    parts = [_INTRODUCTION]
-    parts += [_model("The file", TaskFile), _model("`TokenEntry`: a token", TokenEntry), _model("`Pose`", Pose)]
-    parts += [_model(f"`{shape.__name__}`: a shape", shape) for shape in (Cylinder, Box, Sphere, Compound, MeshFile)]
-    parts += [_model("`CylinderPart`, `BoxPart`, `SpherePart`: a part", Placement)]
-    parts += [_model("`LimitsEntry`: limits", LimitsEntry)]
-    parts += [_model("`MidLevelEntry`: the mid-level planner", MidLevelEntry), _model("`RangeEntry`", RangeEntry)]
-    parts += [part for domain in domains for part in _domain(domain)]
-    return "\n".join(parts)
+    sections = [_INTRODUCTION]
+    sections += [_model("The file", TaskFile), _model("`TokenEntry`: a token", TokenEntry), _model("`Pose`", Pose)]
+    sections += [_model(f"`{shape.__name__}`: a shape", shape) for shape in (Cylinder, Box, Sphere, Compound, MeshFile)]
+    sections += [_model("`CylinderPart`, `BoxPart`, `SpherePart`: a part", Placement)]
+    sections += [_model("`LimitsEntry`: limits", LimitsEntry)]
+    sections += [_model("`MidLevelEntry`: the mid-level planner", MidLevelEntry), _model("`RangeEntry`", RangeEntry)]
+    sections += [section for domain in domains for section in _domain(domain)]
+    return "\n".join(sections)
 
 
 def _model(title: str, model: type[BaseModel]) -> str:
@@ -64,13 +64,13 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def _domain(domain: Domain) -> list[str]:
-    parts = [f"## Domain `{domain.name}`\n\n{domain.description}\n"]
-    parts += [f"### Classes of `{domain.name}`\n"]
-    parts += [_class(object_class) for object_class in known_classes(domain).values()]
-    parts += [f"### Predicates of `{domain.name}`\n", _predicates(domain.predicates)]
-    parts += [f"### Blocks of `{domain.name}`\n"]
-    parts += [_block(block) for block in domain.blocks]
-    return parts
+    sections = [f"## Domain `{domain.name}`\n\n{domain.description}\n"]
+    sections += [f"### Classes of `{domain.name}`\n"]
+    sections += [_class(object_class) for object_class in known_classes(domain).values()]
+    sections += [f"### Predicates of `{domain.name}`\n", _predicates(domain.predicates)]
+    sections += [f"### Blocks of `{domain.name}`\n"]
+    sections += [_block(block) for block in domain.blocks]
+    return sections
 
 
 def _class(object_class: type[ObjectClass]) -> str:

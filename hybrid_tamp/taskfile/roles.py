@@ -6,8 +6,9 @@ from hybrid_tamp.model.affordance import CapabilityClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.taskfile.names import check_printable
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
-from hybrid_tamp.taskfile.tokens import Scene, check_printable
+from hybrid_tamp.taskfile.tokens import Scene
 
 
 def read_agents(data: dict[str, Any], faults: Faults, scene: Scene) -> dict[str, tuple[str, ...]]:

@@ -12,12 +12,12 @@ from hybrid_tamp.errors import InputError
 from hybrid_tamp.geometry.shapes import MeshFile, Shape, WrittenShape
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.predicate import ANY, SymbolSort
 from hybrid_tamp.model.token import PropertyConflictError, Token, union_of
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import normalized, quaternion_from_rpy
 from hybrid_tamp.taskfile.entries import Pose
 from hybrid_tamp.taskfile.meshfile import read_mesh
+from hybrid_tamp.taskfile.names import check_name
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 from hybrid_tamp.taskfile.wording import add_validation_faults
 
@@ -55,43 +55,12 @@ def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None, fold
         return Scene()
     scene = Scene(names=entries)
     for name in entries:
-        _check_name(name, faults, domain)
+        check_name(name, faults, domain)
     if domain is not None:
         for name, entry in entries.items():
             if isinstance(entry, dict):
                 _read_token(name, entry, faults, domain, scene, folder)
     return scene
-
-
-def _check_name(name: str, faults: Faults, domain: Domain | None) -> None:
-    path = ("tokens", name)
-    if not name:
-        faults.at(path, "a token needs a name that is not empty", shown(name), key=True, sound=True)
-    check_printable(name, path, faults, "a token needs a name")
-    if name == ANY:
-        remedy = "it means every value in conditions: rename the token"
-        wanted = f"a token needs a name other than {ANY!r}"
-        faults.at(path, wanted, shown(name), remedy=remedy, key=True, sound=True)
-    for sort in symbol_sorts(domain) if domain else ():
-        if name in sort.symbols:
-            wanted = f"a token needs a name that is no {sort.name} of the domain"
-            faults.at(path, wanted, shown(name), remedy="rename the token", key=True, sound=True)
-
-
-def check_printable(name: str, path: KeyPath, faults: Faults, who: str, *, key: bool = True) -> None:
-    """Refuse a name that would disturb a terminal or a table: line ends, escapes, invisible characters."""
-    odd = next((character for character in name if not character.isprintable()), None)
-    if odd is not None:
-        came = f"{shown(name)}, in which the character U+{ord(odd):04X} is not"
-        faults.at(path, f"{who} of printable characters", came, remedy="rename it", key=key, sound=True)
-
-
-def symbol_sorts(domain: Domain) -> tuple[SymbolSort, ...]:
-    """Return every sort of symbols that the domain speaks of, each once, sorted by name."""
-    parameters = [parameter.sort for predicate in domain.predicates for parameter in predicate.parameters]
-    targets = [target.sort for block in domain.blocks for target in block.targets]
-    sorts = {sort for sort in (*domain.sorts, *parameters, *targets) if isinstance(sort, SymbolSort)}
-    return tuple(sorted(sorts, key=lambda sort: sort.name))
 
 
 def known_classes(domain: Domain) -> Mapping[str, type[ObjectClass]]:

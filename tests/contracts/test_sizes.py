@@ -17,7 +17,6 @@ LONG_MODULES = frozenset(
         "hybrid_tamp/report/documents.py",
         "hybrid_tamp/symbolic/engines/planner_process.py",
         "hybrid_tamp/symbolic/strategies/stage.py",
-        "hybrid_tamp/taskfile/tokens.py",
         "hybrid_tamp/verbs/pipeline.py",
     }
 )
@@ -30,7 +29,6 @@ LONG_FUNCTIONS = frozenset(
         "hybrid_tamp/cli/planning.py:plan",
         "hybrid_tamp/cli/planning.py:run",
         "hybrid_tamp/cli/probing.py:probe",
-        "hybrid_tamp/taskfile/loader.py:_load",
     }
 )
 """Functions that are too long. The list may only shrink."""

@@ -14,7 +14,7 @@ from hybrid_tamp.geometry import triangles
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.physics.pictures import camera
-from hybrid_tamp.physics.pictures.appearance import parts_of
+from hybrid_tamp.physics.pictures.appearance import solids_of
 from hybrid_tamp.physics.pictures.camera import Spheres, framing, spheres_of
 from hybrid_tamp.physics.pictures.rendering import open_renderer
 from hybrid_tamp.physics.protocol import open_backend
@@ -108,7 +108,7 @@ def test_picture_shows_every_token_in_its_colour(toys: Any) -> None:
     assert picture[0, 0].min() > 200
     seen = picture.reshape(-1, 3) / 255.0
     hues = seen / np.maximum(seen.sum(axis=1, keepdims=True), 1e-9)
-    for part in parts_of(task):
+    for part in solids_of(task):
         hue = np.array(part.colour) / sum(part.colour)
         assert (np.abs(hues - hue).max(axis=1) < 0.03).any(), part.token
 
@@ -135,7 +135,7 @@ def test_drawing_does_not_disturb_a_simulation(toys: Any) -> None:
 
 def test_many_hands_get_shades_of_their_own(toys: Any) -> None:
     task = toys.world.pusher("one").pusher("two").pusher("three").spot().task()
-    colours = {part.token: part.colour for part in parts_of(task)}
+    colours = {part.token: part.colour for part in solids_of(task)}
     assert len(set(colours.values())) == 4
 
 

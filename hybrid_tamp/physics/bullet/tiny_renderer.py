@@ -13,7 +13,7 @@ from hybrid_tamp.geometry.triangles import Mesh, tiles
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.bullet.engine import pybullet
-from hybrid_tamp.physics.pictures.appearance import Colour, Part, parts_of
+from hybrid_tamp.physics.pictures.appearance import Colour, Part, solids_of
 from hybrid_tamp.physics.pictures.camera import FIELD_OF_VIEW, Camera, Spheres, framing
 
 Picture = NDArray[np.uint8]
@@ -43,7 +43,7 @@ class TinyRenderer:
         self._size = (width, height)
         self._camera = framing(seen, width / height)
         self._draw_floor(seen)
-        self._parts = [(part, self._draw(part.mesh, part.colour)) for part in parts_of(task)]
+        self._parts = [(part, self._draw(part.mesh, part.colour)) for part in solids_of(task)]
         self._view, self._projection = self._matrices(self._camera)
 
     def picture(self, state: State) -> Picture:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from hybrid_tamp.geometry.meshes import MeshShape
 from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Solid
-from hybrid_tamp.geometry.shapes import parts_of as convex_parts
+from hybrid_tamp.geometry.shapes import solids_of as convex_parts
 from hybrid_tamp.geometry.triangles import Mesh, box, cylinder, disc, joined, solid
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -42,7 +42,7 @@ class Part:
     flat: bool = False
 
 
-def parts_of(task: Task) -> list[Part]:
+def solids_of(task: Task) -> list[Part]:
     """Return what is drawn of every token: hands blue, things warm, places green, each a shade of its own."""
     found: list[Part] = []
     counts: dict[int, int] = {}

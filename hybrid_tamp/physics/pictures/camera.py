@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.geometry.meshes import Hull
-from hybrid_tamp.geometry.shapes import Box, Cylinder, Solid, parts_of
+from hybrid_tamp.geometry.shapes import Box, Cylinder, Solid, solids_of
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -70,7 +70,7 @@ def bounding_radius(token: Token) -> float:
     """Return the radius of the sphere about a token's origin that holds all that is drawn of it [m]."""
     if token.shape is None:
         return disc_radius(token)
-    return max(float(np.linalg.norm(part.position)) + _radius(part) for part in parts_of(token.shape))
+    return max(float(np.linalg.norm(part.position)) + _radius(part) for part in solids_of(token.shape))
 
 
 def _radius(shape: Solid | Hull) -> float:
