@@ -29,9 +29,10 @@ if TYPE_CHECKING:
         quantity,
     )
     from hybrid_tamp.model.block import Block, Duration, Movement, Slot, Target
+    from hybrid_tamp.model.conditions import Violation
     from hybrid_tamp.model.control import Commands
     from hybrid_tamp.model.domain import Domain
-    from hybrid_tamp.model.law import Violation, check_law
+    from hybrid_tamp.model.law import check_law
     from hybrid_tamp.model.network import ReassignmentNetwork
     from hybrid_tamp.model.parameters import Hyperparameter
     from hybrid_tamp.model.plan import BlockInstance, TaskPlan
@@ -72,7 +73,8 @@ _HOMES = {
     ),
     "model.block": ("Binding", "Block", "Commands", "Duration", "Hyperparameter", "Movement", "Slot", "Target"),
     "model.domain": ("Domain",),
-    "model.law": ("Violation", "check_law"),
+    "model.conditions": ("Violation",),
+    "model.law": ("check_law",),
     "model.network": ("ReassignmentNetwork",),
     "model.plan": ("BlockInstance", "TaskPlan"),
     "model.predicate": ("ANY", "Atom", "Literal", "Parameter", "Predicate", "SymbolSort"),

@@ -15,7 +15,7 @@ from hammer_figures import GRASP, LOCATIONS, Scan, figure_plan, figure_task
 from hybrid_tamp.midlevel.rollout import Rollout
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.model.refined import GOAL
-from hybrid_tamp.planning.physics_rollouts import Rehearsal
+from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 
 STRIKE_AT = 0.5
 """Where a strike alone is run [m]."""
@@ -44,7 +44,7 @@ def scan(kind: str, x: float, grasps: int, processes: int, radius: float = 0.0) 
     task = figure_task(kind, x, radius=radius)
     hammer = task.token_by_name["hammer"]
     places = np.linspace(0.0, hammer["handle_to"][0] - hammer["handle_from"][0], grasps)
-    rollout = Rehearsal(task, figure_plan(kind), processes=processes)({GRASP: places}, grasps, until=_LAST)
+    rollout = PhysicsRollouts(task, figure_plan(kind), processes=processes)({GRASP: places}, grasps, until=_LAST)
     return {
         "grasps": places.tolist(),
         "violation": _part_violation(rollout, tuple(i.name for i in figure_plan(kind).instances)),

@@ -25,8 +25,9 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_from_rpy, rotate, rotation_vector
-from hybrid_tamp.physics.bullet.backend import GRAVITY, BulletBackend
+from hybrid_tamp.physics.bullet.backend import BulletBackend
 
 MASS, MOMENT, WRIST = 0.6, 0.00199, 0.002
 OPENED, WIDTH, NEARLY = 0.08, 0.024, 0.0245

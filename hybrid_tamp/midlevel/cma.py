@@ -98,7 +98,7 @@ class CMAES:
             if strategy.generation == REDRAWN:
                 strategy.set_bounds(None)
             generation = np.array([strategy.ask() for _ in range(population)])
-            inside = folded(generation)
+            inside = fold(generation)
             scores = search.evaluate(inside)
             if len(scores) < population or search.spent:
                 return
@@ -108,7 +108,7 @@ class CMAES:
                 return
 
 
-def folded(points: FloatArray) -> FloatArray:
+def fold(points: FloatArray) -> FloatArray:
     """Return points ``(..., k)`` mirrored at the faces of the unit cube until they are in it."""
     return np.asarray(1.0 - np.abs(1.0 - np.mod(points, 2.0)))
 

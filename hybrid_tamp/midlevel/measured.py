@@ -1,4 +1,4 @@
-"""Runs, judged as rollouts are: the same conditions and the same performance measures, from measured states."""
+"""Runs in physics as rollouts: the same conditions and performance measures, from measured states."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -18,7 +18,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 _Name = TypeVar("_Name")
 
 
-def measured_rollout(task: Task, recording: Recording, whole: bool = True) -> Rollout:
+def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout:
     """Return a recording as the rollout of a population of one.
 
     What a run that failed never came to counts as not finite.
@@ -49,12 +49,12 @@ def measured_rollout(task: Task, recording: Recording, whole: bool = True) -> Ro
     return Rollout(tuple(conditions), figures, value, final, intervals, failed)
 
 
-def merged(runs: Sequence[Rollout]) -> Rollout:
+def merge_rollouts(runs: Sequence[Rollout]) -> Rollout:
     """Return rollouts of one candidate each as that of a population; what a run never came to is not a number."""
     margins = [{(c.where, c.atom): c.margin for c in run.conditions} for run in runs]
     longest = max(runs, key=lambda run: len(run.conditions))
-    conditions = [replace(c, margin=_joined(margins, (c.where, c.atom))) for c in longest.conditions]
-    figures = {key: _joined([run.figures for run in runs], key) for key in _keys(run.figures for run in runs)}
+    conditions = [replace(c, margin=_concatenate(margins, (c.where, c.atom))) for c in longest.conditions]
+    figures = {key: _concatenate([run.figures for run in runs], key) for key in _keys(run.figures for run in runs)}
     begun, ended = ([{n: at[side] for n, at in run.intervals.items()} for run in runs] for side in (0, 1))
     failed = [{name: where.astype(float) for name, where in run.failed.items()} for run in runs]
     return Rollout(
@@ -62,8 +62,8 @@ def merged(runs: Sequence[Rollout]) -> Rollout:
         figures=figures,
         value=np.concatenate([run.value for run in runs]),
         final=State(runs[0].final.layout, np.concatenate([run.final.values for run in runs])),
-        intervals={name: (_joined(begun, name), _joined(ended, name)) for name in _keys(begun)},
-        failed={name: _joined(failed, name) == 1.0 for name in _keys(failed)},
+        intervals={name: (_concatenate(begun, name), _concatenate(ended, name)) for name in _keys(begun)},
+        failed={name: _concatenate(failed, name) == 1.0 for name in _keys(failed)},
     )
 
 
@@ -72,7 +72,7 @@ def _keys(tables: Iterable[Mapping[_Name, object]]) -> list[_Name]:
     return list(dict.fromkeys(key for table in tables for key in table))
 
 
-def _joined(tables: Sequence[Mapping[_Name, FloatArray]], key: _Name) -> FloatArray:
+def _concatenate(tables: Sequence[Mapping[_Name, FloatArray]], key: _Name) -> FloatArray:
     """Return an entry of all tables ``(1,)`` as one array; not a number where a table has none."""
     return np.concatenate([table.get(key, np.array([np.nan])) for table in tables])
 

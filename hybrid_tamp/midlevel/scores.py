@@ -46,10 +46,10 @@ class Scores:
         object.__setattr__(self, "value", np.where(finite, value, -np.inf))
 
     @classmethod
-    def joined(cls, parts: Iterable["Scores"]) -> "Scores":
-        """Return the scores of all the parts' candidates, in order; at least one part."""
-        several = tuple(parts)
-        return cls(*(np.concatenate([getattr(s, name) for s in several]) for name in ("violation", "value")))
+    def join(cls, several: Iterable["Scores"]) -> "Scores":
+        """Return the scores of several populations, at least one, as those of one."""
+        each = tuple(several)
+        return cls(*(np.concatenate([getattr(scores, name) for scores in each]) for name in ("violation", "value")))
 
     def __len__(self) -> int:
         return len(self.violation)

@@ -101,7 +101,7 @@ class Search:
         Raises:
             NothingFinite: every rollout failed.
         """
-        points, scores = np.concatenate(self._points), Scores.joined(self._scores)
+        points, scores = np.concatenate(self._points), Scores.join(self._scores)
         if not np.any(scores.finite):
             raise NothingFinite(self.evaluations)
         distances = np.linalg.norm(self._space.to_unit(points) - self._space.to_unit(self._space.default), axis=1)

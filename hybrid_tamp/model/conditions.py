@@ -1,6 +1,6 @@
-"""Judges of law 5 and of the goal: whether conditions hold at the instants of reassignment.
+"""Law 5 and the goal: whether conditions hold at the instants of reassignment.
 
-They judge on symbols (effects of blocks, for a plan) or on measured margins (for a recording).
+They are checked by symbols (effects of blocks, for a plan) or by measured margins (for a recording).
 """
 
 from bisect import bisect_left, bisect_right
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts, facts
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan, at
-from hybrid_tamp.model.predicate import Atom, Literal, Predicate
+from hybrid_tamp.model.predicate import ANY, Atom, Literal, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 
@@ -34,8 +34,8 @@ class Violation:
 
 def condition_faults(task: Task, plan: TaskPlan, measured: Measured | None) -> list[Violation]:
     """Return the breaches of law 5 and goal atoms that do not hold, by symbols or, where given, by measured states."""
-    judge = _Symbols(task, plan) if measured is None else _Margins(task, plan, measured)
-    return list(judge.violations())
+    checker = _Symbols(task, plan) if measured is None else _Margins(task, plan, measured)
+    return list(checker.violations())
 
 
 class _Instants:
@@ -52,7 +52,7 @@ class _Instants:
         return [self._instances[index] for index in sorted(index for _, index in self._order[first:last])]
 
 
-class _Judge:
+class _Checker:
     """Law 5 and the goal of law 7, by conditions at the instants of reassignment."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
@@ -106,8 +106,8 @@ class _Judge:
         raise NotImplementedError
 
 
-class _Symbols(_Judge):
-    """Judges by the declared effects: deletes before adds, at the end of each instance."""
+class _Symbols(_Checker):
+    """Checks by the declared effects: deletes before adds, at the end of each instance."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         super().__init__(task, plan)
@@ -163,8 +163,8 @@ class _Symbols(_Judge):
         return any(each in known for each in self.task.groundings(atom)) == atom.positive
 
 
-class _Margins(_Judge):
-    """Judges by the margins measured at the instants."""
+class _Margins(_Checker):
+    """Checks by the margins measured at the instants."""
 
     def __init__(self, task: Task, plan: TaskPlan, measured: Measured) -> None:
         super().__init__(task, plan)
@@ -172,7 +172,7 @@ class _Margins(_Judge):
 
     def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
         for literal in self.block(instance).exit:
-            if "*" not in literal.arguments and not self.holds(time, literal, instance) and not final:
+            if ANY not in literal.arguments and not self.holds(time, literal, instance) and not final:
                 atom = literal.ground(self.task.bind(instance.roles))
                 yield Violation(5, time, instance.name, f"exit condition {atom.text} does not hold")
 
@@ -184,4 +184,4 @@ class _Margins(_Judge):
 
 
 def _wild(atom: Atom, index: int) -> Atom:
-    return Atom(atom.predicate, (*atom.arguments[:index], "*", *atom.arguments[index + 1 :]))
+    return Atom(atom.predicate, (*atom.arguments[:index], ANY, *atom.arguments[index + 1 :]))

@@ -9,8 +9,8 @@
 6. Each instance lasts within its block's bounds; blocks abut, and what must wait holds.
 7. The plan starts in the initial state and assignment, and the goal holds at its end with every bounded block ended.
 
-The checker knows nothing of how a plan was made. It judges conditions on symbols (effects of blocks, for a plan) or
-on measured margins (for a recording).
+The checker knows nothing of how a plan was made. It checks conditions by symbols (effects of blocks, for a plan) or
+by measured margins (for a recording).
 """
 
 from collections import Counter
@@ -23,8 +23,6 @@ from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan, at
 from hybrid_tamp.model.predicate import SymbolSort
 from hybrid_tamp.model.task import Task
 
-__all__ = ["Measured", "Violation", "check_law"]
-
 
 def check_law(task: Task, plan: TaskPlan, measured: Measured | None = None) -> list[Violation]:
     """Return every breach of the law by the plan.
@@ -32,7 +30,7 @@ def check_law(task: Task, plan: TaskPlan, measured: Measured | None = None) -> l
     Args:
         task: the task that the plan is for.
         plan: the timeline; of a recording, with the instants at which reassignments happened.
-        measured: the state at an instant, to judge conditions by their measured margins instead of by the
+        measured: the state at an instant, to check conditions by their measured margins instead of by the
             declared effects.
     """
     unknown = list(_names(task, plan))

@@ -1,4 +1,4 @@
-"""A recording: what a run really did, enough to judge it and to run it again."""
+"""A recording: what a run really did, enough to evaluate it and to run it again."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from hybrid_tamp.model.law import Violation
+from hybrid_tamp.model.conditions import Violation
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.refined import Performance

@@ -25,8 +25,6 @@ from hybrid_tamp.motion.imitation import SETTLE, checked_demonstrations, fitted_
 from hybrid_tamp.motion.trajectory import Trajectory
 from hybrid_tamp.motion.transformation_system import TransformationSystem, settling_responses
 
-__all__ = ["DMP", "Trajectory"]
-
 
 @dataclass(frozen=True, eq=False)
 class DMP:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.dmp import DMP, Trajectory
+from hybrid_tamp.motion.dmp import DMP
+from hybrid_tamp.motion.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)

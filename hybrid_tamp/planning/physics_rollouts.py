@@ -1,22 +1,23 @@
-"""Candidates of the mid-level planner tried in physics, and judged as rollouts are."""
+"""Candidates of the mid-level planner run in physics, and scored as rollouts are."""
 
-import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from hybrid_tamp.midlevel.measured import measured_rollout, merged
+from hybrid_tamp.midlevel.measured import measure_run, merge_rollouts
 from hybrid_tamp.midlevel.rollout import Chosen, Rollout
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.workers.processes import map_in_processes
 
 
-class Rehearsal:
+class PhysicsRollouts:
     """A way to roll out (`midlevel.objective.RollOut`) that runs each candidate in a physics backend.
 
-    The candidates are shared out over processes, as equal parts in their order. What all of a part have in common is
-    run once; each then goes on from a snapshot. A run from there is the same to the bit as one from the start, so
+    Each process gets an equal share of the candidates, in their order. What all of a share have in common is run
+    once; each then goes on from a snapshot. A run from there is the same to the bit as one from the start, so
     the result does not depend on how many processes there are.
 
     Attributes:
@@ -44,20 +45,10 @@ class Rehearsal:
             InputError: the backend cannot simulate the task.
         """
         plans = [_variant(self.plan, chosen, candidate) for candidate in range(count)]
-        parts = [[plans[i] for i in part] for part in np.array_split(np.arange(count), self.processes) if len(part)]
-        if len(parts) == 1:
-            return merged(_run(self.task, plans, self.backend, until))
-        # joblib takes a while to import, and is needed here only.
-        from joblib import Parallel, delayed
-
-        work = (delayed(_run)(self.task, part, self.backend, until) for part in parts)
-        found: Iterable[list[Rollout]] = Parallel(n_jobs=len(parts), backend="loky")(work)
-        return merged([run for part in found for run in part])
-
-
-def available_processors() -> int:
-    """Return how many processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        shares = [[plans[i] for i in share] for share in np.array_split(np.arange(count), self.processes) if len(share)]
+        run = partial(_run, self.task, backend=self.backend, until=until)
+        found = map_in_processes(run, shares, self.processes)
+        return merge_rollouts([rollout for share in found for rollout in share])
 
 
 def _variant(plan: TaskPlan, chosen: Chosen, candidate: int) -> TaskPlan:
@@ -76,4 +67,4 @@ def _run(task: Task, plans: Sequence[TaskPlan], backend: str, until: str | None)
 
     with open_backend(backend) as physics:
         recordings = execute_variants(task, plans, physics, until)
-        return [measured_rollout(task, recording, whole=until is None) for recording in recordings]
+        return [measure_run(task, recording, whole=until is None) for recording in recordings]

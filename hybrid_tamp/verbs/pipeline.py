@@ -18,7 +18,7 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.model.run_result import RunResult
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.physics_rollouts import Rehearsal, available_processors
+from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 from hybrid_tamp.planning.plan import PlanOutcome, plan
 from hybrid_tamp.planning.replanning import Rounds, plan_in_rounds
 from hybrid_tamp.report.convergence import convergence_picture
@@ -36,6 +36,7 @@ from hybrid_tamp.symbolic.strategies.stage import Planner
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import load_task
+from hybrid_tamp.workers.processes import count_processors
 
 __all__ = [
     "Progress",
@@ -171,7 +172,7 @@ def refine(
         task,
         planning or (lambda each: plan(each, planner)),
         tell,
-        lambda each, found: Rehearsal(each, found, backend, processes or available_processors()),
+        lambda each, found: PhysicsRollouts(each, found, backend, processes or count_processors()),
     )
     if rounds.refined is None:
         return rounds
@@ -241,14 +242,14 @@ def judge(task: Task, rounds: Rounds, recording: Recording, began: float) -> Run
         recording: what was measured.
         began: when the work began, on the monotonic clock [s].
     """
-    from hybrid_tamp.execution.prediction import with_predictions
-    from hybrid_tamp.midlevel.measured import measured_rollout
+    from hybrid_tamp.execution.prediction import add_predictions
+    from hybrid_tamp.midlevel.measured import measure_run
 
     assert rounds.refined is not None, "what was run was refined"
-    recording = with_predictions(recording, rounds.refined.expected)
+    recording = add_predictions(recording, rounds.refined.expected)
     metrics = {**(task.domain.metrics(task, recording) if task.domain.metrics else {})}
     metrics |= run_measures(rounds.outcome.required(), recording)
-    figures = {key: float(figure[0]) for key, figure in measured_rollout(task, recording).figures.items()}
+    figures = {key: float(figure[0]) for key, figure in measure_run(task, recording).figures.items()}
     result = RunResult(
         task,
         recording,

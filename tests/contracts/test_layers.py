@@ -68,7 +68,7 @@ LIBRARIES = {
     "jinja2": ("report",),
     "fcl": ("collision",),
     "ompl": ("paths",),
-    "joblib": ("workers", "planning.physics_rollouts"),
+    "joblib": ("workers",),
 }
 """Library to the packages that may import it."""
 

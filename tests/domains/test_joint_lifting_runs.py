@@ -8,10 +8,10 @@ from hybrid_tamp_domains.joint_lifting.bearing import Roles
 from hybrid_tamp_domains.joint_lifting.load import squeeze_for
 from hybrid_tamp_domains.joint_lifting.metrics import CONTROLLED
 from hybrid_tamp_domains.joint_lifting.places import gap_at
+from predicted_runs import predict
 from random_tasks.lifting import random_lifting
 
 from hybrid_tamp.execution.loop import execute
-from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task

@@ -3,9 +3,10 @@
 from typing import Any
 
 import pytest
+from predicted_runs import margins_of, predict
 
 from hybrid_tamp.execution.loop import execute
-from hybrid_tamp.execution.prediction import margins_of, predict, with_predictions
+from hybrid_tamp.execution.prediction import add_predictions
 from hybrid_tamp.physics.protocol import open_backend
 
 
@@ -14,7 +15,7 @@ def test_every_condition_gets_its_prediction(toys: Any) -> None:
     with open_backend("pybullet") as backend:
         measured = execute(task, plan, backend)
     predicted = predict(task, plan)
-    merged = with_predictions(measured, margins_of(predicted))
+    merged = add_predictions(measured, margins_of(predicted))
     assert merged.exits.keys() == measured.exits.keys()
     for mine, theirs in zip(merged.exits["MOVING-1"], predicted.exits["MOVING-1"], strict=True):
         assert mine.predicted == theirs.measured
@@ -29,5 +30,5 @@ def test_what_was_not_predicted_stays_open(toys: Any) -> None:
     task = toys.one_move_task()
     measured = predict(task, toys.one_move())
     failed = predict(task, toys.one_move(stiffness=float("nan")))
-    merged = with_predictions(measured, margins_of(failed))
+    merged = add_predictions(measured, margins_of(failed))
     assert [margin.predicted for margin in merged.exits["MOVING-1"]] == [None, None]

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from predicted_runs import predict
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.execution import storage
-from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.execution.storage import load, save
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Atom

@@ -10,7 +10,7 @@ from workbench import Thing, run, scene
 from hybrid_tamp.geometry.shapes import MeshFile
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.physics.pictures.appearance import solids_of
+from hybrid_tamp.physics.pictures.appearance import draw_tokens
 from hybrid_tamp.physics.pictures.camera import bounding_radius
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.physics.scene import bodies
@@ -59,8 +59,8 @@ def test_its_inertia_is_that_of_the_prism() -> None:
 
 def test_every_part_of_a_mesh_is_drawn_and_in_the_picture() -> None:
     task = scene({}, thing=thing("p5.obj"))
-    drawn = np.concatenate([part.mesh.vertices for part in solids_of(task)])
-    assert len(solids_of(task)) == 32
+    drawn = np.concatenate([part.mesh.vertices for part in draw_tokens(task)])
+    assert len(draw_tokens(task)) == 32
     assert drawn.max(axis=0) == pytest.approx([0.15, 0.14, 0.15])
     assert np.linalg.norm(drawn, axis=1).max() <= bounding_radius(task.tokens[0]) + 1e-9
 

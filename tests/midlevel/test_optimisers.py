@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from optimisation_problems import PROBLEMS, Problem, bare, box, corner, ours, rosenbrock, sphere
 
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.midlevel.cma import CMAES, folded
+from hybrid_tamp.midlevel.cma import CMAES, fold
 from hybrid_tamp.midlevel.grid import Grid, axis_counts
 from hybrid_tamp.midlevel.optimiser import Budget, Evaluate, NothingFinite, Optimiser, Optimum
 from hybrid_tamp.midlevel.registry import OPTIMISERS, find_optimiser
@@ -254,7 +254,7 @@ def test_optimum_on_some_of_the_bounds() -> None:
 
 @given(st.lists(st.floats(-9.0, 9.0), min_size=1, max_size=5).map(np.array))
 def test_folding_mirrors_into_the_cube(points: FloatArray) -> None:
-    inside = folded(points)
+    inside = fold(points)
     assert np.all((inside >= 0.0) & (inside <= 1.0))
     np.testing.assert_allclose(np.cos(np.pi * inside), np.cos(np.pi * points), atol=1e-12)
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from midlevel.plans import reach_and_roll
+from predicted_runs import predict
 from scenes import rolling_task
 
 import hybrid_tamp
-from hybrid_tamp.execution.prediction import predict
-from hybrid_tamp.midlevel.measured import measured_rollout
+from hybrid_tamp.midlevel.measured import measure_run
 from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.refined import GOAL
@@ -61,7 +61,7 @@ def test_a_single_rollout_is_the_executors_run(task: Task) -> None:
 
 def test_measures_are_those_of_the_recorded_run(task: Task) -> None:
     plan = reach_and_roll(task)
-    run, rollout = measured_rollout(task, predict(task, plan)), Rollouts(task, plan)({})
+    run, rollout = measure_run(task, predict(task, plan)), Rollouts(task, plan)({})
     assert rollout.figures.keys() == run.figures.keys()
     for key, figure in rollout.figures.items():
         assert figure[0] == pytest.approx(run.figures[key][0], rel=1e-9), key

@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.dmp import DMP, Trajectory
+from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
+from hybrid_tamp.motion.trajectory import Trajectory
 
 PHASE = np.linspace(0.0, 1.0, 241)
 REACH = np.stack(

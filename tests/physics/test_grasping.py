@@ -32,8 +32,9 @@ from hybrid_tamp.model.commands import CommandError
 from hybrid_tamp.model.control import Commands
 from hybrid_tamp.model.grasp import FINGER_SPEED
 from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
-from hybrid_tamp.physics.bullet.backend import GRAVITY, BulletBackend
+from hybrid_tamp.physics.bullet.backend import BulletBackend
 
 
 def test_a_torque_turns_a_hand_about_the_axes_of_the_world() -> None:

@@ -6,7 +6,7 @@ from workbench import FORWARD, UP, Thing, ball, block, run, scene
 
 from hybrid_tamp.geometry.shapes import Sphere
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.physics.bullet.backend import GRAVITY
+from hybrid_tamp.motion.constants import GRAVITY
 
 
 @pytest.mark.parametrize("start", np.linspace(-0.2, -0.21, 5))

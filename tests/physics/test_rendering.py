@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from predicted_runs import predict
 
 from hybrid_tamp.execution.loop import execute
-from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.geometry import triangles
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.physics.pictures import camera
-from hybrid_tamp.physics.pictures.appearance import solids_of
-from hybrid_tamp.physics.pictures.camera import Spheres, framing, spheres_of
+from hybrid_tamp.physics.pictures.appearance import draw_tokens
+from hybrid_tamp.physics.pictures.camera import Spheres, frame_camera, spheres_of
 from hybrid_tamp.physics.pictures.rendering import open_renderer
 from hybrid_tamp.physics.protocol import open_backend
 
@@ -28,7 +28,7 @@ sphere = st.tuples(coordinate, coordinate, coordinate, st.floats(0.01, 0.5))
 def test_every_sphere_is_inside_the_frustum_and_one_touches_nearly(spheres: Any, aspect: float) -> None:
     array = np.array(spheres)
     seen = Spheres(array[:, :3], array[:, 3])
-    shot = framing(seen, aspect)
+    shot = frame_camera(seen, aspect)
     forward = (shot.target - shot.eye) / shot.distance
     right = np.cross(forward, [0, 0, 1])
     right /= np.linalg.norm(right)
@@ -48,7 +48,7 @@ def test_every_sphere_is_inside_the_frustum_and_one_touches_nearly(spheres: Any,
 
 def test_camera_puts_the_motion_from_left_to_right() -> None:
     along_y = Spheres(np.array([[0.0, 0, 0], [0, 2, 0]]), np.array([0.1, 0.1]))
-    shot = framing(along_y, 1.6)
+    shot = frame_camera(along_y, 1.6)
     forward = shot.target - shot.eye
     assert abs(forward[0]) > abs(forward[1])
     assert forward[2] < 0
@@ -108,7 +108,7 @@ def test_picture_shows_every_token_in_its_colour(toys: Any) -> None:
     assert picture[0, 0].min() > 200
     seen = picture.reshape(-1, 3) / 255.0
     hues = seen / np.maximum(seen.sum(axis=1, keepdims=True), 1e-9)
-    for part in solids_of(task):
+    for part in draw_tokens(task):
         hue = np.array(part.colour) / sum(part.colour)
         assert (np.abs(hues - hue).max(axis=1) < 0.03).any(), part.token
 
@@ -135,7 +135,7 @@ def test_drawing_does_not_disturb_a_simulation(toys: Any) -> None:
 
 def test_many_hands_get_shades_of_their_own(toys: Any) -> None:
     task = toys.world.pusher("one").pusher("two").pusher("three").spot().task()
-    colours = {part.token: part.colour for part in solids_of(task)}
+    colours = {part.token: part.colour for part in draw_tokens(task)}
     assert len(set(colours.values())) == 4
 
 

@@ -5,7 +5,7 @@ import pytest
 from workbench import HAMMER, MOMENT, held
 
 from hybrid_tamp.geometry.shapes import Box, BoxPart, Compound, Cylinder, CylinderPart, Shape, Sphere, SpherePart
-from hybrid_tamp.physics.pictures.appearance import solids_of
+from hybrid_tamp.physics.pictures.appearance import draw_tokens
 from hybrid_tamp.physics.pictures.camera import bounding_radius
 from hybrid_tamp.physics.scene import bodies, inertia
 
@@ -56,7 +56,7 @@ def test_a_token_that_knows_its_inertia_has_it_and_a_wrist_is_isotropic() -> Non
 
 def test_every_part_of_a_compound_is_drawn_where_it_is() -> None:
     task = held(0.1, LEVEL)
-    drawn = [part.mesh.vertices for part in solids_of(task) if part.token == "hammer"]
+    drawn = [part.mesh.vertices for part in draw_tokens(task) if part.token == "hammer"]
     assert len(drawn) == len(HAMMER.parts)
     every = np.concatenate(drawn)
     assert every.min(axis=0) == pytest.approx([-0.175, -0.02, -0.045], abs=1e-6)

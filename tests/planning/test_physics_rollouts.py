@@ -7,10 +7,10 @@ from midlevel.plans import reach_and_roll
 from scenes import rolling_task
 
 from hybrid_tamp.execution.loop import execute
-from hybrid_tamp.midlevel.measured import measured_rollout
+from hybrid_tamp.midlevel.measured import measure_run
 from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.physics.protocol import open_backend
-from hybrid_tamp.planning.physics_rollouts import Rehearsal
+from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 
 DISTANCE = ("ROLLING-1", "distance")
 
@@ -19,7 +19,7 @@ def test_two_processes_come_to_the_bits_of_one() -> None:
     """A task of the hammer travels with its domain, whose functions are closures."""
     task, plan = figure_task("strike", 0.5), figure_plan("strike")
     grasps = {GRASP: np.array([0.02, 0.07, 0.12])}
-    one, two = (Rehearsal(task, plan, "pybullet", n)(grasps, 3, until="GRASPING-1") for n in (1, 2))
+    one, two = (PhysicsRollouts(task, plan, "pybullet", n)(grasps, 3, until="GRASPING-1") for n in (1, 2))
     assert np.array_equal(one.final.values, two.final.values)
     assert np.array_equal(one.violation, two.violation)
     assert one.figures["GRASPING-1", "contact"] == pytest.approx([5 / 6, 1.0, 1.0], abs=1e-3)
@@ -30,19 +30,19 @@ def test_two_processes_come_to_the_bits_of_one() -> None:
 def test_a_population_is_its_candidates() -> None:
     task = rolling_task()
     plan = reach_and_roll(task)
-    together = Rehearsal(task, plan, "analytic")({DISTANCE: np.array([0.7, 0.69])}, 2)
+    together = PhysicsRollouts(task, plan, "analytic")({DISTANCE: np.array([0.7, 0.69])}, 2)
     for candidate, value in enumerate((0.7, 0.69)):
-        alone = Rehearsal(task, plan, "analytic")({DISTANCE: np.array([value])}, 1)
+        alone = PhysicsRollouts(task, plan, "analytic")({DISTANCE: np.array([value])}, 1)
         assert together.violation[candidate] == alone.violation[0]
         assert np.array_equal(together.final.values[candidate], alone.final.values[0])
     with open_backend("analytic") as backend:
         recording = execute(task, plan, backend)
-    assert together.violation[0] == measured_rollout(task, recording).violation[0] == 0.0
+    assert together.violation[0] == measure_run(task, recording).violation[0] == 0.0
 
 
 def test_a_run_that_fails_is_the_worst_and_names_its_instance() -> None:
     task = rolling_task()
-    rollout = Rehearsal(task, reach_and_roll(task), "analytic")({DISTANCE: np.array([0.7, 0.3])}, 2)
+    rollout = PhysicsRollouts(task, reach_and_roll(task), "analytic")({DISTANCE: np.array([0.7, 0.3])}, 2)
     assert rollout.violation[0] == 0.0
     assert rollout.violation[1] == np.inf
     assert rollout.failed["ROLLING-1"].tolist() == [False, True]

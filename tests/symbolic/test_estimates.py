@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from predicted_runs import predict
 from random_tasks.tumbling import random_tumbling
 from scenes import reach_and_roll, rolling_task
 
-from hybrid_tamp.execution.prediction import predict
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import compile_task

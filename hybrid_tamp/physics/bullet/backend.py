@@ -1,6 +1,6 @@
 """The PyBullet backend.
 
-The substeps are taken one by one: Bullet tells the contact forces of the last one only, and a blow is over in one.
+The substeps are taken one by one: Bullet tells the contact forces of the last one only, and an impact is over in one.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from types import TracebackType
 
 import numpy as np
+import pybullet
 
 from hybrid_tamp.geometry.meshes import MeshShape
 from hybrid_tamp.geometry.shapes import Compound
@@ -18,14 +19,13 @@ from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.physics.bullet.driving import Drive
-from hybrid_tamp.physics.bullet.engine import GRAVITY, SUBSTEPS, connect, create, prepare, pybullet
+from hybrid_tamp.physics.bullet.engine import SUBSTEPS, connect, create, prepare
 from hybrid_tamp.physics.bullet.fingers import Fingers
-from hybrid_tamp.physics.bullet.impacts import Blows
+from hybrid_tamp.physics.bullet.impacts import Impacts
 from hybrid_tamp.physics.protocol import FLOOR, ContactForce
 from hybrid_tamp.physics.scene import bodies
-
-__all__ = ["GRAVITY", "BulletBackend"]
 
 _BODY = tuple(varying.name for varying in BODY_STATE)
 
@@ -74,7 +74,7 @@ class BulletBackend:
             if body.driven
         ]
         self._fingers = Fingers.all_of(task, self._client, self._handles, self._commands)
-        self._blows = Blows(task)
+        self._impacts = Impacts(task)
         self._state = State(state.layout, np.array(state.values, dtype=float))
         self._task, self._start = task, self._state
         self._rows: list[FloatArray] = []
@@ -99,7 +99,7 @@ class BulletBackend:
             fingers.advance(row, state)
         self._simulate(row)
         after[self._index] = self._measured()
-        self._blows.update(state)
+        self._impacts.update(state)
         self._state = state
         return state
 
@@ -119,7 +119,7 @@ class BulletBackend:
             yield lambda: self._repeat(start, rows)
             return
         saved = pybullet.saveState(physicsClientId=self._client)
-        now, rows, blows = (self._state, self._forces), tuple(self._rows), self._blows.copy()
+        now, rows, impacts = (self._state, self._forces), tuple(self._rows), self._impacts.copy()
         held = [fingers.held for fingers in self._fingers]
 
         def restore() -> None:
@@ -128,7 +128,7 @@ class BulletBackend:
             pybullet.restoreState(saved, physicsClientId=self._client)
             for fingers, grasp in zip(self._fingers, held, strict=True):
                 fingers.hold(grasp)
-            (self._state, self._forces), self._rows, self._blows = now, list(rows), blows.copy()
+            (self._state, self._forces), self._rows, self._impacts = now, list(rows), impacts.copy()
 
         yield restore
         pybullet.removeState(saved, physicsClientId=self._client)
@@ -147,7 +147,7 @@ class BulletBackend:
                 drive.apply()
             pybullet.stepSimulation(physicsClientId=self._client)
             sums = self._contacts()
-            self._blows.feel(sums)
+            self._impacts.feel(sums)
             for pair, force in sums.items():
                 self._forces[pair] = max(force, self._forces.get(pair, 0.0))
 

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import pybullet
 
 from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.physics.bullet.engine import pybullet
 from hybrid_tamp.physics.scene import FORCE, TORQUE, Body
 
 

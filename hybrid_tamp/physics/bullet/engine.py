@@ -1,4 +1,4 @@
-"""PyBullet, headless: the only module that imports it, and how a scene is built in it.
+"""PyBullet, headless: how a scene is built in it.
 
 The numbers were measured (closed forms within 1 %, see the tests): four substeps of 1/960 s inside each control
 period, because a rolling cylinder gains energy from contact points that are one substep old (1.2 % of a rolling
@@ -6,52 +6,19 @@ acceleration with one substep, 0.4 % with four); contact ERP 0.2, which takes up
 that starts a millimetre too low; no damping, so that only the modelled friction brakes.
 """
 
-import ctypes
 import os
 import tempfile
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pybullet
 
 from hybrid_tamp.geometry.meshes import Hull, MeshShape, obj_text
 from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Shape, Solid
 from hybrid_tamp.model.control import CONTROL_PERIOD
-from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import quaternion_from_rpy
 from hybrid_tamp.physics.scene import FLOOR_FRICTION, Body
-
-
-@contextmanager
-def _silence() -> Iterator[None]:
-    """Send the process's standard streams to nowhere for a moment.
-
-    On import PyBullet prints its build time from C, past `sys.stdout`, to standard output or error depending on the
-    build; standard output belongs to ``--json``. What C still buffers must go to nowhere as well, hence the flush.
-    """
-    saved = {}
-    for descriptor in (1, 2):
-        with suppress(OSError):  # a process may run without a standard stream; there is nothing to silence then
-            saved[descriptor] = os.dup(descriptor)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        for descriptor in saved:
-            os.dup2(nowhere, descriptor)
-        yield
-    finally:
-        if os.name == "posix":
-            ctypes.CDLL(None).fflush(None)
-        for descriptor, copy in saved.items():
-            os.dup2(copy, descriptor)
-            os.close(copy)
-        os.close(nowhere)
-
-
-with _silence():
-    import pybullet
-
-__all__ = ["GRAVITY", "SUBSTEP", "SUBSTEPS", "connect", "create", "prepare", "pybullet"]
 
 SUBSTEPS = 4
 """Within a control period."""

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import pybullet
 
 from hybrid_tamp.geometry.segments import nearest_on_segment
 from hybrid_tamp.model.commands import CommandLayout
@@ -27,7 +28,6 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotate
-from hybrid_tamp.physics.bullet.engine import pybullet
 
 SLIP = 1e-3
 """From this displacement on a grasp has slipped [m]."""

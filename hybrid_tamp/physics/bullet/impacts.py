@@ -1,4 +1,4 @@
-"""The hardest blow that each token has taken, where its class asks for it."""
+"""The hardest impact that each token has taken, if its class asks for it."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -10,16 +10,16 @@ from hybrid_tamp.physics.bullet.engine import SUBSTEP, SUBSTEPS
 from hybrid_tamp.physics.protocol import FLOOR
 
 IMPULSE = "impulse"
-"""The varying property that tells the hardest blow so far [N s]."""
+"""The varying property that tells the hardest impact so far [N s]."""
 
 _Pair = tuple[str, str]
 
 
-class Blows:
+class Impacts:
     """Measures the impulse between two tokens over as many consecutive substeps as a control period has.
 
-    The window slides, so that a blow over the border of two periods counts as one, while a steady push counts no more
-    than what it gives within a period. The floor deals no blows.
+    The window slides, so that an impact over the border of two periods counts as one. A steady push counts no more than
+    what it gives within a period. Contacts with the floor do not count.
     """
 
     def __init__(self, task: Task) -> None:
@@ -29,7 +29,7 @@ class Blows:
         self._windows: dict[_Pair, deque[float]] = {}
         self._hardest: dict[str, float] = {}
 
-    def copy(self) -> "Blows":
+    def copy(self) -> "Impacts":
         """Return another one that has felt the same."""
         return deepcopy(self)
 
@@ -48,6 +48,6 @@ class Blows:
                 self._hardest[token] = max(sum(window), self._hardest.get(token, 0.0))
 
     def update(self, state: State) -> None:
-        """Write the hardest blow so far into a state, of shape ``(n,)``, in place."""
+        """Write the hardest impact so far into a state, of shape ``(n,)``, in place."""
         for token, impulse in self._hardest.items():
             state[token, IMPULSE][0] = max(impulse, state[token, IMPULSE][0])

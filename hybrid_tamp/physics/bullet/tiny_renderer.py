@@ -7,14 +7,14 @@ disturbs a simulation.
 from types import TracebackType
 
 import numpy as np
+import pybullet
 from numpy.typing import NDArray
 
 from hybrid_tamp.geometry.triangles import Mesh, tiles
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.bullet.engine import pybullet
-from hybrid_tamp.physics.pictures.appearance import Colour, Part, solids_of
-from hybrid_tamp.physics.pictures.camera import FIELD_OF_VIEW, Camera, Spheres, framing
+from hybrid_tamp.physics.pictures.appearance import Colour, ColouredMesh, draw_tokens
+from hybrid_tamp.physics.pictures.camera import FIELD_OF_VIEW, Camera, Spheres, frame_camera
 
 Picture = NDArray[np.uint8]
 """``(height, width, 3)``, red, green, blue."""
@@ -41,15 +41,15 @@ class TinyRenderer:
     def __init__(self, task: Task, seen: Spheres, width: int, height: int) -> None:
         self._client = pybullet.connect(pybullet.DIRECT)
         self._size = (width, height)
-        self._camera = framing(seen, width / height)
+        self._camera = frame_camera(seen, width / height)
         self._draw_floor(seen)
-        self._parts = [(part, self._draw(part.mesh, part.colour)) for part in solids_of(task)]
+        self._drawn = [(each, self._draw(each.mesh, each.colour)) for each in draw_tokens(task)]
         self._view, self._projection = self._matrices(self._camera)
 
     def picture(self, state: State) -> Picture:
         """Return the picture of a state, of shape ``(n,)``."""
-        for part, handle in self._parts:
-            self._place(part, handle, state)
+        for each, handle in self._drawn:
+            self._place(each, handle, state)
         width, height = self._size
         seen = pybullet.getCameraImage(
             width,
@@ -124,12 +124,12 @@ class TinyRenderer:
         handle: int = pybullet.createMultiBody(0.0, -1, visual, physicsClientId=self._client)
         return handle
 
-    def _place(self, part: Part, handle: int, state: State) -> None:
-        position = state[part.token, "position"]
-        if part.flat:
+    def _place(self, drawn: ColouredMesh, handle: int, state: State) -> None:
+        position = state[drawn.token, "position"]
+        if drawn.flat:
             self._set(handle, position * [1.0, 1.0, 0.0], (0.0, 0.0, 0.0, 1.0))
         else:
-            self._set(handle, position, tuple(state[part.token, "orientation"].tolist()))
+            self._set(handle, position, tuple(state[drawn.token, "orientation"].tolist()))
 
     def _set(self, handle: int, position: NDArray[np.float64], orientation: tuple[float, ...]) -> None:
         shifted = (position - self._camera.target).tolist()

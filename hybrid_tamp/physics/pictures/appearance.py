@@ -1,11 +1,10 @@
-"""How tokens look in pictures: coloured meshes, with marks that show a rotation."""
+"""The appearance of tokens in pictures: coloured meshes, with marks that show a rotation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hybrid_tamp.geometry.meshes import MeshShape
-from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Solid
-from hybrid_tamp.geometry.shapes import solids_of as convex_parts
+from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Solid, solids_of
 from hybrid_tamp.geometry.triangles import Mesh, box, cylinder, disc, joined, solid
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -26,7 +25,7 @@ _SHADE = 0.7
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class ColouredMesh:
     """One coloured mesh of a token, in the token's body frame.
 
     Attributes:
@@ -42,19 +41,19 @@ class Part:
     flat: bool = False
 
 
-def solids_of(task: Task) -> list[Part]:
+def draw_tokens(task: Task) -> list[ColouredMesh]:
     """Return what is drawn of every token: hands blue, things warm, places green, each a shade of its own."""
-    found: list[Part] = []
+    found: list[ColouredMesh] = []
     counts: dict[int, int] = {}
     for token in task.tokens:
         shades = PLACES if token.place else HANDS if token.basic_actions else THINGS
         count = counts.get(id(shades), 0)
         counts[id(shades)] = count + 1
-        found += _parts(token, shades[count % len(shades)])
+        found += _draw_token(token, shades[count % len(shades)])
     return found
 
 
-def _parts(token: Token, colour: Colour) -> list[Part]:
+def _draw_token(token: Token, colour: Colour) -> list[ColouredMesh]:
     dark = _darker(colour, 0.5)
     if token.shape is None:
         radius = disc_radius(token)
@@ -63,24 +62,24 @@ def _parts(token: Token, colour: Colour) -> list[Part]:
         inner = disc(radius * (1 - _RIM)).moved([0, 0, 2 * _THIN])
         green = _darker(colour, 0.6)
         return [
-            Part(token.name, _cross(radius), green, True),
-            Part(token.name, rim, green, True),
-            Part(token.name, inner, colour, True),
+            ColouredMesh(token.name, _cross(radius), green, True),
+            ColouredMesh(token.name, rim, green, True),
+            ColouredMesh(token.name, inner, colour, True),
         ]
     if isinstance(token.shape, Compound | MeshShape):
         return _compound(token.name, token.shape, colour)
-    body = Part(token.name, solid(token.shape), colour)
+    body = ColouredMesh(token.name, solid(token.shape), colour)
     if token.place or token.basic_actions:
         return [body]
-    return [body, Part(token.name, _mark(token.shape), dark)]
+    return [body, ColouredMesh(token.name, _mark(token.shape), dark)]
 
 
-def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[Part]:
-    """Return convex parts in two shades by turns, which show what it is made of and how it has turned."""
-    parts = convex_parts(shape)
-    meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in parts]
+def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[ColouredMesh]:
+    """Return its convex solids in two shades by turns, which show what it is made of and how it has turned."""
+    solids = solids_of(shape)
+    meshes = [solid(each).turned(quaternion_from_rpy(each.rpy)).moved(each.position) for each in solids]
     shades = (colour, _darker(colour, _SHADE))
-    return [Part(name, mesh, shades[number % 2]) for number, mesh in enumerate(meshes)]
+    return [ColouredMesh(name, mesh, shades[number % 2]) for number, mesh in enumerate(meshes)]
 
 
 def _cross(radius: float) -> Mesh:
@@ -100,5 +99,5 @@ def _mark(shape: Solid) -> Mesh:
 
 
 def _darker(colour: Colour, factor: float) -> Colour:
-    red, green, blue = (part * factor for part in colour)
+    red, green, blue = (channel * factor for channel in colour)
     return (red, green, blue)

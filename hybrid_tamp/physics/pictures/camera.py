@@ -15,7 +15,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 FIELD_OF_VIEW = np.radians(32.0)
 """Vertical angle of view [rad]."""
 ELEVATION = np.radians(30.0)
-"""How far the camera looks down [rad]."""
+"""Angle of the camera above the horizontal [rad]."""
 TURN = np.radians(18.0)
 """How far the camera stands aside from looking straight across the motion, which gives depth [rad]."""
 SPARE = 1.08
@@ -70,7 +70,7 @@ def bounding_radius(token: Token) -> float:
     """Return the radius of the sphere about a token's origin that holds all that is drawn of it [m]."""
     if token.shape is None:
         return disc_radius(token)
-    return max(float(np.linalg.norm(part.position)) + _radius(part) for part in solids_of(token.shape))
+    return max(float(np.linalg.norm(each.position)) + _radius(each) for each in solids_of(token.shape))
 
 
 def _radius(shape: Solid | Hull) -> float:
@@ -89,7 +89,7 @@ def disc_radius(token: Token) -> float:
     return float(radius)
 
 
-def framing(spheres: Spheres, aspect: float) -> Camera:
+def frame_camera(spheres: Spheres, aspect: float) -> Camera:
     """Return the nearest camera that shows all spheres, their longest extent from left to right.
 
     A sphere at (x, y, z) in the axes right, up and backward about the target lies right of the left edge of a picture

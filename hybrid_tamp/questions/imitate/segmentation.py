@@ -6,7 +6,8 @@ An observer sees states over time only. The timeline obeys the law as far as blo
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from hybrid_tamp.model.law import Violation, check_law
+from hybrid_tamp.model.conditions import Violation
+from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.imitate.beam_search import Interpretation, find_best

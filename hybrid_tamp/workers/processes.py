@@ -1,0 +1,33 @@
+"""One map over processes."""
+
+import os
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+_Item = TypeVar("_Item")
+_Result = TypeVar("_Result")
+
+
+def map_in_processes(function: Callable[[_Item], _Result], items: Sequence[_Item], processes: int) -> list[_Result]:
+    """Return the results of a function for some items, in their order.
+
+    A single item, or a single process, is worked on in this process.
+
+    Args:
+        function: what is called; it travels to the processes, and so do the items and their results.
+        items: what it is called with.
+        processes: how many run at once at most.
+    """
+    count = min(processes, len(items))
+    if count <= 1:
+        return [function(item) for item in items]
+    # joblib takes a while to import, and is needed here only.
+    from joblib import Parallel, delayed
+
+    found: list[_Result] = Parallel(n_jobs=count, backend="loky")(delayed(function)(item) for item in items)
+    return found
+
+
+def count_processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
