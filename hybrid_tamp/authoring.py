@@ -43,6 +43,7 @@ from hybrid_tamp.model.block import Block, Duration, Movement, Slot, Target
 from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, ContinuousSystem, Policy, PolicyMaker
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED, GRIP_FRICTION, aperture_property
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.parameters import Hyperparameter, Hyperparameters, Parameters
@@ -102,6 +103,7 @@ __all__ = [
     "GRIP_FRICTION",
     "Hyperparameter",
     "Hyperparameters",
+    "Kind",
     "Literal",
     "Measure",
     "MeshFile",

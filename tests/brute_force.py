@@ -258,7 +258,7 @@ def _with_edge(task: Task, new: Any) -> Task:
 
 
 def _facts(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
-    asked = {literal.predicate: literal for b in task.domain.blocks for literal in b.entry if literal.predicate.static}
+    asked = {literal.predicate: literal for b in task.domain.blocks for literal in b.static_entry}
     for predicate, literal in sorted(asked.items(), key=lambda item: item[0].name):
         sorts = [parameter.sort for parameter in predicate.parameters]
         if all(isinstance(sort, SymbolSort) for sort in sorts):

@@ -8,6 +8,7 @@ from serial import COLOURS, Part, Tool, block, changing, domain, in_series, pred
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.predicate import Literal, SymbolSort
 from hybrid_tamp.model.task import Task
 
@@ -20,9 +21,13 @@ class RandomSeries:
     def __init__(self, seed: int) -> None:
         self.rng = rng = random.Random(seed)
         self.plain = [changing(f"p{i}", Part, at_first=rng.random() < 0.4) for i in range(4)]
-        self.colour = predicate("colour-of", Part, COLOURS, holds=lambda _, value: value == "red", functional="x1")
+        self.colour = predicate(
+            "colour-of", Part, COLOURS, holds=lambda _, value: value == "red", kind=Kind.FUNCTIONAL, value_of="x1"
+        )
         fitting = {(one, other) for one in "01" for other in "01" if rng.random() < 0.6}
-        self.fit = predicate("fit", Part, Part, holds=lambda one, other: (one[-1], other[-1]) in fitting, static=True)
+        self.fit = predicate(
+            "fit", Part, Part, holds=lambda one, other: (one[-1], other[-1]) in fitting, kind=Kind.STATIC
+        )
         self.targets: Sorts = {"other": Part} if rng.random() < 0.4 else {}
         self.several = rng.random() < 0.3
 

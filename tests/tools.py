@@ -8,6 +8,7 @@ from serial import RESTING, block, changing, predicate
 from hybrid_tamp.model.affordance import AffordanceClass, BasicAction, CapabilityClass, ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.state import State
@@ -60,8 +61,8 @@ class Lever(AffordanceClass):
 
 DRIVEN = changing("driven", Nail)
 BARE = predicate("bare", Nail, holds=lambda nail: "covered" not in nail)
-HEAVY = predicate("heavy_enough", Striker, Nail, holds=lambda tool, _: "light" not in tool, static=True)
-HELD = changing("held", Graspable, Hand, maintained=True)
+HEAVY = predicate("heavy_enough", Striker, Nail, holds=lambda tool, _: "light" not in tool, kind=Kind.STATIC)
+HELD = changing("held", Graspable, Hand, kind=Kind.MAINTAINED)
 PUSHED = changing("pushed", Ball)
 
 BLOCKS: tuple[Block, ...] = (

@@ -11,6 +11,7 @@ from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, BasicAction, Ca
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
 from hybrid_tamp.model.control import Commands, ContinuousSystem
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.parameters import Hyperparameter, Parameters
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
@@ -71,7 +72,8 @@ NEAR = Predicate(
     _closeness,
     unit="m",
     reads={"pusher": ("position",), "spot": ("position",)},
-    functional="spot",
+    kind=Kind.FUNCTIONAL,
+    value_of="spot",
 )
 AT_REST = Predicate("at_rest", (Parameter("token", TOKEN),), _slowness, unit="m/s", reads={"token": ("velocity",)})
 

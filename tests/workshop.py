@@ -14,6 +14,7 @@ from hybrid_tamp.model.affordance import (
 )
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import Atom, Literal, Parameter, Predicate
 from hybrid_tamp.model.state import State
@@ -59,12 +60,18 @@ def _static(name: str, one: type, other: type, margin: Any, unit: str = "N") -> 
     def batched(state: State, first: Token, second: Token) -> FloatArray:
         return np.full(state.values.shape[:-1], float(margin(first, second)))
 
-    return Predicate(name, (Parameter("x", one), Parameter("y", other)), batched, unit=unit, static=True)
+    return Predicate(name, (Parameter("x", one), Parameter("y", other)), batched, unit=unit, kind=Kind.STATIC)
 
 
 SET = Predicate("set", (Parameter("tool", Cutter),), _at_first(-1.0))
 CUT = Predicate("cut", (Parameter("part", Part),), _at_first(-1.0))
-AT = Predicate("at", (Parameter("part", Part), Parameter("place", Station)), _at_first(-1.0), functional="place")
+AT = Predicate(
+    "at",
+    (Parameter("part", Part), Parameter("place", Station)),
+    _at_first(-1.0),
+    kind=Kind.FUNCTIONAL,
+    value_of="place",
+)
 BEARS = _static("bears", Hand, Part, lambda hand, part: hand["force"] - part["weight"] / 2.0)
 SHARP = _static("sharp", Cutter, Part, lambda tool, part: tool["edge"] - part["hardness"], "1")
 SOUND = _static("sound", Station, Part, lambda place, part: place["load"] - part["weight"])

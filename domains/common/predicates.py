@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import TOKEN, FloatArray, ObjectClass, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import TOKEN, FloatArray, Kind, ObjectClass, Parameter, Predicate, State, Token
 
 from .classes import Region
 
@@ -22,6 +22,7 @@ AT_REST = Predicate(
     scale=REST_SPEED,
     reads={"token": ("velocity",)},
     description="{token} is at rest",
+    denial="{token} is not at rest",
 )
 
 
@@ -39,6 +40,8 @@ def inside(movable: type[ObjectClass]) -> Predicate:
         unit="m",
         scale=0.01,
         reads={"object": ("position",), "region": ("position",)},
-        functional="region",
+        kind=Kind.FUNCTIONAL,
+        value_of="region",
         description="{object} is inside {region}",
+        denial="{object} is not inside {region}",
     )

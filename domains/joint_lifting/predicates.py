@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, Parameter, Predicate, State, Token, rotate
+from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token, rotate
 
 from ..common.classes import StaticEndEffector
 from .classes import Liftable
@@ -102,6 +102,7 @@ STANDS = Predicate(
     scale=0.01,
     reads={"object": ("position", "orientation")},
     description="{object} stands on the floor",
+    denial="{object} does not stand on the floor",
 )
 RAISED = Predicate(
     "raised",
@@ -111,6 +112,7 @@ RAISED = Predicate(
     scale=0.01,
     reads={"object": ("position", "orientation")},
     description=f"{{object}} is all of it at least {RAISED_HEIGHT} m above the floor",
+    denial=f"{{object}} is not all of it at least {RAISED_HEIGHT} m above the floor",
 )
 AT_PLACE = Predicate(
     "at_place",
@@ -119,8 +121,9 @@ AT_PLACE = Predicate(
     unit="m",
     scale=0.01,
     reads={"hand": ("position",), "object": ("position", "orientation")},
-    maintained=True,
+    kind=Kind.MAINTAINED,
     description="{hand} is at the place {place} of {object}",
+    denial="{hand} is not at the place {place} of {object}",
 )
 CLEAR_OF = Predicate(
     "clear_of",
@@ -129,8 +132,9 @@ CLEAR_OF = Predicate(
     unit="m",
     scale=0.01,
     reads={"hand": ("position",), "object": ("position", "orientation")},
-    maintained=True,
+    kind=Kind.MAINTAINED,
     description="{hand} has let go of {object}",
+    denial="{hand} has not let go of {object}",
 )
 UPRIGHT = Predicate(
     "upright",
@@ -139,7 +143,7 @@ UPRIGHT = Predicate(
     unit="1",
     scale=0.05,
     reads={"hand": ("orientation",)},
-    static=True,
+    kind=Kind.STATIC,
     description="{hand}, whose wrist is stiff, stands upright",
     denial="{hand}, whose wrist is stiff, does not stand upright",
 )
@@ -151,7 +155,7 @@ ON_SIDE = Predicate(
     scale=0.1,
     # Of the hand it takes the side where it starts, which no block changes.
     reads={"object": ("position", "orientation")},
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} starts on the side of {object} where its place {place} is",
     denial="{hand} does not start on the side of {object} where its place {place} is",
 )
@@ -163,7 +167,7 @@ WITHIN_REACH = Predicate(
     unit="m",
     scale=0.01,
     reads={"object": ("position", "orientation")},
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} reaches the place {place} of {object}, and that place when {object} is lifted",
     denial="the place {place} of {object}, or that place when {object} is lifted, is not in the workspace of {hand}",
 )
@@ -173,7 +177,7 @@ FITS = Predicate(
     _room,
     unit="m",
     scale=0.01,
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} has room at the place {place} of {object}",
     denial="{hand} has no room at the place {place} of {object}",
 )
@@ -183,7 +187,7 @@ BEARS = Predicate(
     _strength,
     unit="N",
     scale=10.0,
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} bears its share of the weight of {object} by friction, as one of {crew}",
     denial="{object} is too heavy for {hand} to bear its share of it by friction, as one of {crew}",
     share=_share,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token
 
 from ..common.classes import Region, StaticEndEffector
 from ..common.predicates import inside
@@ -68,8 +68,9 @@ BEHIND = Predicate(
     unit="m",
     scale=0.01,
     reads={"hand": ("position",), "object": ("position", "orientation"), "region": ("position",)},
-    maintained=True,
+    kind=Kind.MAINTAINED,
     description="{hand} stands by behind {object} as seen from {region}",
+    denial="{hand} does not stand by behind {object} as seen from {region}",
 )
 LIES_ON_SIDE = Predicate(
     "lies_on_side",
@@ -78,8 +79,9 @@ LIES_ON_SIDE = Predicate(
     unit="1",
     scale=0.05,
     reads={"object": ("orientation",)},
-    static=True,
+    kind=Kind.STATIC,
     description="{object} lies with its axis of rotation level",
+    denial="the axis of rotation of {object} is not level",
 )
 ON_ROLLING_LINE = Predicate(
     "on_rolling_line",
@@ -88,8 +90,9 @@ ON_ROLLING_LINE = Predicate(
     unit="m",
     scale=0.01,
     reads={"object": ("position", "orientation"), "region": ("position",)},
-    static=True,
+    kind=Kind.STATIC,
     description="{region} lies on the line along which {object} rolls, perpendicular to its axis",
+    denial="{region} is not on the rolling line of {object}",
 )
 WITHIN_WORKSPACE = Predicate(
     "within_workspace",
@@ -98,8 +101,9 @@ WITHIN_WORKSPACE = Predicate(
     unit="m",
     scale=0.01,
     reads={"object": ("position", "orientation"), "region": ("position",)},
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} can be behind {object} at {region} within its workspace",
+    denial="{hand} cannot be behind {object} at {region} within its workspace",
 )
 IN_WORKSPACE = Predicate(
     "in_workspace",
@@ -109,4 +113,5 @@ IN_WORKSPACE = Predicate(
     scale=0.01,
     reads={"hand": ("position",)},
     description="{hand} is within its workspace",
+    denial="{hand} is not within its workspace",
 )

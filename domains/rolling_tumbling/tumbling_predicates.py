@@ -1,10 +1,10 @@
 """What the conditions of tumbling speak of."""
 
-from collections.abc import Callable, Set
+from collections.abc import Callable
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Parameter, Predicate, State, Token, Value
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token, Value
 
 from ..common.classes import StaticEndEffector
 from .classes import Tumblable
@@ -107,10 +107,6 @@ def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -
     return np.asarray((looks if offset > 0 else -looks) if abs(offset) > _ABOVE else abs(looks)) - _LEAST_OUTLOOK
 
 
-def _relation(held: Set[tuple[str, ...]]) -> Callable[..., FloatArray]:
-    return lambda state, *symbols: np.full(state.values.shape[:-1], 0.0 if symbols in held else -1.0)
-
-
 def _one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
     """Make a margin of single states one of batches; static margins need not be fast."""
 
@@ -129,8 +125,10 @@ POSTURE = Predicate(
     unit="rad",
     scale=0.02,
     reads={"object": ("position", "orientation")},
-    functional="posture",
+    kind=Kind.FUNCTIONAL,
+    value_of="posture",
     description="{object} stands {posture}",
+    denial="{object} does not stand {posture}",
 )
 AT_FACE = Predicate(
     "at_face",
@@ -139,8 +137,9 @@ AT_FACE = Predicate(
     unit="m",
     scale=0.01,
     reads={"hand": ("position",), "object": ("position", "orientation")},
-    maintained=True,
+    kind=Kind.MAINTAINED,
     description="{hand} stands at the {face} face of {object}",
+    denial="{hand} does not stand at the {face} face of {object}",
 )
 ALIGNED = Predicate(
     "aligned",
@@ -149,7 +148,7 @@ ALIGNED = Predicate(
     unit="1",
     scale=0.05,
     reads={"hand": ("orientation",), "object": ("orientation",)},
-    static=True,
+    kind=Kind.STATIC,
     description="the axis of {hand}, whose wrist is stiff, is level and lies in the {face} face of {object}",
     denial="the axis of {hand}, whose wrist is stiff, is not level or not along the {face} face of {object}",
 )
@@ -161,7 +160,7 @@ ON_SIDE = Predicate(
     scale=0.1,
     # Of the hand it takes the side where it starts, which no block changes.
     reads={"hand": ("orientation",), "object": ("position", "orientation")},
-    static=True,
+    kind=Kind.STATIC,
     description="{face} of {object}, when it is {posture}, looks to the side where {hand} starts",
     denial="the {face} face of {object}, when it is {posture}, does not look to the side where {hand} starts",
 )
@@ -173,7 +172,7 @@ STRONG_ENOUGH = Predicate(
     unit="N",
     scale=10.0,
     reads={"object": ("orientation",)},
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} is strong enough to bear its share of {object}",
     denial="{object} is too heavy for {hand} to bear its share of it",
     share=_share,
@@ -185,7 +184,7 @@ WITHIN_REACH = Predicate(
     unit="m",
     scale=0.01,
     reads={"object": ("position", "orientation")},
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} reaches the places beside and above {object}",
     denial="{object} is too far for {hand}, whose workspace does not reach the places beside and above it",
 )
@@ -196,22 +195,48 @@ LOW_ENOUGH = Predicate(
     unit="1",
     scale=0.1,
     reads={"object": ("orientation",)},
-    static=True,
+    kind=Kind.STATIC,
     description=f"{{object}} is at most {SLENDERNESS} times as high as its base where {{hand}} tumbles it",
     denial=f"{{object}} has an edge of more than {SLENDERNESS} times the other one across the axis of {{hand}}",
 )
 
 
-def _symbols(name: str, held: Set[tuple[str, ...]], parameters: tuple[Parameter, ...], said: str) -> Predicate:
-    return Predicate(name, parameters, _relation(held), static=True, description=said)
-
-
 _FOUR = (Parameter("near", FACE), Parameter("far", FACE), Parameter("before", POSTURES), Parameter("outcome", POSTURES))
-TIPS = _symbols("tips", TIPS_HOLD, _FOUR, "hands at {near} and {far} tip a box from {before} to {outcome}")
-LOWERS = _symbols("lowers", LOWERS_HOLD, _FOUR, "hands at {near} and {far} lower a box from {before} to {outcome}")
-LEANS = _symbols("leans", LEANS_HOLD, _FOUR, "hands at {near} and {far} tilt a box from {before} back to {outcome}")
-HOLDS = _symbols("holds", HOLDS_HOLD, (_FACE, _POSTURE), "one hand at {face} holds a box that stands {posture}")
-EXPOSED = _symbols("exposed", EXPOSED_HOLD, (_FACE, _POSTURE), "a hand can stand at {face} of a box that is {posture}")
+TIPS = Predicate.relation(
+    "tips",
+    _FOUR,
+    TIPS_HOLD,
+    description="hands at {near} and {far} tip a box from {before} to {outcome}",
+    denial="hands at {near} and {far} do not tip a box from {before} to {outcome}",
+)
+LOWERS = Predicate.relation(
+    "lowers",
+    _FOUR,
+    LOWERS_HOLD,
+    description="hands at {near} and {far} lower a box from {before} to {outcome}",
+    denial="hands at {near} and {far} do not lower a box from {before} to {outcome}",
+)
+LEANS = Predicate.relation(
+    "leans",
+    _FOUR,
+    LEANS_HOLD,
+    description="hands at {near} and {far} tilt a box from {before} back to {outcome}",
+    denial="hands at {near} and {far} do not tilt a box from {before} back to {outcome}",
+)
+HOLDS = Predicate.relation(
+    "holds",
+    (_FACE, _POSTURE),
+    HOLDS_HOLD,
+    description="one hand at {face} holds a box that stands {posture}",
+    denial="no single hand at {face} holds a box that stands {posture}",
+)
+EXPOSED = Predicate.relation(
+    "exposed",
+    (_FACE, _POSTURE),
+    EXPOSED_HOLD,
+    description="a hand can stand at {face} of a box that is {posture}",
+    denial="no hand can stand at {face} of a box that is {posture}",
+)
 FEASIBLE_TUMBLING = (ALIGNED, ON_SIDE, STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
 TUMBLING_PREDICATES = (
     POSTURE,

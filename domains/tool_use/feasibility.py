@@ -8,6 +8,7 @@ from hybrid_tamp.authoring import (
     GRAVITY,
     GRIP_FRICTION,
     FloatArray,
+    Kind,
     Parameter,
     Predicate,
     State,
@@ -102,7 +103,7 @@ LIFTABLE = Predicate(
     _everywhere(_lift),
     unit="N",
     scale=10.0,
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} grips hard enough to lift {tool}",
     denial="{tool} is too heavy for the grip of {hand}",
 )
@@ -112,7 +113,7 @@ WIDE_ENOUGH = Predicate(
     _everywhere(_width),
     unit="m",
     scale=0.01,
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} opens wide enough for the handle of {tool}",
     denial="the handle of {tool} is too wide for {hand}",
 )
@@ -123,7 +124,7 @@ HANDLE_WITHIN_REACH = Predicate(
     unit="m",
     scale=0.01,
     reads={"tool": ("position", "orientation")},
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} reaches the handle of {tool} where it stands at first",
     denial="the handle of {tool} is beyond the workspace of {hand}",
 )
@@ -133,7 +134,7 @@ ABLE_TO_PUSH = Predicate(
     _everywhere(_push),
     unit="N",
     scale=10.0,
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} is strong enough to push {object} with {tool}",
     denial="{object} resists more than {hand} can push with {tool}",
 )
@@ -143,7 +144,7 @@ ABLE_TO_STRIKE = Predicate(
     _everywhere(_strike),
     unit="N s",
     scale=0.1,
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} can strike {object} hard enough with {tool}",
     denial="no swing of {tool} by {hand} gives {object} the blow that it needs",
 )
@@ -154,7 +155,7 @@ SQUARE_TO = Predicate(
     unit="rad",
     scale=0.05,
     reads={"object": ("position", "orientation"), "region": ("position",)},
-    static=True,
+    kind=Kind.STATIC,
     description="{object} has a side across the straight way to {region}",
     denial="no side of {object} is across the straight way to {region}, so that a push would turn it",
 )
@@ -165,7 +166,7 @@ PUSH_WITHIN_REACH = Predicate(
     unit="m",
     scale=0.01,
     reads={"object": ("position", "orientation"), "region": ("position",)},
-    static=True,
+    kind=Kind.STATIC,
     description="{hand} can be behind {object} at {region} within its workspace",
     denial="{region} is too far for {hand} to push {object} there with {tool}",
 )
@@ -176,7 +177,7 @@ HOME = Predicate(
     unit="m",
     scale=0.01,
     reads={"tool": ("position",), "region": ("position",)},
-    static=True,
+    kind=Kind.STATIC,
     description="{region} is where {tool} stands at first",
     denial="{region} is not where {tool} stands at first",
 )

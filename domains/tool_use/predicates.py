@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import CAPTURE, FloatArray, Parameter, Predicate, State, Token, rotate
+from hybrid_tamp.authoring import CAPTURE, FloatArray, Kind, Parameter, Predicate, State, Token, rotate
 
 from ..common.classes import Region
 from ..common.predicates import inside
@@ -91,8 +91,9 @@ AT_HANDLE = Predicate(
     unit="m",
     scale=0.01,
     reads={"hand": ("position",), "tool": _POSE},
-    maintained=True,
+    kind=Kind.MAINTAINED,
     description="{hand} is beside the handle of {tool}",
+    denial="{hand} is not beside the handle of {tool}",
 )
 EMPTY = Predicate(
     "empty",
@@ -102,6 +103,7 @@ EMPTY = Predicate(
     scale=0.01,
     reads={"hand": ("aperture",)},
     description="{hand} is open and empty",
+    denial="{hand} is not open and empty",
 )
 HELD = Predicate(
     "held",
@@ -110,8 +112,10 @@ HELD = Predicate(
     unit="m",
     scale=0.01,
     reads={"tool": _POSE, "hand": _HAND_POSE},
-    functional="hand",
+    kind=Kind.FUNCTIONAL,
+    value_of="hand",
     description="{tool} is held by {hand}",
+    denial="{tool} is not held by {hand}",
 )
 STANDS = Predicate(
     "stands",
@@ -121,6 +125,7 @@ STANDS = Predicate(
     scale=0.01,
     reads={"tool": _POSE},
     description="{tool} stands on its head",
+    denial="{tool} does not stand on its head",
 )
 IN_PUSH_STANCE = Predicate(
     "in_push_stance",
@@ -129,8 +134,9 @@ IN_PUSH_STANCE = Predicate(
     unit="m",
     scale=0.01,
     reads={"tool": _POSE, "object": _POSE, "region": ("position",)},
-    maintained=True,
+    kind=Kind.MAINTAINED,
     description="{tool} is upright behind {object} as seen from {region}",
+    denial="{tool} is not upright behind {object} as seen from {region}",
 )
 IN_STRIKE_STANCE = Predicate(
     "in_strike_stance",
@@ -139,8 +145,9 @@ IN_STRIKE_STANCE = Predicate(
     unit="m",
     scale=0.01,
     reads={"hand": ("position",), "tool": _POSE, "object": _POSE},
-    maintained=True,
+    kind=Kind.MAINTAINED,
     description="{hand} has raised {tool} to strike {object}",
+    denial="{hand} has not raised {tool} to strike {object}",
 )
 STRUCK = Predicate(
     "struck",
@@ -150,5 +157,6 @@ STRUCK = Predicate(
     scale=0.1,
     reads={"object": ("impulse",)},
     description="{object} has been struck hard enough",
+    denial="{object} has not been struck hard enough",
 )
 CHANGING = (INSIDE, AT_HANDLE, EMPTY, HELD, STANDS, IN_PUSH_STANCE, IN_STRIKE_STANCE, STRUCK)

@@ -17,7 +17,6 @@ from hybrid_tamp.feasibility.bindings import (
     completed,
     feasible,
     static_entry,
-    symbolic,
 )
 from hybrid_tamp.feasibility.passages import Passages
 from hybrid_tamp.feasibility.reasons import BLOCK, reason_of
@@ -104,7 +103,7 @@ class Backwards:
             literals = static_entry(block)
             if member:
                 ways.reasons.append(member)
-            elif not feasible(self._margins, filter(symbolic, literals), allowed):
+            elif not feasible(self._margins, filter(_over_symbols, literals), allowed):
                 outcome = ", ".join(value for value in fixed.values() if isinstance(value, str))
                 never.append(reason_of(block, "no_block", f"{BLOCK} never brings about {outcome or atom.predicate}"))
             elif missing := self._missing(block, literals, allowed):
@@ -128,7 +127,7 @@ class Backwards:
         for block, fixed in self._achievers(atom):
             allowed = self._narrowed(block, choices(self.task, block, fixed), reached)
             literals = static_entry(block)
-            symbols = list(filter(symbolic, literals))
+            symbols = list(filter(_over_symbols, literals))
             rows = feasible(self._margins, symbols, allowed)
             if rows and all(allowed.values()):
                 bound = {role: tuple(dict.fromkeys(row[role] for row in rows)) for role in rows[0]}
@@ -140,8 +139,8 @@ class Backwards:
     def _narrowed(self, block: Block, allowed: Choices, reached: set[Atom]) -> Choices:
         """Keep of every role what its changing conditions leave, if only what is reached may hold."""
         kept = dict(allowed)
-        for literal in block.entry:
-            if literal.predicate.static or not literal.positive:
+        for literal in block.changing_entry:
+            if not literal.positive:
                 continue
             atoms = [atom for atom in {*self._facts, *reached} if atom.predicate == literal.predicate.name]
             rows = [tuple(map(self.task.value, atom.arguments)) for atom in atoms]
@@ -161,7 +160,7 @@ class Backwards:
                     yield block, {argument: self.task.value(name) for argument, name in names}
 
     def _waits(self, block: Block, bounds: list[Bound], allowed: Choices) -> Iterator[tuple[tuple[Atom, ...], None]]:
-        literals = [literal for literal in block.entry if literal.positive and not literal.predicate.static]
+        literals = [literal for literal in block.changing_entry if literal.positive]
         for bound in completed(bounds, allowed):
             self._count += 1
             if self._count > MOST:
@@ -218,3 +217,7 @@ def _short_slots(task: Task, block: Block) -> Iterator[tuple[Slot, int, int]]:
         have = len(task.values_of(slot.object_class))
         if have < wanted:
             yield slot, wanted, have
+
+
+def _over_symbols(literal: Literal) -> bool:
+    return literal.predicate.rows is not None

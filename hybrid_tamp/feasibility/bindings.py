@@ -1,12 +1,10 @@
 """Which tokens and symbols could fill a block's roles, as far as facts tell that nothing changes."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from functools import lru_cache
 from itertools import islice, product
 
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.predicate import Literal, Predicate, SymbolSort, Value
-from hybrid_tamp.model.state import State
+from hybrid_tamp.model.predicate import Literal, Predicate, Value
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import different
 
@@ -50,14 +48,7 @@ def choices(task: Task, block: Block, fixed: Mapping[str, Value]) -> Choices:
 
 def static_entry(block: Block) -> tuple[Literal, ...]:
     """Return the block's feasibility conditions, those over symbols alone first: they leave the fewest choices."""
-    return tuple(
-        sorted((literal for literal in block.entry if literal.predicate.static), key=lambda each: not symbolic(each))
-    )
-
-
-def symbolic(literal: Literal) -> bool:
-    """Say whether a literal is over symbols alone."""
-    return all(isinstance(parameter.sort, SymbolSort) for parameter in literal.predicate.parameters)
+    return tuple(sorted(block.static_entry, key=lambda literal: literal.predicate.rows is None))
 
 
 def feasible(margins: Margins, literals: Iterable[Literal], allowed: Choices) -> list[Bound]:
@@ -93,21 +84,11 @@ def extensions(literal: Literal, bound: Bound, allowed: Choices) -> Iterator[Bou
     """Yield every way to bind a literal's roles, tokens different; of one over symbols alone, those that hold."""
     roles = [role for role in dict.fromkeys(literal.arguments) if role in allowed and role not in bound]
     rows: Iterable[tuple[Value, ...]]
-    if literal.positive and symbolic(literal) and len(roles) == len(literal.arguments):
-        rows = (
-            row for row in relation(literal.predicate) if all(v in allowed[r] for r, v in zip(roles, row, strict=True))
-        )
+    if literal.positive and literal.predicate.rows is not None and len(roles) == len(literal.arguments):
+        rows = (row for row in literal.predicate.rows if all(v in allowed[r] for r, v in zip(roles, row, strict=True)))
     else:
         rows = product(*(allowed[role] for role in roles))
     for values in rows:
         more = bound | dict(zip(roles, values, strict=True))
         if different(more.values()):
             yield more
-
-
-@lru_cache(maxsize=1024)
-def relation(predicate: Predicate) -> tuple[tuple[str, ...], ...]:
-    """Return the rows of a static predicate over symbols alone; they are the same in every task."""
-    nothing = State.of((), {})
-    symbols = [parameter.sort.symbols for parameter in predicate.parameters if isinstance(parameter.sort, SymbolSort)]
-    return tuple(row for row in product(*symbols) if float(predicate.evaluate(nothing, *row)) >= 0)

@@ -51,7 +51,7 @@ def _asked_by_goal(task: Task) -> Iterator[Ask]:
 
 def _asked_by_block(block: Block) -> Iterator[Ask]:
     # Conditions that something is not so are feasibility conditions, which nothing changes.
-    return (_ask(block, literal) for literal in block.entry if not literal.predicate.static)
+    return (_ask(block, literal) for literal in block.changing_entry)
 
 
 def _ask(block: Block, literal: Literal) -> Ask:

@@ -168,7 +168,22 @@ class Block:
     @property
     def measured_entries(self) -> tuple[Literal, ...]:
         """The entry conditions that must be measured as it starts; static facts do not change."""
-        return tuple(literal for literal in _measurable(self.entry) if not literal.predicate.static)
+        return _measurable(self.changing_entry)
+
+    @property
+    def static_entry(self) -> tuple[Literal, ...]:
+        """The entry conditions that are feasibility facts."""
+        return tuple(literal for literal in self.entry if literal.predicate.static)
+
+    @property
+    def changing_entry(self) -> tuple[Literal, ...]:
+        """The entry conditions that other blocks bring about or undo."""
+        return tuple(literal for literal in self.entry if not literal.predicate.static)
+
+    @property
+    def maintained_exit(self) -> tuple[Literal, ...]:
+        """The exit conditions that live as long as an instance: its hold keeps them."""
+        return tuple(literal for literal in self.exit if literal.predicate.maintained and literal.positive)
 
     def slot(self, name: str) -> Slot:
         """Return the slot of that name; KeyError if there is none."""

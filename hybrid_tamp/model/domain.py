@@ -80,6 +80,16 @@ class Domain:
         return {predicate.name: predicate for predicate in self.predicates}
 
     @cached_property
+    def static_predicates(self) -> tuple[Predicate, ...]:
+        """The predicates that are decided once, before any search."""
+        return tuple(predicate for predicate in self.predicates if predicate.static)
+
+    @cached_property
+    def changing_predicates(self) -> tuple[Predicate, ...]:
+        """The predicates that blocks set and delete, or maintain."""
+        return tuple(predicate for predicate in self.predicates if not predicate.static)
+
+    @cached_property
     def block_by_name(self) -> Mapping[str, Block]:
         """Blocks by name."""
         return {block.name: block for block in self.blocks}

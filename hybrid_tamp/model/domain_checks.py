@@ -173,7 +173,11 @@ def _exit(block: Block, literal: Literal) -> Iterator[Issue]:
     predicate = literal.predicate
     where = f"{block.name}: {literal}"
     if predicate.static:
-        yield Issue(where, "a static predicate cannot be an exit condition", remedy="drop 'static' or the condition")
+        yield Issue(
+            where,
+            "a static predicate cannot be an exit condition",
+            remedy="declare it of another kind or drop the condition",
+        )
     wild = [i for i, argument in enumerate(literal.arguments) if argument == ANY]
     if literal.positive and wild:
         yield Issue(where, "only negative exit conditions have wildcards")

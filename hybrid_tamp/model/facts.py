@@ -6,7 +6,6 @@ never come from numbers: their atoms belong to running instances.
 """
 
 from collections.abc import Iterable
-from functools import lru_cache
 from itertools import product
 
 from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort, Value, name_of
@@ -24,10 +23,10 @@ def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[At
     """
     known = known or StaticFacts(task)
     found: set[Atom] = set()
-    for predicate in task.domain.predicates:
-        if predicate.static and of_symbols_alone(predicate):
-            found.update(relation(predicate))
-        elif predicate.static:
+    for predicate in task.domain.static_predicates:
+        if predicate.rows is not None:
+            found.update(Atom(predicate.name, row) for row in predicate.rows)
+        else:
             found.update(atom for atom, values in _atoms(task, predicate) if known.holds(atom, values))
     return frozenset(found)
 
@@ -42,8 +41,6 @@ class StaticFacts:
     def __contains__(self, atom: Atom) -> bool:
         """Say whether the positive atom is one of `static_facts`."""
         predicate = self._task.domain.predicate_by_name[atom.predicate]
-        if of_symbols_alone(predicate):
-            return atom in relation(predicate)
         values = tuple(map(self._task.value, atom.arguments))
         return all(map(_fits, values, predicate.parameters)) and different(values) and self.holds(atom, values)
 
@@ -61,21 +58,6 @@ def _fits(value: Value, parameter: Parameter) -> bool:
     return isinstance(value, Token) and value.is_member(parameter.sort)
 
 
-def of_symbols_alone(predicate: Predicate) -> bool:
-    """Say whether no token is among a predicate's arguments."""
-    return all(isinstance(parameter.sort, SymbolSort) for parameter in predicate.parameters)
-
-
-@lru_cache(maxsize=1024)
-def relation(predicate: Predicate) -> frozenset[Atom]:
-    """Return the atoms of a static predicate over symbols alone, which hold in every task or in none."""
-    nothing = State.of((), {})
-    symbols = [parameter.sort.symbols for parameter in predicate.parameters if isinstance(parameter.sort, SymbolSort)]
-    return frozenset(
-        Atom(predicate.name, row) for row in product(*symbols) if float(predicate.evaluate(nothing, *row)) >= 0
-    )
-
-
 def facts(task: Task, state: State | None = None, predicates: Iterable[Predicate] | None = None) -> frozenset[Atom]:
     """Return the atoms of changing predicates that hold.
 
@@ -87,7 +69,7 @@ def facts(task: Task, state: State | None = None, predicates: Iterable[Predicate
     state = task.state if state is None else state
     found: set[Atom] = set()
     for predicate in task.domain.predicates if predicates is None else predicates:
-        if predicate.static or predicate.maintained:
+        if not predicate.measured:
             continue
         holding = [(atom, margin) for atom, margin in margins(task, state, predicate) if margin >= 0]
         index = predicate.functional_index

@@ -13,7 +13,7 @@ import numpy as np
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.facts import of_symbols_alone, relation
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Literal, Parameter, Predicate, Value, name_of
 from hybrid_tamp.model.state import State
@@ -68,8 +68,8 @@ def deciding_roles(block: Block) -> tuple[str, ...]:
     kept = list(block.roles)
     for literal in _declared(block):
         twice = len(set(literal.arguments)) < len(literal.arguments)
-        if literal.positive and literal.predicate.static and of_symbols_alone(literal.predicate) and not twice:
-            rows = [dict(zip(literal.arguments, atom.arguments, strict=True)) for atom in relation(literal.predicate)]
+        if literal.positive and literal.predicate.rows is not None and not twice:
+            rows = [dict(zip(literal.arguments, row, strict=True)) for row in literal.predicate.rows]
             # An argument that is no role is a symbol, which stands for itself.
             rows = [row for row in rows if all(name in (row[name], *block.roles) for name in row)]
             for role in reversed(literal.arguments):
@@ -95,7 +95,7 @@ def _permitted(block: Block, roles: tuple[str, ...], forbidden: frozenset[tuple[
         name=_name(block.name),
         parameters=tuple(Parameter(role, block.roles[role]) for role in roles),
         margin=_Permission(forbidden),
-        static=True,
+        kind=Kind.STATIC,
         description=f"{said} is not forbidden",
         denial=f"{said} failed in the forward models",
     )

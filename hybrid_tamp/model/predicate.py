@@ -4,10 +4,15 @@ A margin is zero or positive where the predicate holds. The one function serves 
 tests during execution, the goal and the optimiser's constraint term, so that symbol and number cannot drift apart.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
+import numpy as np
+
+from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
@@ -39,6 +44,16 @@ class Parameter:
     sort: type[ObjectClass] | SymbolSort
 
 
+@dataclass(frozen=True)
+class _Membership:
+    """The margin of a relation over symbols: 0 if the row is in it, else -1."""
+
+    rows: frozenset[tuple[str, ...]]
+
+    def __call__(self, state: State, *symbols: Value) -> FloatArray:
+        return np.full(state.values.shape[:-1], 0.0 if symbols in self.rows else -1.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Predicate:
     """A named signed margin over tokens and symbols.
@@ -50,16 +65,18 @@ class Predicate:
         unit: unit of the margin.
         scale: size of a margin that counts as one unit of violation [unit].
         reads: parameter to the varying properties that the margin reads of it.
-        static: decided once from fixed properties and the initial state; a feasibility fact.
-        functional: a parameter that has at most one value for given other arguments (a place, a posture);
-            setting a value replaces the old one.
-        maintained: its atoms live only as long as the block instance whose exit set them: they are held by
-            that block's hold and void once its tokens leave.
-        denial: what is wrong where it does not hold, as a sentence like ``description``; else that it is not so.
+        kind: how its atoms come to hold, and how they cease to.
+        value_of: of a functional predicate the parameter that has one value; None for others.
+        rows: of a relation over symbols the arguments for which it holds, in the order of the sorts; None for others.
+            `relation` sets them.
         share: of a load that several tokens bear together, ``share(state, *values)`` to what the first value has to
             bear and what it can bear [unit], for one state; the margin is their difference. None for other predicates.
         description: what it says, as a sentence over the parameters' names in braces,
             e.g. ``"{object} is within {region}"``.
+        denial: what it says where it does not hold, e.g. ``"{object} is not within {region}"``.
+
+    Raises:
+        DomainError: the kind, `value_of` and `rows` contradict each other.
     """
 
     name: str
@@ -68,12 +85,60 @@ class Predicate:
     unit: str = "1"
     scale: float = 1.0
     reads: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    static: bool = False
-    functional: str | None = None
-    maintained: bool = False
+    kind: Kind = Kind.CHANGING
+    value_of: str | None = None
     description: str = ""
     denial: str = ""
     share: Callable[..., tuple[float, float]] | None = None
+    rows: tuple[tuple[str, ...], ...] | None = None
+
+    def __post_init__(self) -> None:
+        faults = list(self._faults())
+        if faults:
+            raise DomainError(faults)
+
+    @classmethod
+    def relation(
+        cls, name: str, parameters: tuple[Parameter, ...], rows: Iterable[tuple[str, ...]], **told: Any
+    ) -> "Predicate":
+        """Return the static predicate over symbols that holds for these rows and no others.
+
+        Args:
+            name: its name.
+            parameters: its argument places, each over a symbol sort.
+            rows: the arguments for which it holds.
+            told: description and denial.
+
+        Raises:
+            DomainError: a row does not consist of symbols of these sorts.
+        """
+        held = frozenset(rows)
+        orders = [{symbol: index for index, symbol in enumerate(_symbols(parameter))} for parameter in parameters]
+
+        def place(row: tuple[str, ...]) -> list[int]:
+            return [order.get(symbol, -1) for order, symbol in zip(orders, row, strict=False)]
+
+        return cls(name, parameters, _Membership(held), kind=Kind.STATIC, rows=tuple(sorted(held, key=place)), **told)
+
+    def _faults(self) -> Iterator[Issue]:
+        names = tuple(parameter.name for parameter in self.parameters)
+        if (self.kind is Kind.FUNCTIONAL) != (self.value_of is not None):
+            yield Issue(self.name, "a functional predicate, and no other, says which parameter has one value")
+        elif self.value_of is not None and self.value_of not in names:
+            yield Issue(self.name, "value_of is a parameter of the predicate", repr(self.value_of), names)
+        sorts = list(map(_symbols, self.parameters))
+        over_symbols = all(isinstance(parameter.sort, SymbolSort) for parameter in self.parameters)
+        if self.rows is None:
+            if self.static and over_symbols:
+                remedy = "make it with Predicate.relation"
+                yield Issue(self.name, "a static predicate over symbols alone is declared by its rows", remedy=remedy)
+            return
+        if not (self.static and over_symbols):
+            yield Issue(self.name, "a predicate with rows is static and over symbols alone")
+            return
+        for row in self.rows:
+            if len(row) != len(sorts) or any(symbol not in sort for symbol, sort in zip(row, sorts, strict=True)):
+                yield Issue(self.name, "a row of a relation has a symbol of each parameter's sort", repr(row))
 
     def __call__(self, *arguments: str) -> "Literal":
         """Return the positive literal over slots, targets, symbols or `ANY`."""
@@ -83,10 +148,25 @@ class Predicate:
         return f"Predicate({self.name!r})"
 
     @property
+    def static(self) -> bool:
+        """Whether it is decided once, before any search."""
+        return self.kind is Kind.STATIC
+
+    @property
+    def maintained(self) -> bool:
+        """Whether its atoms live as long as the instance that set them."""
+        return self.kind is Kind.MAINTAINED
+
+    @property
+    def measured(self) -> bool:
+        """Whether its initial facts are read off the continuous state at any time."""
+        return self.kind in (Kind.CHANGING, Kind.FUNCTIONAL)
+
+    @property
     def functional_index(self) -> int | None:
-        """Index of the functional parameter, or None."""
+        """Index of the parameter that has one value, or None."""
         names = [parameter.name for parameter in self.parameters]
-        return names.index(self.functional) if self.functional is not None else None
+        return names.index(self.value_of) if self.value_of is not None else None
 
     def evaluate(self, state: State, *values: Value) -> FloatArray:
         """Return the margin ``(...)`` of the atom over the values."""
@@ -94,11 +174,14 @@ class Predicate:
 
     def sentence(self, names: tuple[str, ...], positive: bool = True) -> str:
         """Say the atom in words, e.g. ``drum is within goal``."""
-        template = self.denial if self.denial and not positive else self.description
+        template = self.description if positive else self.denial
         if not template:
             return Atom(self.name, names, positive).text
-        said = template.format(**{p.name: n for p, n in zip(self.parameters, names, strict=True)})
-        return said if positive or self.denial else f"it is not so that {said}"
+        return template.format(**{p.name: n for p, n in zip(self.parameters, names, strict=True)})
+
+
+def _symbols(parameter: Parameter) -> tuple[str, ...]:
+    return parameter.sort.symbols if isinstance(parameter.sort, SymbolSort) else ()
 
 
 @dataclass(frozen=True)

@@ -116,9 +116,7 @@ class _Network:
         """An entry condition waits for what made it true, and comes before what may change it."""
         effects = _Effects(self)
         for index, instance in enumerate(self.instances):
-            for literal in self.blocks[index].entry:
-                if literal.predicate.static:
-                    continue
+            for literal in self.blocks[index].changing_entry:
                 atom = literal.ground(self.roles[index])
                 changing = effects.changing(atom)
                 makers = [j for j in changing if j < index and self.instances[j].begin < instance.begin]
@@ -145,9 +143,8 @@ class _Effects:
         self._found: defaultdict[tuple[str, str], list[tuple[int, Atom]]] = defaultdict(list)
         for index, (block, roles) in enumerate(zip(network.blocks, network.roles, strict=True)):
             for literal in block.exit:
-                if not literal.predicate.static:
-                    effect = literal.ground(roles)
-                    self._found[_key(effect)].append((index, effect))
+                effect = literal.ground(roles)
+                self._found[_key(effect)].append((index, effect))
 
     def changing(self, atom: Atom) -> list[int]:
         """Return the instances that set or delete the atom, in their order, each once."""

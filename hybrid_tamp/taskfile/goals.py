@@ -139,7 +139,7 @@ def _check_company(
     index = predicate.functional_index
     other = values.setdefault((atom.predicate, atom.arguments[:index], atom.arguments[index + 1 :]), atom)
     if other != atom:
-        wanted = f"{predicate.name} gives {_owners(predicate)} one {predicate.functional}"
+        wanted = f"{predicate.name} gives {_owners(predicate)} one {predicate.value_of}"
         faults.at(
             path,
             wanted,
@@ -149,5 +149,5 @@ def _check_company(
 
 
 def _owners(predicate: Predicate) -> str:
-    names = [parameter.name for parameter in predicate.parameters if parameter.name != predicate.functional]
+    names = [parameter.name for parameter in predicate.parameters if parameter.name != predicate.value_of]
     return " and ".join(f"each {name}" for name in names) or "the task"

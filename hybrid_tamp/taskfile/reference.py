@@ -101,8 +101,8 @@ def _notes(predicate: Predicate) -> str:
     notes = []
     if predicate.static:
         notes.append("static: never changes during a task")
-    if predicate.functional is not None:
-        notes.append(f"at most one {predicate.functional} each")
+    if predicate.value_of is not None:
+        notes.append(f"at most one {predicate.value_of} each")
     if predicate.maintained:
         notes.append("holds only as long as the block that made it so")
     return "; ".join(notes)

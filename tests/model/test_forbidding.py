@@ -1,13 +1,13 @@
 """A forbidden binding is used no more, and everything else is."""
 
 from collections.abc import Callable
-from itertools import pairwise
+from itertools import pairwise, permutations
 
 import pytest
 from random_tasks.lifting import random_lifting
 from random_tasks.tumbling import random_tumbling
 from scenes import rolling_task
-from serial import COLOURS, Part, block, changing, domain, in_series, predicate, task
+from serial import COLOURS, Part, block, changing, domain, in_series, task
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model import forbidding
@@ -15,7 +15,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.forbidding import deciding_roles, forbid, forbidden_bindings
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import ANY, Atom
+from hybrid_tamp.model.predicate import ANY, Atom, Parameter, Predicate
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import with_copy
 from hybrid_tamp.verbs import pipeline
@@ -105,7 +105,9 @@ def test_of_a_block_with_many_slots_those_who_are_in_them_count() -> None:
 
 def test_symbols_that_follow_from_others_are_left_out() -> None:
     def painting(holds: Callable[[str, str], bool]) -> Block:
-        pairs = predicate("pairs", COLOURS, COLOURS, holds=holds, static=True)
+        parameters = Parameter("old", COLOURS), Parameter("new", COLOURS)
+        rows = [row for row in permutations(COLOURS.symbols, 2) if holds(*row)]
+        pairs = Predicate.relation("pairs", parameters, rows)
         return block("PAINT", {"part": Part}, [pairs("old", "new")], targets={"old": COLOURS, "new": COLOURS})
 
     cycle = dict(pairwise((*COLOURS.symbols, COLOURS.symbols[0])))

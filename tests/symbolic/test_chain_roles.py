@@ -12,6 +12,7 @@ from serial import COLOURS, Part, Station, Tool, block, changing, domain, effort
 from validation import val_accepts
 
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Predicate
@@ -51,7 +52,9 @@ def test_a_target_is_carried_on_where_it_can_be_but_one(
 
 
 def test_a_symbol_that_a_target_must_be(tmp_path: Path) -> None:
-    colour = predicate("colour-of", Part, COLOURS, holds=lambda _, value: value == "red", functional="x1")
+    colour = predicate(
+        "colour-of", Part, COLOURS, holds=lambda _, value: value == "red", kind=Kind.FUNCTIONAL, value_of="x1"
+    )
     done = changing("done", Part, COLOURS)
     blocks = [
         block("DIP", {"part": Part}, [colour("part", "red")], [colour("part", "blue")]),
@@ -91,7 +94,7 @@ def test_two_slots(anchors: tuple[str, str, str], tmp_path: Path) -> None:
 
 
 def test_what_is_held_for_the_next_block_alone_is_no_effect(tmp_path: Path) -> None:
-    by, done = changing("by", Tool, Part, maintained=True), changing("done", Part)
+    by, done = changing("by", Tool, Part, kind=Kind.MAINTAINED), changing("done", Part)
     blocks = [
         block("REACH", {"tool": Tool}, [], [by("tool", "part")], {"part": Part}, hold=True),
         block("TAP", {"tool": Tool}, [by("tool", "thing")], [done("thing")], {"thing": Part}, hold=True),

@@ -20,6 +20,7 @@ from serial import (
     task,
 )
 
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
@@ -150,7 +151,7 @@ def test_a_token_that_starts_inside_cuts(tmp_path: Path) -> None:
 
 def test_who_can_stay_must_be_able_to_go_on(tmp_path: Path) -> None:
     done, more = changing("done", Part), changing("more", Part)
-    fit = predicate("fit", Part, holds=lambda part: part == "part 1", static=True)
+    fit = predicate("fit", Part, holds=lambda part: part == "part 1", kind=Kind.STATIC)
     blocks = [
         block("FIRST", {"part": Part}, [], [done("part")], hold=True),
         block("SECOND", {"part": Part}, [done("part"), fit("part")], [more("part")], hold=True),

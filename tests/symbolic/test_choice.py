@@ -9,6 +9,7 @@ from scenes import rolling_task
 from serial import COLOURS, Part, block, changing, domain, task
 
 from hybrid_tamp.errors import InputError, LimitReached
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.predicate import ANY, Atom, Parameter, Predicate
 from hybrid_tamp.model.task import Limits, Task
@@ -27,7 +28,8 @@ PAINTED = Predicate(
     "painted",
     (Parameter("part", Part), Parameter("colour", COLOURS)),
     lambda state, part, colour: np.asarray(-1.0 - COLOURS.symbols.index(colour)),
-    functional="colour",
+    kind=Kind.FUNCTIONAL,
+    value_of="colour",
 )
 
 

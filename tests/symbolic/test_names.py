@@ -11,6 +11,7 @@ from serial import Part, Station, Tool, block, changing, predicate
 from serial import domain as made_of
 from validation import val_accepts, val_accepts_temporal
 
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom, SymbolSort
@@ -39,10 +40,12 @@ def carrying(names: Mapping[str, str]) -> Task:
     """Return a task of one plan: two tools hold a part, carry it and colour it, and may let go in between."""
     thing, left, right, goal, shade = (names[key] for key in ROLES)
     colours = SymbolSort("colour", (names["pale"], names["dark"]))
-    fit = predicate("fit", Tool, holds=lambda name: name == names["one"], static=True)
-    held = changing("held", Part, Tool, maintained=True)
-    at = changing(names["at"], Part, Station, functional="x1")
-    is_pale = predicate(names["tinted"], Part, colours, holds=lambda _, v: v == names["pale"], functional="x1")
+    fit = predicate("fit", Tool, holds=lambda name: name == names["one"], kind=Kind.STATIC)
+    held = changing("held", Part, Tool, kind=Kind.MAINTAINED)
+    at = changing(names["at"], Part, Station, kind=Kind.FUNCTIONAL, value_of="x1")
+    is_pale = predicate(
+        names["tinted"], Part, colours, holds=lambda _, v: v == names["pale"], kind=Kind.FUNCTIONAL, value_of="x1"
+    )
     slots = {thing: Part, left: Tool, right: Tool}
     blocks = [
         block("HOLD", slots, [fit(left)], [held(thing, right)], hold=True),

@@ -21,6 +21,7 @@ from hybrid_tamp.model.affordance import (
 )
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import Parameter, Predicate, SymbolSort
 from hybrid_tamp.model.task import Task
@@ -99,10 +100,16 @@ def _no_time(binding: Any, state: Any, hyperparameters: Any) -> float:
 
 
 WITHIN = Predicate(
-    "within", (_OBJECT, _REGION), _zero, unit="m", functional="region", description="{object} is within {region}"
+    "within",
+    (_OBJECT, _REGION),
+    _zero,
+    unit="m",
+    kind=Kind.FUNCTIONAL,
+    value_of="region",
+    description="{object} is within {region}",
 )
 BESIDE = Predicate("beside", (Parameter("one", TOKEN), Parameter("other", TOKEN)), _zero)
-SHOWS = Predicate("shows", (_OBJECT, Parameter("face", FACES)), _zero, maintained=True)
+SHOWS = Predicate("shows", (_OBJECT, Parameter("face", FACES)), _zero, kind=Kind.MAINTAINED)
 TOY = Domain(
     name="toy",
     classes=(Hand, Rollable, Heavy, Liquid, Region, Hole, Idea),

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from itertools import product
 
-from hybrid_tamp.feasibility.bindings import Bound, Choices, Margins, choices, extensions, static_entry, symbolic
+from hybrid_tamp.feasibility.bindings import Bound, Choices, Margins, choices, extensions, static_entry
 from hybrid_tamp.feasibility.passages import Passages
 from hybrid_tamp.feasibility.shares import amount
 from hybrid_tamp.model.affordance import ObjectClass, is_place
@@ -148,6 +148,6 @@ class _Space:
             atom = literal.ground(more)
             if margin >= 0 or atom == failed:
                 yield more, failed
-            elif failed is None and not symbolic(literal):
+            elif failed is None and literal.predicate.rows is None:
                 found[atom] = margin / literal.predicate.scale
                 yield more, atom

@@ -60,7 +60,7 @@ def _brought(task: Task, instance: BlockInstance) -> Iterator[Atom]:
 def _asked(task: Task, instance: BlockInstance) -> Iterator[Atom]:
     block = task.domain.block_by_name[instance.block]
     bound = task.bind(instance.roles)
-    return (each.ground(bound) for each in block.entry if each.positive and not each.predicate.static)
+    return (each.ground(bound) for each in block.changing_entry if each.positive)
 
 
 def _why(token: Token, link: Link, instances: dict[str, BlockInstance]) -> str:

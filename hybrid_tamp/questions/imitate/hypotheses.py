@@ -172,7 +172,7 @@ class Hypotheses:
         taken = {token for _, token in slots}
         places = [t for t in block.targets if not isinstance(t.sort, SymbolSort)]
         choices = [[cast(Token, v).name for v in self.task.values_of(t.sort)] for t in places]
-        facts = [literal for literal in block.entry if literal.predicate.static]
+        facts = block.static_entry
         for names in product(*choices):
             if len({*names, *taken}) < len(names) + len(taken):
                 continue
@@ -186,7 +186,7 @@ class Hypotheses:
         if block.name not in self._over_symbols:
             sorts = {t.name: t.sort.symbols for t in block.targets if isinstance(t.sort, SymbolSort)}
             rows = [tuple(zip(sorts, row, strict=True)) for row in product(*sorts.values())]
-            facts = [e for e in block.entry if e.predicate.static and set(e.arguments) <= set(sorts)]
+            facts = [e for e in block.static_entry if set(e.arguments) <= set(sorts)]
             self._over_symbols[block.name] = tuple(r for r in rows if all(self._holds(fact, r) for fact in facts))
         return self._over_symbols[block.name]
 
@@ -210,7 +210,7 @@ class Hypotheses:
         bodies = {varying.name for varying in BODY_STATE}
         for predicate, token in product(self.task.domain.predicates, self.task.assigned):
             parameters = predicate.parameters
-            if predicate.static or predicate.maintained or len(parameters) > 1:
+            if not predicate.measured or len(parameters) > 1:
                 continue
             sort, read = parameters[0].sort, set(predicate.reads.get(parameters[0].name, ())) - bodies
             if read and not isinstance(sort, SymbolSort) and token.is_member(sort):

@@ -36,7 +36,7 @@ def _positive(literal: Literal) -> bool:
 
 def _lasting(literal: Literal) -> bool:
     """Say whether an entry condition still holds after the block, if nothing undoes it."""
-    return literal.positive and not literal.predicate.static and not literal.predicate.maintained
+    return literal.positive and literal.predicate.measured
 
 
 def followed(series: Series, block: Block, slots: Mapping[str, str], taken: Iterable[str] = ()) -> Series | None:

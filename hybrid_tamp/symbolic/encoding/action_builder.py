@@ -132,7 +132,7 @@ class ActionBuilder:
             self.consume((name, *arguments[:index], self._argument(known), *arguments[index + 1 :]))
         elif key not in self._old_values:
             sort = literal.predicate.parameters[index].sort
-            variable = self._fresh(f"from-{literal.predicate.functional}", self.vocabulary.type_of(sort))
+            variable = self._fresh(f"from-{literal.predicate.value_of}", self.vocabulary.type_of(sort))
             self._old_values[key] = variable
             self.consume((name, *arguments[:index], variable, *arguments[index + 1 :]))
         sets = [

@@ -82,8 +82,8 @@ def remembered(domain: Domain, block: Block, slot: str) -> tuple[str, ...]:
     """
     locked = {t.name for t in locked_targets(domain, block)} if slot == block.anchor else set()
     targets = {t.name for t in block.targets}
-    for literal in block.exit:
-        if literal.predicate.maintained and literal.positive and keeper(block, literal.arguments) == slot:
+    for literal in block.maintained_exit:
+        if keeper(block, literal.arguments) == slot:
             locked |= targets & set(literal.arguments)
     return tuple(t.name for t in block.targets if t.name in locked)
 

@@ -56,11 +56,7 @@ class Conditions:
 
     def maintained_by(self, block: Block, slot: str) -> list[Literal]:
         """Exit conditions that the block's hold maintains and that this slot's token carries."""
-        return [
-            literal
-            for literal in block.exit
-            if literal.predicate.maintained and literal.positive and keeper(block, literal.arguments) == slot
-        ]
+        return [literal for literal in block.maintained_exit if keeper(block, literal.arguments) == slot]
 
     def unified(self, old: Block, slot_before: str, new: Block, slot: str) -> dict[str, str]:
         """Return roles of the old block that must equal roles of the new one.
@@ -124,8 +120,8 @@ class Conditions:
                 if isinstance(sort, SymbolSort) or not {slot.name, target.name} <= bound:
                     continue
                 guarded = any(
-                    literal.predicate.static and literal.positive and {slot.name, target.name} <= set(literal.arguments)
-                    for literal in block.entry
+                    literal.positive and {slot.name, target.name} <= set(literal.arguments)
+                    for literal in block.static_entry
                 )
                 if not guarded and self.vocabulary.domain.relations.can_share_token(slot.object_class, sort):
                     pairs.append((slot.name, target.name))

@@ -81,7 +81,7 @@ class Compilation:
     def _static(self) -> dict[str, tuple[Predicate, bool]]:
         """Static predicates and their opposites by their names in the planning domain."""
         vocabulary = self.encoded.vocabulary
-        static = {vocabulary.predicate(p.name): (p, True) for p in self.task.domain.predicates if p.static}
+        static = {vocabulary.predicate(p.name): (p, True) for p in self.task.domain.static_predicates}
         return static | {vocabulary.predicate(p.name, positive=False): (p, False) for p in vocabulary.denied}
 
 

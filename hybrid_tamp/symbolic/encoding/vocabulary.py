@@ -59,9 +59,7 @@ class Vocabulary:
         words |= {("sort", s.name): s.name for s in self.sorts}
         words |= {("symbol", symbol): symbol for s in self.sorts for symbol in s.symbols}
         words |= {("predicate", p.name): p.name for p in self.domain.predicates}
-        words |= {
-            ("no value", p.name): f"no {p.functional} of {p.name}" for p in self.domain.predicates if p.functional
-        }
+        words |= {("no value", p.name): f"no {p.value_of} of {p.name}" for p in self.domain.predicates if p.value_of}
         words |= {("opposite", p.name): f"not {p.name}" for p in self.denied}
         words |= {("type", COUNT): COUNT, _NONE_READING: _NONE_READING[1]}
         return Naming(words, taken=self._state_names.values())
@@ -69,7 +67,7 @@ class Vocabulary:
     @cached_property
     def denied(self) -> tuple[Predicate, ...]:
         """Static predicates that some entry condition wants not to hold."""
-        found = [c.predicate for b in self.domain.blocks for c in b.entry if c.predicate.static and not c.positive]
+        found = [c.predicate for b in self.domain.blocks for c in b.static_entry if not c.positive]
         return tuple({predicate.name: predicate for predicate in found}.values())
 
     # -- words ----------------------------------------------------------------------------------------------------

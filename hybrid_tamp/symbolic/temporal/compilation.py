@@ -110,9 +110,9 @@ class _Writer:
 
     def _nothing(self, changing: frozenset[Atom]) -> Iterator[tuple[Fact, Value]]:
         """What has no value has the value 'none'."""
-        for predicate in self.task.domain.predicates:
+        for predicate in self.task.domain.changing_predicates:
             key = self.words.key(predicate)
-            if predicate.static or len(key) == len(predicate.parameters):
+            if len(key) == len(predicate.parameters):
                 continue
             word = self.vocabulary.predicate(predicate.name)
             valued = {tuple(a.arguments[i] for i in key) for a in changing if a.predicate == predicate.name}

@@ -115,7 +115,7 @@ class _Encoder:
             yield Fluent(self.words("lasts", block.name), roles, "number")
 
     def _users(self) -> Iterator[Fluent]:
-        changing = {self.vocabulary.predicate(p.name): p for p in self.domain.predicates if not p.static}
+        changing = {self.vocabulary.predicate(p.name): p for p in self.domain.changing_predicates}
         for name, parameters in self.vocabulary.predicates:
             if name in changing:
                 key = self.words.key(changing[name])

@@ -120,7 +120,7 @@ class _Reaching:
     def _bindings(self, block: Block) -> Iterator[dict[str, str]]:
         """Yield every binding whose positive entry conditions can hold."""
         conditions = [literal for literal in block.entry if literal.positive]
-        denied = [literal for literal in block.entry if not literal.positive and literal.predicate.static]
+        denied = [literal for literal in block.static_entry if not literal.positive]
         sorts = block.roles
         for roles in self._joined(sorts, conditions, _Index(self.atoms), {}):
             if not any(self._holds(literal, roles) for literal in denied) and self._distinct(roles):
