@@ -36,7 +36,11 @@ def fetching(at: Predicate, done: Predicate) -> list[Block]:
 
 @pytest.mark.parametrize(
     ("kind", "wanted"),
-    [({"functional": "x1"}, ["GO > WORK > PACK"]), ({"maintained": True}, ["GO > WORK > PACK"]), ({}, ["WORK > PACK"])],
+    [
+        ({"kind": Kind.FUNCTIONAL, "value_of": "x1"}, ["GO > WORK > PACK"]),
+        ({"kind": Kind.MAINTAINED}, ["GO > WORK > PACK"]),
+        ({}, ["WORK > PACK"]),
+    ],
     ids=["functional", "maintained", "neither"],
 )
 def test_a_target_is_carried_on_where_it_can_be_but_one(
