@@ -21,7 +21,7 @@ _STEPS_A_BLOCK = 4  # How long a walk is, in steps a block of the domain.
 
 @dataclass(frozen=True)
 class Disagreement:
-    """An exit condition that a block declares and its own forward model does not bring about."""
+    """An exit condition that a block declares, but that does not hold after its forward model has run."""
 
     block: str
     binding: tuple[tuple[str, str], ...]
@@ -72,7 +72,7 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
 
 
 def _displaced(task: Task, rng: np.random.Generator) -> State:
-    """Return the initial state with hands moved a little; other tokens stay where the task's facts hold."""
+    """Return the initial state with hands displaced a little; other tokens stay, so that the task's facts hold."""
     moves = {
         (token.name, "position"): task.state[token, "position"] + rng.uniform(-0.05, 0.05, 3)
         for token in task.tokens
@@ -84,7 +84,7 @@ def _displaced(task: Task, rng: np.random.Generator) -> State:
 def _next(
     task: Task, blocks: list[Block], state: State, done: Counter[str], rng: np.random.Generator, samples: int
 ) -> tuple[Block, Binding] | None:
-    """Return a block that can begin in the state, one that never has been first; None when all have."""
+    """Return a block that can begin in the state, preferably one that never began; None if all began often enough."""
     if min(done.values()) >= samples:
         return None
     # Of those that have been rolled out, any: the way to some states leads through blocks that are rolled out often.
@@ -96,7 +96,7 @@ def _next(
 
 
 def _possible(task: Task, block: Block, state: State, bound: dict[str, Value]) -> Iterator[Binding]:
-    """Yield the bindings of a block whose entry conditions hold: each condition is asked once its roles are bound."""
+    """Yield the bindings of a block whose entry conditions hold, each evaluated as soon as its roles are bound."""
     unbound = [role for role in block.roles if role not in bound]
     if not unbound:
         yield bound

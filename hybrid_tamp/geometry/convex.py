@@ -17,7 +17,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 
 CONTACT = 1e-3
-"""So deep two bodies may go into each other and still merely touch: written poses are rounded [m]."""
+"""Bodies that overlap by at most this still only touch [m]: written poses are rounded."""
 _MOST_STEPS = 64
 
 
@@ -43,7 +43,7 @@ class ConvexBody:
 
     @property
     def reach(self) -> float:
-        """Radius of a ball about the centre that holds the body [m]."""
+        """Radius of a ball about the centre that contains the body [m]."""
         if self.points is not None:
             return float(np.linalg.norm(self.points, axis=1).max())
         half = self.half + np.array([self.disc, 0.0, 0.0])
@@ -64,7 +64,7 @@ class ConvexBody:
         return self.position + offset
 
     def shrunk(self, depth: float) -> "ConvexBody":
-        """Return the body without its outermost layer of this depth [m]; of thin ones the middle stays."""
+        """Return the body without its outermost layer of this depth [m]; a thin body keeps its middle."""
         if self.points is not None:
             middle = (self.points.min(axis=0) + self.points.max(axis=0)) / 2.0
             kept = 1.0 - depth / np.maximum(np.ptp(self.points, axis=0) / 2.0, depth)
@@ -75,7 +75,7 @@ class ConvexBody:
 
 
 Body = Sequence[ConvexBody]
-"""The parts of a body, one unless it is a compound."""
+"""The convex solids of a body; one unless it is a compound or a mesh."""
 
 
 def placed(shape: Shape, position: FloatArray, orientation: FloatArray) -> Body:
@@ -146,7 +146,7 @@ def _overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
 def overlaps(
     bodies: Sequence[Body], pass_through: Callable[[int, int], bool] = lambda earlier, later: False
 ) -> Iterator[tuple[int, int, FloatArray]]:
-    """Yield every body that shares space with an earlier one: (earlier, later, way by which the later one gets clear).
+    """Yield each pair of bodies that share space: (earlier, later, displacement that moves the later one clear).
 
     Of a heap each body is told once, with one other: all pairs of it would be as many as nobody reads.
 
@@ -187,7 +187,7 @@ def _directions(one: ConvexBody, other: ConvexBody) -> Iterator[FloatArray]:
 
 
 def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
-    """Say whether the bodies meet: whether the set of the differences of their points holds zero.
+    """Say whether the bodies meet: whether the set of differences of their points contains zero.
 
     Each step adds the difference furthest towards zero, and keeps the corners of that part of their hull which is
     nearest to zero. What is still undecided after many steps merely touches.
@@ -211,7 +211,7 @@ def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
 
 
 def _nearest_to_zero(corners: list[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
-    """Return the point of a simplex nearest to zero, with the fewest corners whose hull holds it."""
+    """Return the point of a simplex nearest to zero, with the fewest corners whose hull contains it."""
     best: tuple[list[FloatArray], FloatArray] = (corners[:1], corners[0])
     for count in range(1, len(corners) + 1):
         for chosen in combinations(corners, count):

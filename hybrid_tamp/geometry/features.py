@@ -16,7 +16,7 @@ _ANGLES = 720
 _LEAST_ROUND = float(np.sqrt(0.5))
 """Roundness of a square prism, which does not roll."""
 _LAYER = 0.01
-"""What belongs to a face, as a share of the body's extent along its normal."""
+"""How deep a face reaches into the body, as a share of the body's extent along its normal."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class RestingPose:
 
 
 def silhouette(points: FloatArray, axis: FloatArray) -> FloatArray:
-    """Return the support function about an axis at angles all round it, ``(_ANGLES,)`` [m].
+    """Return the support function at angles around an axis, ``(_ANGLES,)`` [m].
 
     Args:
         points: of the body, ``(n, 3)`` [m].
@@ -56,13 +56,13 @@ def across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def roundness(shape: Shape, axis: FloatArray) -> float:
-    """Return the least over the largest reach across an axis: 1 for a cylinder, 0.92 for an octagon."""
+    """Return the ratio of the smallest to the largest reach across an axis: 1 for a cylinder, 0.92 for an octagon."""
     reach = silhouette(points_of(shape), axis)
     return float(reach.min() / reach.max())
 
 
 def rolling_radius(shape: Shape, axis: FloatArray) -> float:
-    """Return the way over the angle of a full turn [m]: the mean reach, as the hull's outline is 2 pi times that.
+    """Return the distance per angle of a full turn [m]: the mean reach, because the hull's outline is 2 pi times it.
 
     (Cauchy's formula for the perimeter of a convex outline.)
     """
@@ -70,27 +70,27 @@ def rolling_radius(shape: Shape, axis: FloatArray) -> float:
 
 
 def roundest_axis(shape: Shape) -> FloatArray:
-    """Return the axis of the body frame ``(3,)`` about which a shape is the roundest; of equal ones the longest."""
+    """Return the axis of the body frame ``(3,)`` about which a shape is roundest; if several are equal, the longest."""
     points = points_of(shape)
     rated = [(round(roundness(shape, axis), 3), round(float(np.ptp(points @ axis)), 6)) for axis in np.eye(3)]
     return np.asarray(np.eye(3)[rated.index(max(rated))])
 
 
 def rolling_likelihood(shape: Shape) -> float:
-    """Return 0 for what is no rounder than a square prism up to 1 for what is round about some axis."""
+    """Return how round a shape is about its best axis, from 0 for a square prism or less to 1."""
     best = roundness(shape, roundest_axis(shape))
     return float(np.clip((best - _LEAST_ROUND) / (1.0 - _LEAST_ROUND), 0.0, 1.0))
 
 
 def tumbling_likelihood(shape: Shape) -> float:
-    """Return how much of the box about a shape it stands on, 0 to 1, on the worst of four sides about its best axis."""
+    """Return the share of its bounding box that a shape stands on, 0 to 1, on the worst side about its best axis."""
     points = points_of(shape)
     grounds = np.array([[_ground(points, sign * axis) for sign in (-1.0, 1.0)] for axis in np.eye(3)]).min(axis=1)
     return float(max(np.delete(grounds, turn).min() for turn in range(3)))
 
 
 def _ground(points: FloatArray, down: FloatArray) -> float:
-    """Return how far the ground of a body reaches from below its centre, as a share of the box's, to the worst side."""
+    """Return how far the contact area reaches from below the centre, on its worst side, as a share of the box."""
     depth = points @ down
     face = points[depth >= depth.max() - _LAYER * np.ptp(depth)]
     shares = [
@@ -103,7 +103,7 @@ def _ground(points: FloatArray, down: FloatArray) -> float:
 
 
 def resting_poses(shape: Shape, least: float = 0.01) -> tuple[RestingPose, ...]:
-    """Return the faces on which a shape comes to rest, the likeliest first.
+    """Return the faces on which a shape can rest, the likeliest first.
 
     Args:
         shape: the shape; its frame's origin is the centre of mass.

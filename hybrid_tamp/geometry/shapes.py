@@ -40,7 +40,7 @@ class Sphere(_Shape):
 
 
 class Placement(BaseModel):
-    """A part is a shape with its own keys, and these say where it is in the body."""
+    """The pose of a part in the body; a part has the keys of its shape, too."""
 
     position: tuple[_Coordinate, _Coordinate, _Coordinate] = Field(
         description="of the part's centre in the body frame", json_schema_extra={"unit": "m"}
@@ -99,7 +99,7 @@ class MeshFile(_Shape):
 
 
 Solid = Cylinder | Box | Sphere
-"""A convex shape; parts of a compound are such."""
+"""A convex shape; a compound consists of such shapes."""
 WrittenShape = Annotated[Solid | Compound | MeshFile, Field(discriminator="kind")]
 """A shape as a task file gives it."""
 Shape = Solid | Compound | MeshShape
@@ -108,7 +108,7 @@ _CENTRE = (0.0, 0.0, 0.0)
 
 
 def solids_of(shape: Shape) -> tuple[CylinderPart | BoxPart | SpherePart | Hull, ...]:
-    """Return the convex parts of a compound or a mesh; any other shape is its own only part, in the middle."""
+    """Return the convex solids of a shape; a shape that is no compound or mesh is its only solid, at the origin."""
     if isinstance(shape, Compound | MeshShape):
         return shape.parts
     if isinstance(shape, Box):

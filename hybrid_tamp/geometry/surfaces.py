@@ -19,23 +19,23 @@ _OUTSIDE = 1e-5
 
 
 def hulls_of(shape: Shape) -> list[Hull]:
-    """Return the convex parts of a shape as triangles in its body frame; round ones have many small sides."""
+    """Return the convex solids of a shape as triangles in its body frame; round solids have many small sides."""
     meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in solids_of(shape)]
     return [Hull(mesh.vertices, mesh.triangles) for mesh in meshes]
 
 
 def points_of(shape: Shape) -> FloatArray:
-    """Return points ``(n, 3)`` [m] of which the shape's convex hull is made."""
+    """Return points ``(n, 3)`` [m] whose convex hull is that of the shape."""
     return np.concatenate([hull.vertices for hull in hulls_of(shape)])
 
 
 def volume_of(shape: Shape) -> float:
-    """Return the volume [m^3]; of parts that overlap, that of both."""
+    """Return the volume [m^3]; overlapping solids count twice where they overlap."""
     return sum(hull.integrals[0] for hull in hulls_of(shape))
 
 
 def outer_surface(shape: Shape) -> "Trimesh":
-    """Return the surface without what lies within or between the parts."""
+    """Return the outer surface, without triangles inside or between solids."""
     from trimesh import Trimesh
 
     hulls = hulls_of(shape)
@@ -52,7 +52,7 @@ def outer_surface(shape: Shape) -> "Trimesh":
 
 
 def _uncovered(hull: Hull, others: Sequence[Hull]) -> FloatArray:
-    """Say of each triangle ``(m,)`` whether no other part is just outside it."""
+    """Say for each triangle ``(m,)`` whether no other solid is just outside it."""
     corners, normals = _planes(hull)
     outside = corners.mean(axis=1) + normals * _OUTSIDE
     covered = np.zeros(len(outside), dtype=bool)

@@ -1,4 +1,4 @@
-"""A labelled object's surface warped onto a new one, so that points on it are carried along.
+"""Warp a labelled object's surface onto a new one, and carry points on it along.
 
 Non-rigid registration by locally affine regularisation (Amberg, Romdhani and Vetter 2007, "Optimal Step Nonrigid ICP
 Algorithms for Surface Registration"), as trimesh has it. The paper's Sec. III-A carries contact points to new objects
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 _SOURCE_EDGES = 8
-"""Into so many edges the longest edge of the labelled surface is cut."""
+"""Number of edges into which the longest edge of the labelled surface is cut."""
 _TARGET_EDGES = 30
-"""Into so many edges the longest extent of the new surface is cut: its corners are what is matched."""
+"""Number of edges into which the longest extent of the new surface is cut; its corners are matched."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,12 +41,12 @@ class Warp:
     residual: float
 
     def carry(self, points: FloatArray) -> FloatArray:
-        """Return where points on the labelled surface ``(k, 3)`` [m] have come to."""
+        """Return the warped positions of points on the labelled surface ``(k, 3)`` [m]."""
         corners = self.before[self.triangles]
         return np.array([self._carried(point, corners) for point in np.asarray(points)])
 
     def _carried(self, point: FloatArray, corners: FloatArray) -> FloatArray:
-        """Carry a point with that triangle to which it is nearest, by its weights over the corners."""
+        """Carry a point with its nearest triangle, by its weights over the corners."""
         edges = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=-1)
         inner = np.einsum("mij,mi->mj", np.linalg.pinv(edges).transpose(0, 2, 1), point - corners[:, 0])
         weights = np.clip(np.column_stack([1.0 - inner.sum(axis=1), inner]), 0.0, 1.0)

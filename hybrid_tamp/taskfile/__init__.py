@@ -1,12 +1,13 @@
-"""VERB 1: a YAML task file goes in, a sound `Task` or every fault with its place comes out.
+"""Task files: YAML goes in, a checked `Task` or every fault with its place comes out.
 
 ::
 
-    task.yaml ─ yaml_nodes ─► plain data, the line and column of every part, no object ever constructed
-              ─ entries ────► the file's form: keys, types, bounds (pydantic)
-              ─ tokens, goals, roles ─► its meaning: classes, poses, atoms, agents, starts
-              ─ starts ─────► whether tokens can be where they start, clear of the floor and of each other (convex)
-              ─ loader ─────► Task, or one InputError with all faults in the order of the file
+    task.yaml ─ yaml ─────► plain data with the line and column of every value
+              ─ entries ──► the form: keys, types, bounds (pydantic)
+              ─ tokens, goals, roles, midlevel ─► the meaning: classes, poses, atoms, agents, assignment, bounds
+              ─ starts ───► whether every token starts clear of the floor and of the others
+              ─ loader ───► Task, or one InputError with all faults in the order of the file
 
-`domains` finds what a file names; `schema` and `reference` say the file's form to editors and to people.
+`making` sends Python values the same way, and `saving` writes a task as a file. `domains` finds domains and task
+files by name. `schema` and `reference` describe the form to editors and to people.
 """

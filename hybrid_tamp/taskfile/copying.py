@@ -28,7 +28,7 @@ def portable(task: Task) -> tuple[str, dict[str, str]]:
 
 
 def _describes(path: Path, task: Task) -> bool:
-    """Say whether a file has the task's tokens and goal; bounds on the work may be others."""
+    """Say whether a file has the task's tokens and goal; its limits and seed may differ."""
     try:
         written = load_task(path, lambda _: task.domain)
     except InputError:
@@ -37,7 +37,7 @@ def _describes(path: Path, task: Task) -> bool:
 
 
 def _scene(task: Task) -> Task:
-    """Return the task without what only says how it is worked on."""
+    """Return the task without its limits, seed, planner and other settings."""
     return Task("", task.domain, task.tokens, task.state, task.goal, task.agents, task.assignment)
 
 

@@ -46,7 +46,7 @@ def read_demonstration(path: Path | str) -> ShownMovement:
 
 
 def _check_header(cells: list[Cell], faults: Faults) -> int:
-    """Return how many columns there are; the faults are raised if they are not those of a demonstration."""
+    """Return the number of columns; raise the faults if they are not those of a demonstration."""
     found = [_NAME.match(cell.text.casefold()) for cell in cells]
     names = tuple(match.group(1) if match else "" for match in found)
     if names not in (_POSITION, _POSE):

@@ -1,4 +1,4 @@
-"""Finding what is named: domains by name, module or path, and task files by path or bundled name."""
+"""Find domains by name, module or path, and task files by path or bundled name."""
 
 import hashlib
 import os
@@ -28,7 +28,7 @@ def available_domains() -> tuple[str, ...]:
 
 
 def installed_domain(name: str) -> Domain:
-    """Return an installed domain by its name; whatever the name is, it starts no other code.
+    """Return an installed domain by its name. No name starts code other than that of installed domains.
 
     Raises:
         InputError: there is none of this name, or its module does not load.
@@ -109,7 +109,7 @@ def _domain(found: Any, source: str, attribute: str | None = None) -> Domain:
 
 
 def _import_file(path: Path) -> ModuleType:
-    """Import a file once: the same file gives the same module, also where a package has it already."""
+    """Import a file once: the same file gives the same module, even if an installed package contains it."""
     known = _module_of(path)
     if known is not None:
         return import_module(known)
@@ -154,13 +154,13 @@ def bundled_tasks() -> tuple[str, ...]:
 
 
 def find_task_file(text: str) -> Path:
-    """Return the path of a task file: one that is there, else a bundled one by name.
+    """Return the path of a task file: an existing file, or else a bundled one by name.
 
     Args:
         text: a path, or e.g. ``roll_cylinder``, ``roll_cylinder.yaml`` or ``problems/roll_cylinder.yaml``.
 
     Raises:
-        InputError: there is neither, with the bundled names.
+        InputError: there is neither; the message lists the bundled names.
     """
     if os.path.isfile(text):
         return Path(text)

@@ -15,7 +15,7 @@ from hybrid_tamp.model.task import DEFAULT_PLANNER, Limits, MidLevel
 Text = Annotated[str, Strict(), Field(min_length=1)]
 Whole = Annotated[int, Strict()]
 Coordinate = Annotated[Number, Field(ge=-1000, le=1000)]
-"""Bounded so that no square of it overflows."""
+"""Bounded, so that its square cannot overflow."""
 Angle = Annotated[Number, Field(ge=-1000, le=1000)]
 Component = Annotated[Number, Field(ge=-1000, le=1000)]
 
@@ -55,18 +55,16 @@ class TokenEntry(_Entry):
     classes: list[Text] = Field(description="names of the domain's classes that it is a member of")
     unknown: list[Text] = Field(
         default_factory=list,
-        description="names of classes of which it may or may not be a member, as 'hybrid-tamp probe' finds out",
+        description="names of classes of which it may or may not be a member; 'hybrid-tamp probe' finds out",
     )
     properties: dict[str, Any] = Field(
         default_factory=dict,
-        description="fixed properties, the union of those of its classes; of unknown classes some may be missing",
+        description="fixed properties, the union of those of its classes; those of unknown classes may be missing",
     )
     shape: WrittenShape | None = Field(
         default=None, description="its geometry; default: what its classes imply, if anything"
     )
-    pose: Pose | None = Field(
-        default=None, description="where it is at the beginning; needed by whatever has a position"
-    )
+    pose: Pose | None = Field(default=None, description="where it is at the beginning; required if it has a position")
 
 
 class LimitsEntry(_Entry):
@@ -77,16 +75,16 @@ class LimitsEntry(_Entry):
         "MiB", "memory of the planner and its children together", default=Limits.memory, gt=0, le=1e8
     )
     refinements: Whole = quantity(
-        "1", "how often the planner is asked again after a refused plan", default=Limits.refinements, ge=0, le=1000
+        "1", "how many times to replan after a refused plan", default=Limits.refinements, ge=0, le=1000
     )
 
 
 class RangeEntry(_Entry):
-    """What a task says of a hyperparameter, in its own unit; what is left out stays as the block has it."""
+    """Bounds and default of a hyperparameter, in its own unit; a key that is left out keeps the block's value."""
 
     lower: Number | None = Field(default=None, description="lower bound, not below the block's own")
     upper: Number | None = Field(default=None, description="upper bound, not above the block's own")
-    default: Number | None = Field(default=None, description="its value where nothing optimises it, within the bounds")
+    default: Number | None = Field(default=None, description="its value if nothing optimises it, within the bounds")
 
 
 def _form_of_range(value: Any) -> str:
@@ -97,7 +95,7 @@ NumberOrRange = Annotated[
     Annotated[Number, Tag(float.__name__)] | Annotated[RangeEntry, Tag(RangeEntry.__name__)],
     Discriminator(_form_of_range),
 ]
-"""The tags are the names of the types: messages find their way by them."""
+"""The tags are the names of the types; `wording` finds the type of a value by them."""
 
 
 class MidLevelEntry(_Entry):
@@ -109,7 +107,7 @@ class MidLevelEntry(_Entry):
     )
     seconds: Number = quantity("s", "budget of time", default=MidLevel.seconds, gt=0, le=1e6)
     refine: Literal["none", "physics"] = Field(
-        default="none", description="physics: go on from the analytic optimum in the physics backend"
+        default="none", description="physics: continue from the analytic optimum in the physics backend"
     )
     weights: dict[str, Number] = Field(
         default_factory=dict, description="BLOCK.measure to its weight in the value of a plan, negative for a cost"

@@ -1,4 +1,4 @@
-"""Models as JSON Schema, and pieces of JSON Schema in words: what `schema` and `reference` share."""
+"""Pydantic models as JSON Schema, and JSON Schema in words; `schema` and `reference` use both."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -92,5 +92,5 @@ def bounds_in_words(schema: JsonObject) -> str:
 
 
 def number_in_words(value: float) -> str:
-    """Return a number without a fraction that is zero."""
+    """Return a number as text, without a fraction of zero."""
     return str(int(value)) if float(value).is_integer() else f"{value:g}"

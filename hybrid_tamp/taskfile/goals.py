@@ -11,7 +11,7 @@ _FORM = "an atom of the goal is 'predicate: [tokens]'"
 
 
 def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> tuple[Atom, ...]:
-    """Read the goal's atoms, note their faults and return those that are right, each once."""
+    """Read the goal's atoms, note their faults and return the sound ones, each once."""
     items = data.get("goal")
     if not isinstance(items, list):
         return ()
@@ -41,7 +41,7 @@ def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[Atom, KeyPath] | No
         return None
     if not isinstance(item, dict) or len(item) != 1:
         came = "several keys" if isinstance(item, dict) and item else faults.shown(path, item)
-        faults.at(path, _FORM, came, remedy="write one atom an entry")
+        faults.at(path, _FORM, came, remedy="write one atom per entry")
         return None
     ((predicate, arguments),) = item.items()
     path = (*path, predicate)
@@ -75,7 +75,7 @@ def _signature(predicate: Predicate) -> str:
 
 
 def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Note arguments that are no tokens, or of a class that the predicate does not take."""
+    """Note arguments that name no token, or a token of a class that the predicate does not take."""
     typed = predicate is not None and len(predicate.parameters) == len(atom.arguments)
     parameters = predicate.parameters if predicate is not None and typed else [None] * len(atom.arguments)
     for index, (argument, parameter) in enumerate(zip(atom.arguments, parameters, strict=True)):
@@ -95,7 +95,7 @@ def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, fau
 
 
 def _check_choice(atom: Atom, parameter: Parameter | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Refuse a wildcard for which no token could stand."""
+    """Refuse a wildcard that no token can replace."""
     known = scene.names is not None and set(scene.outlines) == set(scene.names) and ANY not in scene.names
     if parameter is None or isinstance(parameter.sort, SymbolSort) or not known:
         return
@@ -106,7 +106,7 @@ def _check_choice(atom: Atom, parameter: Parameter | None, path: KeyPath, faults
 
 
 def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Refuse a token that is two arguments at once: facts are over different tokens."""
+    """Refuse a token that appears twice: the arguments of a fact are different tokens."""
     for index, argument in enumerate(atom.arguments):
         if argument in (scene.names or ()) and argument in atom.arguments[:index]:
             wanted = f"the arguments of {plain(atom.predicate)} are different tokens"

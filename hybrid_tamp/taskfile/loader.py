@@ -1,4 +1,4 @@
-"""A task file to a task: every fault of the file at once, or none."""
+"""Load a task file as a task, or report every fault of the file at once."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -93,7 +93,7 @@ def read_task(
     find_domain: FindDomain,
     check_planner: CheckPlanner | None = None,
 ) -> Task:
-    """Return the task that plain data of a task file's form describe.
+    """Return the task that plain data in the form of a task file describe.
 
     Args:
         data: keys to lists, mappings, texts and numbers, as a task file has them.
@@ -178,7 +178,7 @@ def _check_planner(data: dict[str, Any], faults: Faults, check_planner: CheckPla
 
 
 def _check_choices(task: Task, faults: Faults) -> None:
-    """Note that a goal leaves nothing to choose from, or too much."""
+    """Note a goal that leaves too many choices, or none."""
     try:
         task.alternatives()
     except InputError as error:
@@ -186,7 +186,7 @@ def _check_choices(task: Task, faults: Faults) -> None:
 
 
 def _place(error: InputError, path: KeyPath, faults: Faults) -> None:
-    """Note at a place of the file what is wrong with that which it names there."""
+    """Note at a place of the file what is wrong with the domain, planner or goal named there."""
     for issue in error.issues:
         wanted = issue.wanted if issue.where in ("", *path) else f"{issue.where}: {issue.wanted}"
         faults.at(path, wanted, issue.came, issue.available, issue.remedy)

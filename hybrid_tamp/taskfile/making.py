@@ -1,4 +1,4 @@
-"""A task built in Python: what a task file says, as Python values, checked by the same checks."""
+"""Build a task from Python values: the keys of a task file, checked in the same way."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, is_dataclass

@@ -1,4 +1,4 @@
-"""Mesh files of task files: read, and refused where physics could not take them, with the figure that is wrong."""
+"""Read mesh files; refuse those that physics cannot use, with the wrong figure."""
 
 import hashlib
 from pathlib import Path
@@ -17,15 +17,15 @@ MOST_TRIANGLES = 200_000
 MOST_BYTES = 64 * 1024 * 1024
 MOST_SOLIDS = 1000
 SMALLEST, LARGEST = 0.001, 10.0
-"""What the longest edge of a body's box must be between [m]: beyond that the unit is wrong."""
+"""Bounds of the longest edge of a body's bounding box [m]; outside them the unit is wrong."""
 MOST_SKEW = 0.05
 _WHAT = "a mesh file"
 _THINNEST = 1e-6
 """A solid's least volume, as a share of the cube of its longest edge."""
 _DENT = 1e-3
-"""How far a convex solid may be dented, as a share of its longest edge: files are rounded."""
+"""How deep a dent of a convex solid may be, as a share of its longest edge: numbers in files are rounded."""
 _SAME = 1e-7
-"""So close two corners are one, as a share of the body's longest edge."""
+"""Corners closer than this are one corner, as a share of the body's longest edge."""
 
 
 def read_mesh(path: Path, written: MeshFile) -> MeshShape:
@@ -70,12 +70,12 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
 
 
 def digest_of(text: str) -> str:
-    """Return what tells the content of mesh files apart."""
+    """Return a digest of the content of a mesh file."""
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _triangles_in(path: Path) -> int:
-    """Count the faces of a file too large to be read whole."""
+    """Count the faces of a file that is too large to read as a whole."""
     count, before = 0, b"\n"
     with path.open("rb") as file:
         while block := file.read(1 << 24):
@@ -98,7 +98,7 @@ def _size(vertices: FloatArray, surfaces: list[Surface]) -> float:
 
 
 def _solid(vertices: FloatArray, surface: Surface, size: float, source: str) -> Hull:
-    """Return one object as a convex solid, its equal corners made one."""
+    """Return one object as a convex solid; equal corners become one corner."""
     corners = vertices[np.array(surface.triangles)].reshape(-1, 3)
     _, first, names = np.unique(np.round(corners / (_SAME * size)), axis=0, return_index=True, return_inverse=True)
     solid = Hull(corners[first], names.reshape(-1, 3).astype(np.intp))

@@ -1,4 +1,4 @@
-"""What a task file says of hyperparameters and performance measures; its domain is changed accordingly.
+"""Read a task file's weights and bounds of hyperparameters, and apply them to the domain.
 
 ``BLOCK.name`` speaks of a block, mode included, or of all modes of an action; what is said of a mode goes first.
 """
@@ -39,7 +39,7 @@ class _Constant:
 
 
 def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -> Domain | None:
-    """Return the domain with the task's weights and bounds, the same one if there are none; note their faults."""
+    """Return the domain with the task's weights and bounds, or the same domain if there are none; note faults."""
     if domain is None:
         return None
     weights = _said(data, "weights", faults, domain)
@@ -50,7 +50,7 @@ def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -
 
 
 def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
-    """Note bounds that leave nothing to any tokens of the task, e.g. a place beyond the end of every handle."""
+    """Note bounds that no tokens of the task can satisfy, e.g. a grasp beyond the end of every handle."""
     for (block, name), (path, _) in _said(data, "hyperparameters", faults, task.domain).items():
         part = next(each for each in task.domain.block_by_name[block].hyperparameters if each.name == name)
         if part.within is None:
@@ -63,7 +63,7 @@ def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
 
 
 def names_of(domain: Domain, kind: Kind) -> dict[str, list[tuple[Block, str]]]:
-    """Return every ``BLOCK.name`` that a task file may use, with what it means: blocks, and the name in each."""
+    """Return every ``BLOCK.name`` that a task file may use, with its blocks and the name in each."""
     found: dict[str, list[tuple[Block, str]]] = {}
     for block in domain.blocks:
         declared = block.performance if kind == "weights" else block.hyperparameters
@@ -74,7 +74,7 @@ def names_of(domain: Domain, kind: Kind) -> dict[str, list[tuple[Block, str]]]:
 
 
 _Said = dict[tuple[str, str], tuple[KeyPath, Any]]
-"""Name of a block and of a part of it to what the file says of it, and where."""
+"""(Block, hyperparameter or measure) to the place in the file and the value there."""
 
 
 def _said(data: dict[str, Any], kind: Kind, faults: Faults, domain: Domain) -> _Said:
@@ -96,7 +96,7 @@ def _said(data: dict[str, Any], kind: Kind, faults: Faults, domain: Domain) -> _
 
 
 def _changed(block: Block, weights: _Said, ranges: _Said, faults: Faults) -> Block:
-    """Return the block as the file wants it, itself if the file says nothing of it."""
+    """Return the block with the file's weights and bounds, or the same block if the file does not mention it."""
     measures = tuple(
         replace(each, weight=float(weights[block.name, each.name][1])) if (block.name, each.name) in weights else each
         for each in block.performance
@@ -111,7 +111,7 @@ def _changed(block: Block, weights: _Said, ranges: _Said, faults: Faults) -> Blo
 
 
 def _narrowed(own: Hyperparameter, path: KeyPath, said: Any, faults: Faults) -> Hyperparameter:
-    """Return a hyperparameter with a task's bounds and default, which are within its own; or fixed at a number."""
+    """Return a hyperparameter narrowed to the task's bounds and default, or fixed at a number."""
     if not isinstance(said, dict):
         number = float(said)
         _check_within(number, own, f"{path[-1]} is fixed within its bounds", path, faults)

@@ -1,4 +1,4 @@
-"""Names that a task file gives: printable, and no symbol or wildcard of the domain."""
+"""Check names of tokens and tasks: printable, and different from the domain's symbols and the wildcard."""
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, SymbolSort
@@ -30,7 +30,7 @@ def check_printable(name: str, path: KeyPath, faults: Faults, who: str, *, key: 
 
 
 def _symbol_sorts(domain: Domain) -> tuple[SymbolSort, ...]:
-    """Return every sort of symbols that the domain speaks of, each once, sorted by name."""
+    """Return every symbol sort of the domain, each once, sorted by name."""
     parameters = [parameter.sort for predicate in domain.predicates for parameter in predicate.parameters]
     targets = [target.sort for block in domain.blocks for target in block.targets]
     sorts = {sort for sort in (*domain.sorts, *parameters, *targets) if isinstance(sort, SymbolSort)}

@@ -1,4 +1,4 @@
-"""Wavefront OBJ text to named objects of vertices and triangles; nothing else of the format is read."""
+"""Read named objects of vertices and triangles from Wavefront OBJ text; the rest of the format is ignored."""
 
 from dataclasses import dataclass, field
 from itertools import pairwise

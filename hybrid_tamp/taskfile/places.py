@@ -1,4 +1,4 @@
-"""Where the parts of a file stand, and the faults found in them.
+"""The places of a file's parts, and the faults found in them.
 
 A part is named by its path, e.g. ``("tokens", "drum", "pose")``. A fault makes its part unsound; what reads a part
 asks first, so that one fault is not reported again by everything that depends on it.
@@ -14,7 +14,7 @@ KeyPath = tuple[str | int, ...]
 """Keys and indices from the root of a file to one of its parts."""
 
 MOST_FAULTS = 100
-"""So many faults are spelt out; of more, which only a broken generator makes, the number is told."""
+"""At most this many faults are listed; of the others, only the number."""
 _LONGEST = 60
 
 
@@ -101,11 +101,11 @@ class Faults:
         self._unreadable.add(path)
 
     def sound(self, path: KeyPath) -> bool:
-        """Say whether no fault was found in the part, within it or in what holds it as a whole."""
+        """Say whether no fault was found in the part, inside it or in a part that contains it."""
         return path not in self._above and not any(prefix in self._faulty for prefix in _prefixes(path))
 
     def mark(self, path: KeyPath, *, key: bool = False) -> Mark:
-        """Return the place of a part, or of the nearest one above it that is there."""
+        """Return the place of a part, or of the nearest part that contains it."""
         if path in self.values:
             return self.keys.get(path, self.values[path]) if key else self.values[path]
         while path:
@@ -137,7 +137,7 @@ class Faults:
             self.raise_all()
 
     def raise_all(self) -> NoReturn:
-        """Raise what was found, of very many faults the first ones.
+        """Raise the faults, but not more than `MOST_FAULTS`.
 
         Raises:
             InputError: always.
@@ -183,7 +183,7 @@ def shown(value: Any) -> str:
 
 
 def plain(text: str) -> str:
-    """Return a name without quotes, unless it holds what would disturb a terminal."""
+    """Return a name without quotes, unless it has characters that would disturb a terminal."""
     return cut(text) if text.isprintable() else shown(text)
 
 

@@ -72,7 +72,7 @@ def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State, State]:
 
 
 def _columns(header: list[Cell], task: Task, faults: Faults) -> Columns:
-    """Return where everything stands; note what the first line does not say as it should."""
+    """Return the columns of every token's properties; note the faults of the first line."""
     names = [str(_NAME.sub(r"\1", cell.text)) for cell in header]
     if not names or names[0].casefold() != "time":
         came = shown(names[0]) if names else "an empty file"

@@ -1,4 +1,4 @@
-"""Motor primitives as files, and the blocks of a domain that a task file has them taught to.
+"""Read files of motor primitives, and teach them to the blocks of a domain.
 
 A primitive file is JSON. It is read as any task file is, so that every fault has its line and column, and nothing in
 it is ever run.
@@ -96,7 +96,7 @@ def read_primitive(path: Path | str) -> PrimitiveFile:
 
 
 def teach(data: dict[str, Any], faults: Faults, domain: Domain | None, folder: Path) -> Domain | None:
-    """Return the domain with the primitives that a task file names; note what is wrong with them.
+    """Return the domain with the primitives that a task file names; note their faults.
 
     Args:
         data: the task file.

@@ -1,4 +1,4 @@
-"""A task file in which a token is a member of more classes; comments and all else stay as they are."""
+"""Rewrite a task file so that a token is a member of more classes; everything else stays, comments included."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -43,7 +43,7 @@ def with_members(
 
 
 def _relocate(data: Any, before: Path, after: Path) -> None:
-    """Write relative paths so that they lead to the same files from another folder."""
+    """Change relative paths so that they name the same files from another folder."""
     named = [(data["primitives"], key) for key in data.get("primitives", {})]
     shapes = [entry.get("shape") or {} for entry in data["tokens"].values()]
     for holder, key in (*named, *((shape, "file") for shape in shapes if "file" in shape)):

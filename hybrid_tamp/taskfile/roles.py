@@ -1,4 +1,4 @@
-"""What a task file says of its tokens by name: who they belong to, and in which block they start."""
+"""Read the agents, and the block in which each token starts."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from hybrid_tamp.taskfile.tokens import Scene
 
 
 def read_agents(data: dict[str, Any], faults: Faults, scene: Scene) -> dict[str, tuple[str, ...]]:
-    """Read the agents and note names that are no capability tokens or belong to two agents."""
+    """Read the agents; note names that are not capability tokens or belong to two agents."""
     agents = data.get("agents", {})
     owners: dict[str, str] = {}
     for agent, names in agents.items() if isinstance(agents, dict) else ():
@@ -40,7 +40,7 @@ def is_capability(token: Token) -> bool:
 
 
 def read_assignment(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> dict[str, str]:
-    """Read in which block every token starts, the domain's resting block where the file does not say."""
+    """Read the block in which each token starts; by default it is the domain's resting block."""
     starts = data.get("assignment", {})
     for name, block in starts.items() if isinstance(starts, dict) else ():
         path: KeyPath = ("assignment", name)
@@ -58,7 +58,7 @@ def read_assignment(data: dict[str, Any], faults: Faults, domain: Domain | None,
 
 
 def can_start(block: Block) -> bool:
-    """Say whether a token can be in the block at the beginning: it needs nothing else."""
+    """Say whether a token can start in the block, because the block needs nothing else."""
     return len(block.slots) == 1 and not block.targets
 
 

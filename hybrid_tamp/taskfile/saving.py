@@ -1,4 +1,4 @@
-"""A task to a task file, with the mesh and primitive files that it names beside it; what is saved loads as it was."""
+"""Save a task as a task file, with its mesh and primitive files beside it; it loads as the same task."""
 
 import os
 import tempfile
@@ -23,7 +23,7 @@ from hybrid_tamp.taskfile.yaml.dumping import dump, one_line, quoted
 from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 TOLERANCE = 1e-12
-"""By so much numbers may differ when they are read again: directions and quaternions are normalised."""
+"""How much a number may differ after loading: directions and quaternions are normalised again."""
 
 
 def save_task(task: Task, path: Path | str) -> None:

@@ -1,4 +1,4 @@
-"""pydantic's errors in our words: the one place where they are translated."""
+"""Translate pydantic's errors; nothing else does."""
 
 from collections.abc import Callable
 from types import NoneType
@@ -51,7 +51,7 @@ def add_validation_faults(
     why: Callable[[str], str] = no_reason,
     whole: str = _TASK_FILE,
 ) -> None:
-    """Note everything that pydantic found, each at its place.
+    """Note every error that pydantic found, each at its place.
 
     Args:
         faults: where to note it.
@@ -128,7 +128,7 @@ class _Way:
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """The values that the innermost field may have, where they are few."""
+        """The values that the innermost field may have, if they are few."""
         return tuple(map(str, get_args(self.field.annotation))) if self.field else ()
 
     @property
@@ -151,7 +151,7 @@ class _Way:
 
 
 def _tags(member: Any) -> tuple[Any, ...]:
-    """Return what stands for a member of a union in an error's location: its kinds, or its type's name."""
+    """Return the names of a union's member in an error's location: its kinds, or its type's name."""
     kinds = member.model_fields.get("kind") if issubclass(member, BaseModel) else None
     return get_args(kinds.annotation) if kinds else (member.__name__,)
 
@@ -166,7 +166,7 @@ def _members(annotation: Any) -> tuple[Any, ...]:
 
 
 def subject(path: KeyPath, whole: str = _TASK_FILE) -> str:
-    """Return how messages call a part of a task file, e.g. ``pose.position[2] of token 'drum'``."""
+    """Return the name of a part of a task file in messages, e.g. ``pose.position[2] of token 'drum'``."""
     if not path:
         return whole
     if path[0] != "tokens" or len(path) == 1:

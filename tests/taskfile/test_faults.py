@@ -117,7 +117,7 @@ FAULTS = [
     fault("goal without brackets", "[drum, goal]", "«drum", "'predicate: [tokens]'", "'drum'", "in brackets"),
     fault("goal that is no mapping", "within: [drum, goal]", "«within", "'predicate: [tokens]'", "'within'"),
     fault("two atoms in one entry", "- within: [drum, goal]", "- «within: [drum, goal]\n    beside: [drum, hand]",
-          "one atom an entry"),
+          "one atom per entry"),
     fault("goal with a number", "[drum, goal]", "[drum, «1]", "an argument is a name", "got 1", "in quotes"),
     fault("goal that something be not so", "- within: [drum, goal]", "- «not: {within: [drum, goal]}",
           "a goal says what holds at the end", "got 'not'"),

@@ -1,4 +1,4 @@
-"""Parser events to plain data, with a stack of our own so that no depth of nesting exhausts Python's."""
+"""Build plain data from parser events, with an explicit stack so that deep nesting cannot exhaust Python's."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -20,7 +20,7 @@ from hybrid_tamp.taskfile.yaml.scalars import Unresolvable, check_tag, resolve
 MAX_DEPTH = 50
 """Deepest nesting of lists and mappings."""
 MAX_NODES = 50_000
-"""Most keys, values, lists and mappings of a file: about a thousand tokens, and some seconds of parsing."""
+"""Largest number of keys and values in a file: about a thousand tokens, some seconds of parsing."""
 
 
 def mark_of_event(event: Event) -> Mark:
@@ -91,7 +91,7 @@ class Builder:
             self.faults.raise_all()
 
     def _take_key(self, event: NodeEvent, frame: _Frame, container: dict[str, Any]) -> None:
-        """Read a key; of what is no text, note the fault and go on with a text in its stead."""
+        """Read a key; if it is not text, note the fault and continue with a stand-in."""
         mark = mark_of_event(event)
         frame.key = self._key(event, frame, mark)
         path = (*frame.path, frame.key)

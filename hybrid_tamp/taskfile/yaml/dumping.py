@@ -26,7 +26,7 @@ def round_trip_yaml() -> YAML:
 
 
 def one_line(value: Any) -> Any:
-    """Return lists and mappings such that each is written on one line; other values as they are."""
+    """Return a value whose lists and mappings are written on one line each."""
     if isinstance(value, Mapping):
         mapping = CommentedMap((key, one_line(each)) for key, each in value.items())
         mapping.fa.set_flow_style()
@@ -39,14 +39,14 @@ def one_line(value: Any) -> Any:
 
 
 def dump(data: Any) -> str:
-    """Return data as YAML text; comments, quotes and layout that `round_trip_yaml` has read are kept."""
+    """Return data as YAML text; it keeps the comments, quotes and layout that `round_trip_yaml` has read."""
     out = io.StringIO()
     round_trip_yaml().dump(data, out)
     return out.getvalue()
 
 
 def quoted(data: Any) -> Any:
-    """Return data in which every text is in quotes that would not be read as the same text without them."""
+    """Return data in which text has quotes if it would be read as something else without them."""
     if isinstance(data, Mapping):
         mapping = CommentedMap((quoted(key), quoted(value)) for key, value in data.items())
         return _like(data, mapping)
@@ -58,7 +58,7 @@ def quoted(data: Any) -> Any:
 
 
 def _like(data: Any, copy: Any) -> Any:
-    """Return a copy on one line if what it was made of is so."""
+    """Return a copy that is written on one line if the original is."""
     if isinstance(data, CommentedMap | CommentedSeq) and data.fa.flow_style():
         copy.fa.set_flow_style()
     return copy

@@ -1,4 +1,4 @@
-"""A file to plain data and the place of every part: YAML 1.2, core schema, bounded, nothing ever constructed."""
+"""Read a file as plain data with the place of every value: YAML 1.2, core schema, bounded size, no objects."""
 
 import os
 import re
@@ -17,7 +17,7 @@ from hybrid_tamp.taskfile.yaml.syntax import add_syntax_fault
 MAX_BYTES = 1024 * 1024
 """Largest task file that is read [bytes]."""
 MAX_RUN = 10_000
-"""Longest run without blanks and quotes [characters]: on some, the parser's time grows with the square of it."""
+"""Longest run without blanks and quotes [characters]: the parser may need time quadratic in it."""
 _ENDLESS = re.compile(rf"[^\s\"']{{{MAX_RUN + 1}}}")
 
 _TASK_FILE = "a task file is a mapping with the keys domain, tokens and goal"
@@ -63,14 +63,14 @@ def read_text(path: Path, what: str = "a task file", most: int = MAX_BYTES) -> s
 
 
 def _open_at_once(name: str, flags: int) -> int:
-    """Open a file; a pipe that nobody writes to reads as an empty file instead of waiting for ever."""
+    """Open a file; a pipe without a writer reads as an empty file instead of blocking."""
     descriptor = os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
     os.set_blocking(descriptor, True)
     return descriptor
 
 
 def check_size(size: int, source: str, what: str = "a task file", most: int = MAX_BYTES) -> None:
-    """Refuse a text of too many bytes, before anything reads it.
+    """Refuse a text of too many bytes before parsing it.
 
     Raises:
         InputError: there are more than `most`.

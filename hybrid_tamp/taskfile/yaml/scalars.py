@@ -30,7 +30,7 @@ _TYPES: dict[str, type | tuple[type, ...]] = {
 
 @dataclass(eq=False)
 class Unresolvable(Exception):
-    """A scalar or tag that has no value here, as the three parts of a message."""
+    """A scalar or tag without a value: what was wanted, what came, and a remedy."""
 
     wanted: str
     came: str
@@ -61,7 +61,7 @@ def resolve(event: ScalarEvent) -> Any:
 
 
 def check_tag(event: CollectionStartEvent) -> None:
-    """Refuse a list or mapping with a tag that says it is something else.
+    """Refuse a list or mapping whose tag names another type.
 
     Raises:
         Unresolvable: the tag is not the one of its kind in the core schema.

@@ -1,4 +1,4 @@
-"""The parser's complaints in our words, each at its place."""
+"""Translate the parser's errors, each with its place."""
 
 import re
 
@@ -24,7 +24,7 @@ _WANTED = (
 
 
 def add_syntax_fault(faults: Faults, text: str, error: Exception, last: Mark) -> None:
-    """Note why a text is not YAML; of tabs in the indentation, all from there on.
+    """Note why a text is not YAML, including every later tab in an indentation.
 
     Args:
         faults: where to note it.
