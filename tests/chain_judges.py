@@ -6,11 +6,10 @@ from exhaustive import shortest_plan
 from validation import val_accepts
 
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
-from hybrid_tamp.symbolic.pddl.operators import PlannedAction
 from hybrid_tamp.symbolic.reencode import reencode
 from hybrid_tamp.symbolic.schedule import schedule
 

@@ -4,7 +4,8 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from itertools import product
 
-from hybrid_tamp.symbolic.pddl.operators import Fact, PlannedAction, PlanningProblem, ground
+from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem, ground
 
 
 def shortest_plan(problem: PlanningProblem, limit: int = 20000) -> list[PlannedAction] | None:
@@ -61,4 +62,4 @@ def _ground(
                 for some in (operator.precondition, operator.add, operator.delete)
             )
             if all(fact[0] in changing or fact in lasting for fact in needed):
-                yield (operator.name, *values), needed, add, delete - add
+                yield PlannedAction(operator.name, values), needed, add, delete - add

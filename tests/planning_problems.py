@@ -5,7 +5,8 @@ from collections import deque
 from collections.abc import Iterator
 from itertools import product
 
-from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction, PlanningDomain, PlanningProblem
+from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningDomain, PlanningProblem
 
 # Boxes move along roads; what is grabbed must be marked, and nothing marks.
 DELIVERY = PlanningDomain(
@@ -38,7 +39,7 @@ DELIVER = PlanningProblem(
     init=(("at", "first", "home"), ("road", "home", "yard"), ("road", "yard", "shop"), ("road", "shop", "home")),
     goal=(("at", "first", "shop"),),
 )
-DELIVERED: tuple[PlannedAction, ...] = (("move", "first", "home", "yard"), ("move", "first", "yard", "shop"))
+DELIVERED = (PlannedAction("move", ("first", "home", "yard")), PlannedAction("move", ("first", "yard", "shop")))
 
 # Not even if nothing were ever deleted.
 UNREACHABLE = PlanningProblem("unreachable", DELIVERY, DELIVER.objects, DELIVER.init, (("done",),))

@@ -8,6 +8,7 @@ from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Rollable
 
 from hybrid_tamp.geometry.shapes import Cylinder
+from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -50,12 +51,12 @@ def rolling_task(
     return Task("rolling", DOMAIN, tuple(tokens), State.of(tokens, state), atoms)
 
 
-def reach_and_roll(hand: str, drum: str, region: str, source: str = "no-region-of-inside") -> list[tuple[str, ...]]:
+def reach_and_roll(hand: str, drum: str, region: str, source: str = "no-region-of-inside") -> list[PlannedAction]:
     """Return the PDDL actions by which a hand rolls a drum to a region and rests."""
     return [
-        ("begin-reaching-behind-from-resting", hand, drum, region, "none-reading", "n1"),
-        ("fill-rolling-hand-from-reaching-behind", hand, drum, region, "n1", "none-reading"),
-        ("begin-rolling-from-resting", drum, region, source),
-        ("begin-resting-from-rolling", drum),
-        ("leave-rolling-hand-to-resting", hand, drum),
+        PlannedAction("begin-reaching-behind-from-resting", (hand, drum, region, "none-reading", "n1")),
+        PlannedAction("fill-rolling-hand-from-reaching-behind", (hand, drum, region, "n1", "none-reading")),
+        PlannedAction("begin-rolling-from-resting", (drum, region, source)),
+        PlannedAction("begin-resting-from-rolling", (drum,)),
+        PlannedAction("leave-rolling-hand-to-resting", (hand, drum)),
     ]

@@ -11,16 +11,18 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+from validation import read_action
 
 from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, ObjectClass, PlaceClass
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork
+from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.model.predicate import Atom, Literal, Parameter, Predicate, SymbolSort
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.symbolic.pddl.operators import PlannedAction, PlanningProblem
+from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.pddl.text import domain_text, problem_text
 
 
@@ -158,7 +160,7 @@ def effort(folder: Path, problem: PlanningProblem) -> Effort:
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=120)
     plan = folder / "sas_plan"
     lines = plan.read_text().splitlines() if plan.exists() else []
-    actions = [tuple(line.strip("()").split()) for line in lines if line.startswith("(")]
+    actions = [read_action(line) for line in lines if line.startswith("(")]
     plan.unlink(missing_ok=True)
     return Effort(
         _number(r"Translator operators: (\d+)", done.stdout),

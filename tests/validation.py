@@ -5,17 +5,24 @@ from collections.abc import Sequence
 from importlib.resources import as_file, files
 from pathlib import Path
 
-from hybrid_tamp.symbolic.pddl.operators import PlannedAction, PlanningProblem
+from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.pddl.temporal_text import temporal_domain_text, temporal_plan_text, temporal_problem_text
-from hybrid_tamp.symbolic.pddl.text import domain_text, problem_text
+from hybrid_tamp.symbolic.pddl.text import domain_text, plan_text, problem_text
 from hybrid_tamp.symbolic.temporal.problem import TemporalProblem, TimedAction
+
+
+def read_action(line: str) -> PlannedAction:
+    """Return the action of a line of a planner's plan."""
+    name, *arguments = line.strip("()\n").split()
+    return PlannedAction(name, tuple(arguments))
 
 
 def val_accepts(folder: Path, problem: PlanningProblem, actions: Sequence[PlannedAction]) -> bool:
     """Say whether VAL accepts the plan for the exported problem."""
     (folder / "domain.pddl").write_text(domain_text(problem.domain))
     (folder / "problem.pddl").write_text(problem_text(problem))
-    (folder / "plan.pddl").write_text("".join(f"({' '.join(action)})\n" for action in actions))
+    (folder / "plan.pddl").write_text(plan_text(actions))
     return val_accepts_files(folder)
 
 

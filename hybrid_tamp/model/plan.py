@@ -63,6 +63,27 @@ class BlockInstance:
 
 
 @dataclass(frozen=True)
+class PlannedAction:
+    """One action of a plan, in the names of its PDDL.
+
+    Attributes:
+        name: name of the operator.
+        arguments: the objects that its parameters are bound to.
+    """
+
+    name: str
+    arguments: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The action as a line of a PDDL plan: ``(name first second)``."""
+        return f"({' '.join((self.name, *self.arguments))})"
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True)
 class Step:
     """A stretch of time in which no token is reassigned."""
 
@@ -79,12 +100,12 @@ class TaskPlan:
     Attributes:
         instances: all block instances, those of RESTING included, by start.
         makespan: when the plan ends [s].
-        actions: the planner's own actions as PDDL lines, empty if the plan came from elsewhere.
+        actions: the planner's own actions, empty if the plan came from elsewhere.
     """
 
     instances: tuple[BlockInstance, ...]
     makespan: float
-    actions: tuple[str, ...] = ()
+    actions: tuple[PlannedAction, ...] = ()
 
     @cached_property
     def instants(self) -> tuple[float, ...]:

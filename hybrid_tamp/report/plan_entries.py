@@ -171,7 +171,7 @@ def plan_document(
         objective="makespan" if task.objective == "makespan" else "length",
         makespan=plan.makespan if plan else None,
         cost=float(len(plan.actions)) if plan else None,
-        actions=list(plan.actions) if plan else [],
+        actions=[action.text for action in plan.actions] if plan else [],
         steps=steps_of(plan) if plan else [],
         network=network,
         explanation=explanation,

@@ -9,11 +9,10 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from hybrid_tamp.model.plan import BlockInstance, split_mode
+from hybrid_tamp.model.plan import BlockInstance, PlannedAction, split_mode
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.chaining.series import Link
 from hybrid_tamp.symbolic.encoding.problem import Compilation
-from hybrid_tamp.symbolic.pddl.operators import PlannedAction
 
 
 class UndecodableError(ValueError):
@@ -103,12 +102,12 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
         block = task.domain.block_by_name[task.assignment.get(token.name, task.domain.resting)]
         decoding.start(block.name, {block.anchor: token.name}, {})
     claimed: dict[tuple[str, str], dict[str, str]] = {}
-    for name, *arguments in actions:
-        meaning = compilation.encoded.meanings.get(name)
+    for action in actions:
+        meaning = compilation.encoded.meanings.get(action.name)
         if meaning is None:
-            raise UndecodableError(f"there is no action {name}")
+            raise UndecodableError(f"there is no action {action.name}")
         block = chains.domain.block_by_name[meaning.block]
-        roles = {role: compilation.user(arguments[index]) for role, index in meaning.roles.items()}
+        roles = {role: compilation.user(action.arguments[index]) for role, index in meaning.roles.items()}
         anchor = roles[block.anchor]
         if meaning.kind == "fill":
             claimed.setdefault((block.name, anchor), {})[meaning.slot] = roles[meaning.slot]

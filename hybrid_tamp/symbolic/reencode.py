@@ -4,19 +4,19 @@ Parameters that a timeline does not show (old values, counts) are found by apply
 operator fits, or its conditions do not hold, the action is written all the same, so that a validator refuses the plan.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
+from hybrid_tamp.model.plan import BlockInstance, PlannedAction, TaskPlan, at
 from hybrid_tamp.symbolic.chaining.folding import folded
 from hybrid_tamp.symbolic.chaining.series import undone_by
 from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.operator_maker import Meaning
 from hybrid_tamp.symbolic.encoding.problem import Compilation
-from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction, ground
-from hybrid_tamp.symbolic.pddl.text import action_line
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, ground
 
-NO_ACTION = "no-such-reassignment"
+NO_ACTION = PlannedAction("no-such-reassignment")
+"""Stands for what no operator does."""
 
 
 def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
@@ -31,24 +31,22 @@ def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
     plan = folded(compilation.encoded.chains, plan)
     inside = [i for i in plan.instances if i.block not in domain.block_by_name]
     if inside:
-        return [(NO_ACTION,) for _ in inside]
+        return [NO_ACTION for _ in inside]
     facts = set(compilation.problem.init)
     operators = {operator.name: operator for operator in compilation.problem.domain.operators}
-    actions: list[PlannedAction] = [(NO_ACTION,) for _ in torn]
+    actions: list[PlannedAction] = [NO_ACTION for _ in torn]
     for wanted in _reassignments(domain, plan):
         action = _concrete(compilation, operators, wanted, facts)
         actions.append(action)
-        if action[0] in operators:
-            operator = operators[action[0]]
-            binding = dict(zip((v for v, _ in operator.parameters), action[1:], strict=True))
-            facts = operator.effects(binding, facts)
+        if action.name in operators:
+            operator = operators[action.name]
+            facts = operator.effects(operator.bind(action), facts)
     return actions
 
 
-def plan_lines(compilation: Compilation, plan: TaskPlan) -> list[str]:
-    """Return a plan as PDDL lines of a compiled task: the plan's own, unless they are those of another network."""
-    own = [tuple(line.strip("()").split()) for line in plan.actions]
-    return list(map(action_line, own if applicable(compilation, own) else reencode(compilation, plan)))
+def plan_actions(compilation: Compilation, plan: TaskPlan) -> Sequence[PlannedAction]:
+    """Return the actions of a plan in a compiled task: its own, unless they are those of another network."""
+    return plan.actions if applicable(compilation, plan.actions) else reencode(compilation, plan)
 
 
 def _tiles(plan: TaskPlan, token: str) -> bool:
@@ -170,8 +168,8 @@ def _concrete(
         binding = _known(compilation, operators[name], meaning, roles)
         full = _complete(operators[name], binding, facts)
         if full is not None:
-            return (name, *(full[variable] for variable, _ in operators[name].parameters))
-    return (NO_ACTION,)
+            return PlannedAction(name, tuple(full[variable] for variable, _ in operators[name].parameters))
+    return NO_ACTION
 
 
 def _known(compilation: Compilation, operator: Operator, meaning: Meaning, roles: dict[str, str]) -> dict[str, str]:

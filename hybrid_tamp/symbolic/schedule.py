@@ -12,7 +12,7 @@ from itertools import pairwise
 import networkx as nx
 import numpy as np
 
-from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.predicate import ANY, Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import OrderedInstance
@@ -29,7 +29,7 @@ class InfeasibleScheduleError(ValueError):
 def schedule(
     task: Task,
     instances: Sequence[OrderedInstance],
-    actions: tuple[str, ...] = (),
+    actions: Sequence[PlannedAction] = (),
     estimates: Estimates | None = None,
 ) -> TaskPlan:
     """Return the plan with the earliest times.
@@ -37,7 +37,7 @@ def schedule(
     Args:
         task: the task.
         instances: instances in the order in which they begin.
-        actions: the plan's PDDL lines, kept with it.
+        actions: the plan's actions, kept with it.
         estimates: those of the task, where several plans share them.
 
     Raises:
@@ -52,7 +52,7 @@ def schedule(
         instance.timed(times[instance.begin], times[end], each.initial_values, _reached(task, instance, each, times))
         for instance, end, each in zip(instances, ends, expected, strict=True)
     ]
-    return TaskPlan(tuple(sorted(timed, key=lambda i: (i.start, i.end, i.name))), times[final], actions)
+    return TaskPlan(tuple(sorted(timed, key=lambda i: (i.start, i.end, i.name))), times[final], tuple(actions))
 
 
 def _reached(task: Task, instance: OrderedInstance, expected: Estimate, times: Sequence[float]) -> float | None:

@@ -30,8 +30,8 @@ from hybrid_tamp.report.plan_entries import steps_of
 from hybrid_tamp.report.refinement import refinement_entry
 from hybrid_tamp.report.versions import versions
 from hybrid_tamp.symbolic.encoding.problem import compile_task
-from hybrid_tamp.symbolic.pddl.text import domain_text, problem_text
-from hybrid_tamp.symbolic.reencode import plan_lines
+from hybrid_tamp.symbolic.pddl.text import domain_text, plan_text, problem_text
+from hybrid_tamp.symbolic.reencode import plan_actions
 from hybrid_tamp.symbolic.strategies.stage import Planner
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.domains import installed_domain
@@ -98,7 +98,7 @@ def export(
         folder.write_text("problem.pddl", problem_text(problem)),
     ]
     if plan is not None:
-        files.append(folder.write_text("plan.pddl", "".join(f"{line}\n" for line in plan_lines(compilation, plan))))
+        files.append(folder.write_text("plan.pddl", plan_text(plan_actions(compilation, plan))))
     return files
 
 

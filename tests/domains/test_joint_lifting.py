@@ -262,8 +262,7 @@ def test_problems_are_solved_by_lawful_plans_that_val_accepts(mode: str, tmp_pat
     blocks = [instance.block for instance in plan.instances if instance.block != "RESTING"]
     assert blocks == ["REACHING:place"] * (len(task.tokens) - 1) + [f"LIFTING:{mode}", f"HOLDING:{mode}"]
     assert next(i.slots for i in plan.instances if i.block == f"LIFTING:{mode}") == roles_of(task, mode)
-    actions = [tuple(action.strip("()").split()) for action in plan.actions]
-    assert val_accepts(tmp_path, compile_task(task).problem, actions)
+    assert val_accepts(tmp_path, compile_task(task).problem, plan.actions)
 
 
 @pytest.mark.parametrize("make", [random_lifting, partial(random_lifting, hands=4)])

@@ -191,8 +191,7 @@ def test_problems_are_solved_by_lawful_plans_that_val_accepts(name: str, tmp_pat
     uses = [USES[word] for word in name.split("_") if word in USES]
     blocks = [instance.block for instance in plan.instances if instance.block != "RESTING"]
     assert blocks == ["REACHING:handle", "GRASPING", *chain(*uses), "CARRYING:down", "RELEASING"]
-    actions = [tuple(action.strip("()").split()) for action in plan.actions]
-    assert val_accepts(tmp_path, compile_task(task).problem, actions)
+    assert val_accepts(tmp_path, compile_task(task).problem, plan.actions)
 
 
 def with_hammer(task: Task, **properties: object) -> Task:

@@ -11,16 +11,16 @@ from pathlib import Path
 import pytest
 from random_tasks.tumbling import random_tumbling
 from scenes import rolling_task
-from validation import val_accepts, val_accepts_temporal
+from validation import read_action, val_accepts, val_accepts_temporal
 
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.plan import BlockInstance, PlannedAction, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
-from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator
 from hybrid_tamp.symbolic.reencode import matched, reencode
 from hybrid_tamp.symbolic.schedule import schedule
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
@@ -51,7 +51,7 @@ def walk(compilation: Compilation, rng: random.Random, length: int) -> list[Plan
             break
         operator, binding = found
         facts = operator.effects(binding, facts)
-        actions.append((operator.name, *(binding[variable] for variable, _ in operator.parameters)))
+        actions.append(PlannedAction(operator.name, tuple(binding[variable] for variable, _ in operator.parameters)))
         if wanted <= facts:
             best = list(actions)
     return best
@@ -76,11 +76,11 @@ def with_goal(task: Task, actions: list[PlannedAction]) -> Task:
     """Return the task whose goal is what the walk brought about."""
     compilation = compile_task(task)
     reached: dict[str, Atom] = {}
-    for name, *arguments in actions:
-        meaning = compilation.encoded.meanings[name]
-        if name.startswith(("begin-rolling", "begin-tipping")):
+    for action in actions:
+        meaning = compilation.encoded.meanings[action.name]
+        if action.name.startswith(("begin-rolling", "begin-tipping")):
             predicate, value = ("inside", "region") if "region" in meaning.roles else ("posture", "outcome")
-            thing, there = (compilation.user(arguments[meaning.roles[role]]) for role in ("object", value))
+            thing, there = (compilation.user(action.arguments[meaning.roles[role]]) for role in ("object", value))
             reached[thing] = Atom(predicate, (thing, there))
     return task.replaced(goal=tuple(reached.values()))
 
@@ -166,11 +166,11 @@ def lawful() -> tuple[Task, TaskPlan]:
     task = rolling_task(hands=2)
     compilation = compile_task(task)
     actions: list[PlannedAction] = [
-        ("begin-reaching-behind-from-resting", "hand-0", "drum-0", "region-0", "none-reading", "n1"),
-        ("fill-rolling-hand-from-reaching-behind", "hand-0", "drum-0", "region-0", "n1", "none-reading"),
-        ("begin-rolling-from-resting", "drum-0", "region-0", "no-region-of-within"),
-        ("begin-resting-from-rolling", "drum-0"),
-        ("leave-rolling-hand-to-resting", "hand-0", "drum-0"),
+        read_action("(begin-reaching-behind-from-resting hand-0 drum-0 region-0 none-reading n1)"),
+        read_action("(fill-rolling-hand-from-reaching-behind hand-0 drum-0 region-0 n1 none-reading)"),
+        read_action("(begin-rolling-from-resting drum-0 region-0 no-region-of-within)"),
+        read_action("(begin-resting-from-rolling drum-0)"),
+        read_action("(leave-rolling-hand-to-resting hand-0 drum-0)"),
     ]
     plan = schedule(task, decode(compilation, actions))
     assert check_law(task, plan) == []

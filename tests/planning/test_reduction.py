@@ -28,7 +28,7 @@ from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
-from hybrid_tamp.symbolic.reencode import plan_lines
+from hybrid_tamp.symbolic.reencode import plan_actions
 from hybrid_tamp.symbolic.strategies.stage import plan_task
 from hybrid_tamp.taskfile.domains import find_task_file
 from hybrid_tamp.taskfile.loader import load_task
@@ -292,8 +292,8 @@ def test_no_plan_that_the_full_network_has_is_lost(seed: int) -> None:
         assert check_law(whole, tailored.plan) == []
         # Whatever network it was found on, it can be written for the whole one.
         compilation = compile_task(whole)
-        lines = plan_lines(compilation, tailored.plan)
-        assert applicable(compilation, [tuple(line.strip("()").split()) for line in lines])
+        actions = plan_actions(compilation, tailored.plan)
+        assert applicable(compilation, actions)
 
 
 KINDS: Sequence[Sequence[type]] = ([Ball], HAMMER, CROWBAR, [Lid], [Striker], [Lever], [Graspable], [])

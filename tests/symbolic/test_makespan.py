@@ -3,9 +3,11 @@ from scenes import reach_and_roll, rolling_task
 
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.symbolic.decode import decode
+from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.pddl.operators import rename_arguments
 from hybrid_tamp.symbolic.schedule import schedule
-from hybrid_tamp.symbolic.strategies.makespan import applicable, interchangeable, shortened
+from hybrid_tamp.symbolic.strategies.makespan import interchangeable, shortened
 
 TASK = rolling_task(hands=2, drums=[(0, 0), (0, 0.5)], regions=[(0.7, 0), (0.7, 0.5)], goal=[(0, 0), (1, 1)])
 ONE_HAND = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand-0", "drum-1", "region-1")
@@ -45,7 +47,7 @@ def test_only_equal_tokens_that_no_goal_names_take_over() -> None:
 
 def test_a_hand_out_of_reach_takes_nothing_over() -> None:
     compilation = compile_task(TASK)
-    tampered = [tuple("hand-9" if word == "hand-0" else word for word in action) for action in ONE_HAND]
+    tampered = [rename_arguments(action, {"hand-0": "hand-9"}) for action in ONE_HAND]
     assert applicable(compilation, ONE_HAND)
     assert not applicable(compilation, tampered)
     assert not applicable(compilation, ONE_HAND[:-1])

@@ -1,14 +1,16 @@
 """The PDDL text: its looks once, then what VAL makes of it."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from planning_problems import DELIVER, DELIVERED, DELIVERY, MEETING, SETTLED, TURNED
-from validation import val_accepts
+from validation import read_action, val_accepts
 
-from hybrid_tamp.symbolic.pddl.operators import Operator, PlannedAction, PlanningDomain, PlanningProblem
-from hybrid_tamp.symbolic.pddl.text import action_line, domain_text, plan_text, problem_text
+from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain, PlanningProblem
+from hybrid_tamp.symbolic.pddl.text import domain_text, plan_text, problem_text
 
 DOMAIN = """\
 ; Names here and in the task:
@@ -63,11 +65,11 @@ PROBLEM = """\
 )
 """
 
-SOLVED: list[tuple[PlanningProblem, tuple[PlannedAction, ...]]] = [
+SOLVED: list[tuple[PlanningProblem, Sequence[PlannedAction]]] = [
     (DELIVER, DELIVERED),
-    (TURNED, (("turn", "t0", "t1", "t2", "c0", "c1", "c2"),)),
-    (MEETING, (("light", "one"), ("pass", "one", "one"), ("reset", "hub"))),
-    (SETTLED, (("see", "one"),)),
+    (TURNED, [read_action("(turn t0 t1 t2 c0 c1 c2)")]),
+    (MEETING, [read_action("(light one)"), read_action("(pass one one)"), read_action("(reset hub)")]),
+    (SETTLED, [read_action("(see one)")]),
 ]
 
 
@@ -75,11 +77,11 @@ def test_texts_look_like_this() -> None:
     assert domain_text(DELIVERY).startswith(DOMAIN)
     assert problem_text(DELIVER) == PROBLEM
     assert plan_text(DELIVERED) == "(move first home yard)\n(move first yard shop)\n"
-    assert action_line(("rest",)) == "(rest)"
+    assert PlannedAction("rest").text == str(PlannedAction("rest")) == "(rest)"
 
 
 @pytest.mark.parametrize(("problem", "actions"), SOLVED, ids=lambda value: getattr(value, "name", ""))
-def test_val_accepts_right_plans(problem: PlanningProblem, actions: tuple[PlannedAction, ...], tmp_path: Path) -> None:
+def test_val_accepts_right_plans(problem: PlanningProblem, actions: Sequence[PlannedAction], tmp_path: Path) -> None:
     assert val_accepts(tmp_path, problem, actions)
 
 
@@ -102,7 +104,7 @@ def test_empty_parts_are_still_pddl(tmp_path: Path) -> None:
     idle = Operator("idle", (), (), (), ())
     domain = PlanningDomain("empty", (), (), (("rested", ()),), (rest, idle))
     problem = PlanningProblem("empty", domain, (), (), (("rested",),))
-    assert val_accepts(tmp_path, problem, [("idle",), ("rest",)])
+    assert val_accepts(tmp_path, problem, [PlannedAction("idle"), PlannedAction("rest")])
 
 
 def test_what_is_added_back_is_not_deleted() -> None:

@@ -4,9 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scenes import reach_and_roll, rolling_task
+from validation import read_action
 
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.plan import at
+from hybrid_tamp.model.plan import PlannedAction, at
 from hybrid_tamp.symbolic.decode import OrderedInstance, UndecodableError, decode
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
@@ -51,9 +52,9 @@ def test_an_infeasible_order_is_refused_with_its_cycle() -> None:
 def test_what_is_no_plan_is_not_decoded() -> None:
     compilation = compile_task(rolling_task())
     with pytest.raises(UndecodableError, match="no action"):
-        decode(compilation, [("jump", "hand-0")])
+        decode(compilation, [PlannedAction("jump", ("hand-0",))])
     with pytest.raises(UndecodableError, match="empty slot"):
-        decode(compilation, [("begin-rolling-from-resting", "drum-0", "region-0", "no-region-of-inside")])
+        decode(compilation, [read_action("(begin-rolling-from-resting drum-0 region-0 no-region-of-inside)")])
 
 
 @given(st.floats(0.2, 1.0), st.floats(-0.8, 0.8), st.floats(0.15, 0.6))

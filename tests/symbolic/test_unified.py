@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from planning_problems import DELIVER, DELIVERED, MEETING, SETTLED, random_problem, shortest
+from validation import read_action
 
 from hybrid_tamp.symbolic.engines.plain import PlainProblem
 from hybrid_tamp.symbolic.engines.solver import Solver, original_plan, simplify_for
@@ -79,11 +80,11 @@ def test_initial_values_are_the_same_sparse_or_not() -> None:
 @pytest.mark.parametrize(
     ("actions", "fault"),
     [
-        ((("fly", "first"),), "action 1, (fly first): there is no operator 'fly'"),
-        ((("move", "first", "home"),), "action 1, (move first home): the operator takes 3 objects"),
-        ((("move", "second", "home", "yard"),), "there is no object 'second'"),
+        ([read_action("(fly first)")], "action 1, (fly first): there is no operator 'fly'"),
+        ([read_action("(move first home)")], "action 1, (move first home): the operator takes 3 objects"),
+        ([read_action("(move second home yard)")], "there is no object 'second'"),
         (
-            (DELIVERED[0], ("move", "yard", "home", "yard")),
+            [DELIVERED[0], read_action("(move yard home yard)")],
             "action 2, (move yard home yard): 'yard' is not of the type",
         ),
         (DELIVERED[1:], "Preconditions [at-2(first, yard)] of 1-th action instance"),
@@ -101,7 +102,7 @@ def test_an_add_wins_over_a_delete() -> None:
     again = Operator("again", (("?b", "box"),), (), (("marked", "?b"),), (("marked", "?b"),))
     problem = replace(DELIVER, domain=replace(DELIVER.domain, operators=(again,)), goal=(("marked", "first"),))
     assert unify(problem).fault([("again", "first")]) == ""
-    assert unify(MEETING).fault([("light", "one"), ("pass", "one", "one"), ("reset", "hub")]) == ""
+    assert unify(MEETING).fault([read_action(line) for line in ("(light one)", "(pass one one)", "(reset hub)")]) == ""
 
 
 def test_what_an_engine_does_not_take_is_compiled_away(solver: Solver) -> None:

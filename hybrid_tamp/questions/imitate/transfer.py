@@ -18,7 +18,6 @@ from hybrid_tamp.model.predicate import ANY, Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import OrderedInstance
 from hybrid_tamp.symbolic.encoding.problem import compile_task
-from hybrid_tamp.symbolic.pddl.text import action_line
 from hybrid_tamp.symbolic.reencode import reencode
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 
@@ -206,7 +205,7 @@ def _transfer_roles(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles
     if breaches:
         return "; ".join(map(str, breaches[:_MOST_BREACHES]))
     ground = next(each for each in task.alternatives() if not check_law(each, scheduled))
-    actions = tuple(map(action_line, reencode(compile_task(ground), scheduled)))
+    actions = tuple(reencode(compile_task(ground), scheduled))
     return Transfer(replace(scheduled, actions=actions), ground, roles)
 
 

@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 
+from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.symbolic.encoding.problem import Compilation
-from hybrid_tamp.symbolic.pddl.operators import Fact, PlannedAction, ground
+from hybrid_tamp.symbolic.pddl.operators import Fact, ground
 
 
 def applicable(compilation: Compilation, actions: Sequence[PlannedAction]) -> bool:
@@ -13,11 +14,11 @@ def applicable(compilation: Compilation, actions: Sequence[PlannedAction]) -> bo
     """
     operators = {operator.name: operator for operator in compilation.encoded.planning.operators}
     facts: set[Fact] = set(compilation.changing)
-    for name, *arguments in actions:
-        operator = operators.get(name)
-        if operator is None or len(operator.parameters) != len(arguments):
+    for action in actions:
+        operator = operators.get(action.name)
+        if operator is None or len(operator.parameters) != len(action.arguments):
             return False
-        binding = dict(zip((variable for variable, _ in operator.parameters), arguments, strict=True))
+        binding = operator.bind(action)
         needed = [ground(fact, binding) for fact in operator.precondition]
         if not all(fact in facts or compilation.always(fact) for fact in needed):
             return False

@@ -16,7 +16,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
 
-from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction, PlanningProblem
+from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningProblem
 
 Substitution = Mapping[str, str]
 """Variables to the variables or constants in their place."""
@@ -117,10 +118,9 @@ class PlainProblem:
 
     def original(self, action: PlannedAction) -> PlannedAction:
         """Return the action of the first problem that an action of this problem is."""
-        name, *objects = action
-        case = self._cases[name]
-        values = dict(zip((parameter for parameter, _ in case.operator.parameters), objects, strict=True))
-        return (case.origin, *(values.get(argument, argument) for argument in case.arguments))
+        case = self._cases[action.name]
+        values = case.operator.bind(action)
+        return PlannedAction(case.origin, tuple(values.get(argument, argument) for argument in case.arguments))
 
     def _shortened(self, operator: Operator) -> Operator:
         """Return a possible operator without the conditions that hold for ever."""

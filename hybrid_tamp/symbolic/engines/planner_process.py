@@ -24,10 +24,11 @@ from types import TracebackType
 from typing import IO, TYPE_CHECKING, Any, Literal
 
 from hybrid_tamp.errors import InputError, Issue, LimitReached
+from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.symbolic.engines.processes import ProcessTree, marked_environment
 from hybrid_tamp.symbolic.engines.registry import check_engine, known_engines, unknown_engine
 from hybrid_tamp.symbolic.engines.worker import REPLY, REQUEST
-from hybrid_tamp.symbolic.pddl.operators import PlannedAction, PlanningProblem
+from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 
 if TYPE_CHECKING:
     # Its import takes as long as the worker's; the worker ought to have started by then.
@@ -141,7 +142,7 @@ def _answer(reply: dict[str, Any], engine: str, seconds: float) -> PlannerAnswer
         raise InputError([Issue("planner", wanted, engine, remedy="choose another engine")])
     if status == "limit":
         raise LimitReached(message, limit=reply["limit"])
-    actions = tuple(map(tuple, reply.get("actions", ())))
+    actions = tuple(PlannedAction(each["name"], tuple(each["arguments"])) for each in reply.get("actions", ()))
     return PlannerAnswer(status, actions, seconds, engine, message, validated=status == "solved")
 
 

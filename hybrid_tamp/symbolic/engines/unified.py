@@ -10,7 +10,8 @@ from functools import cache, cached_property
 from itertools import chain, count
 from typing import Any
 
-from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction, PlanningProblem, Typed
+from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningProblem, Typed
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,10 @@ class UnifiedProblem:
             plan = plan.convert_to(PlanKind.SEQUENTIAL_PLAN, self.problem)
         operators, objects = self._own_names
         return tuple(
-            (operators[step.action.name], *(objects[value.object().name] for value in step.actual_parameters))
+            PlannedAction(
+                operators[step.action.name],
+                tuple(objects[value.object().name] for value in step.actual_parameters),
+            )
             for step in plan.actions
         )
 
@@ -52,7 +56,7 @@ class UnifiedProblem:
         for index, action in enumerate(actions, 1):
             misfit = self._misfit(action)
             if misfit:
-                return f"action {index}, ({' '.join(action)}): {misfit}"
+                return f"action {index}, {action.text}: {misfit}"
         plan = SequentialPlan([self._instance(action) for action in actions], self.problem.environment)
         result = SequentialPlanValidator().validate(self.problem, plan)
         if result.status is ValidationResultStatus.VALID:
@@ -69,13 +73,12 @@ class UnifiedProblem:
 
     def _misfit(self, action: PlannedAction) -> str:
         """Return why an action is no instance of an operator, or an empty text."""
-        name, *arguments = action
-        if name not in self.actions:
-            return f"there is no operator {name!r}"
-        parameters = self.actions[name].parameters
-        if len(parameters) != len(arguments):
+        if action.name not in self.actions:
+            return f"there is no operator {action.name!r}"
+        parameters = self.actions[action.name].parameters
+        if len(parameters) != len(action.arguments):
             return f"the operator takes {len(parameters)} objects"
-        for parameter, argument in zip(parameters, arguments, strict=True):
+        for parameter, argument in zip(parameters, action.arguments, strict=True):
             if argument not in self.objects:
                 return f"there is no object {argument!r}"
             if not parameter.type.is_compatible(self.objects[argument].type):
@@ -86,9 +89,8 @@ class UnifiedProblem:
         """Return unified_planning's instance of an action that fits."""
         from unified_planning.plans import ActionInstance
 
-        name, *arguments = action
         express = self.problem.environment.expression_manager.ObjectExp
-        return ActionInstance(self.actions[name], tuple(express(self.objects[each]) for each in arguments))
+        return ActionInstance(self.actions[action.name], tuple(express(self.objects[n]) for n in action.arguments))
 
 
 def unify(source: PlanningProblem, *, sparse: bool = False) -> UnifiedProblem:

@@ -112,7 +112,7 @@ def _end(directory: Path) -> NoReturn:
 def _write(path: Path, reply: Mapping[str, Any]) -> None:
     """Write the reply to a temporary name and rename it: half a reply is never read."""
     temporary = path.with_suffix(".part")
-    temporary.write_text(json.dumps(reply), encoding="utf-8")
+    temporary.write_text(json.dumps(reply, default=vars), encoding="utf-8")
     temporary.replace(path)
 
 

@@ -6,6 +6,8 @@ All names are PDDL names already (`symbolic.naming`); variables begin with a que
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from hybrid_tamp.model.plan import PlannedAction
+
 Fact = tuple[str, ...]
 """A predicate's name and its arguments: variables, constants or objects."""
 
@@ -23,6 +25,10 @@ class Operator:
     add: tuple[Fact, ...]
     delete: tuple[Fact, ...]
 
+    def bind(self, action: PlannedAction) -> dict[str, str]:
+        """Return the parameters with what an action of this operator binds them to."""
+        return dict(zip((variable for variable, _ in self.parameters), action.arguments, strict=True))
+
     def effects(self, binding: Mapping[str, str], facts: set[Fact]) -> set[Fact]:
         """Return the facts after the operator, whose parameters are bound, has been applied to them."""
         kept = facts - {ground(fact, binding) for fact in self.delete}
@@ -32,6 +38,11 @@ class Operator:
 def ground(fact: Fact, binding: Mapping[str, str]) -> Fact:
     """Replace the variables of a fact that are bound."""
     return (fact[0], *(binding.get(argument, argument) for argument in fact[1:]))
+
+
+def rename_arguments(action: PlannedAction, names: Mapping[str, str]) -> PlannedAction:
+    """Return the action with other objects in place of those that are named."""
+    return PlannedAction(action.name, tuple(names.get(argument, argument) for argument in action.arguments))
 
 
 @dataclass(frozen=True)
@@ -65,7 +76,3 @@ class PlanningProblem:
     init: tuple[Fact, ...]
     goal: tuple[Fact, ...]
     comments: tuple[tuple[str, str], ...] = field(default=())
-
-
-PlannedAction = tuple[str, ...]
-"""An operator's name and the objects bound to its parameters, as a planner returns it."""

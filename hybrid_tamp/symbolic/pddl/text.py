@@ -6,7 +6,8 @@ so that equal problems give equal files. Names that differ from the user's are l
 
 from collections.abc import Iterable, Sequence
 
-from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlannedAction, PlanningDomain, PlanningProblem, Typed
+from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningDomain, PlanningProblem, Typed
 
 _INDENT = "  "
 
@@ -36,12 +37,7 @@ def problem_text(problem: PlanningProblem) -> str:
 
 def plan_text(actions: Iterable[PlannedAction]) -> str:
     """Return the plan file: one action a line, as VAL takes it."""
-    return "".join(f"{action_line(action)}\n" for action in actions)
-
-
-def action_line(action: PlannedAction) -> str:
-    """Return one action of a plan: ``(name first second)``."""
-    return _fact_text(action)
+    return "".join(f"{action.text}\n" for action in actions)
 
 
 def _definition(head: str, sections: Sequence[str]) -> str:
@@ -60,12 +56,12 @@ def _operator_text(operator: Operator) -> str:
     """Return one action; effects delete before they add, and what is added back is not deleted."""
     deleted = [f"(not {_fact_text(fact)})" for fact in operator.delete if fact not in operator.add]
     added = [_fact_text(fact) for fact in operator.add]
-    parts = [
+    lines = [
         f":parameters ({_typed_text(operator.parameters)})",
         f":precondition {_conjunction(map(_fact_text, operator.precondition))}",
         f":effect {_conjunction(deleted + added)}",
     ]
-    body = "\n".join(map(_indented, parts))
+    body = "\n".join(map(_indented, lines))
     return f"(:action {operator.name}\n{body}\n)"
 
 

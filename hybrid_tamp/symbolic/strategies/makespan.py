@@ -9,21 +9,18 @@ applied action by action, so that what depends on where a token is (its workspac
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
-from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.decode import UndecodableError, decode
 from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import Estimates
-from hybrid_tamp.symbolic.pddl.operators import PlannedAction
-from hybrid_tamp.symbolic.pddl.text import action_line
+from hybrid_tamp.symbolic.pddl.operators import rename_arguments
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
-
-__all__ = ["applicable", "interchangeable", "shortened"]
 
 Use = tuple[int, int]
 """Action and parameter at which a token is named."""
@@ -90,7 +87,7 @@ def _neighbours(compilation: Compilation, actions: Sequence[PlannedAction]) -> I
     for group in interchangeable(compilation.task):
         for one, other in combinations(map(compilation.name, group), 2):
             swap = {one: other, other: one}
-            yield [(name, *(swap.get(argument, argument) for argument in rest)) for name, *rest in actions]
+            yield [rename_arguments(action, swap) for action in actions]
 
 
 def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> list[Episode]:
@@ -99,9 +96,9 @@ def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> lis
     resting = compilation.task.domain.resting
     current: dict[str, Episode] = {}
     found: list[Episode] = []
-    for index, (operator, *arguments) in enumerate(actions):
-        meaning = compilation.encoded.meanings[operator]
-        for place, name in enumerate(arguments):
+    for index, action in enumerate(actions):
+        meaning = compilation.encoded.meanings[action.name]
+        for place, name in enumerate(action.arguments):
             if name not in names:
                 continue
             if name not in current:
@@ -109,7 +106,7 @@ def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> lis
                 found.append(current[name])
             current[name].uses.append((index, place))
         if meaning.block == resting:
-            current.pop(arguments[meaning.roles[meaning.slot]], None)
+            current.pop(action.arguments[meaning.roles[meaning.slot]], None)
     return found
 
 
@@ -123,10 +120,11 @@ def _rebound(
             continue
         for other in others:
             if other != episode.token:
-                changed = [list(action) for action in actions]
+                changed = list(actions)
                 for row, place in episode.uses:
-                    changed[row][place + 1] = other
-                yield [tuple(action) for action in changed]
+                    arguments = changed[row].arguments
+                    changed[row] = replace(changed[row], arguments=(*arguments[:place], other, *arguments[place + 1 :]))
+                yield changed
 
 
 def _scheduled(compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates) -> TaskPlan | None:
@@ -134,6 +132,6 @@ def _scheduled(compilation: Compilation, actions: Sequence[PlannedAction], estim
     if not applicable(compilation, actions):
         return None
     try:
-        return schedule(compilation.task, decode(compilation, actions), tuple(map(action_line, actions)), estimates)
+        return schedule(compilation.task, decode(compilation, actions), actions, estimates)
     except (UndecodableError, InfeasibleScheduleError):
         return None  # this candidate is none; the plan as it was still stands

@@ -11,14 +11,13 @@ from typing import Protocol
 
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.symbolic.decode import UndecodableError, decode
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
 from hybrid_tamp.symbolic.estimates import Estimates
-from hybrid_tamp.symbolic.pddl.operators import PlannedAction, PlanningProblem
-from hybrid_tamp.symbolic.pddl.text import action_line
+from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 
 _LOG = logging.getLogger(__name__)
@@ -45,11 +44,6 @@ class Candidate:
     way: str
     plan: TaskPlan
     proven: bool = False
-
-    @property
-    def actions(self) -> tuple[PlannedAction, ...]:
-        """The actions of the plan, of the whole task."""
-        return tuple(tuple(line.strip("()").split()) for line in self.plan.actions)
 
 
 class Search:
@@ -130,7 +124,7 @@ class Search:
         try:
             with self.stage("scheduling"):
                 instances = decode(compilation, actions)
-                plan = schedule(self.task, instances, tuple(map(action_line, actions)), self.estimates)
+                plan = schedule(self.task, instances, actions, self.estimates)
         except (UndecodableError, InfeasibleScheduleError) as error:
             self._refuse(way, str(error))
             return None

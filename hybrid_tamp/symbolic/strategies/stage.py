@@ -87,7 +87,7 @@ def _planned(task: Task, planner: Planner, shortening: float) -> Planned:
     best = stage.best()
     search = stage.search
     if best is not None:
-        answer = PlannerAnswer("solved", best.actions, search.elapsed, task.planner, validated=True)
+        answer = PlannerAnswer("solved", best.plan.actions, search.elapsed, task.planner, validated=True)
         return Planned(answer, best.plan, "", best.way, best.proven, dict(search.stages), task)
     assert stage.answer is not None, "the way of the whole task asks the planner, or raises"
     refusal = search.refusals[-1] if search.refusals and stage.answer.status == "solved" else ""
@@ -225,7 +225,7 @@ class _Stage:
         if best is not None:
             seconds, compilation = self.shortening - self.search.elapsed, self.search.compilation
             with self.search.stage("scheduling"):
-                shorter = shortened(compilation, best.plan, best.actions, seconds, self.search.estimates)
+                shorter = shortened(compilation, best.plan, best.plan.actions, seconds, self.search.estimates)
             if shorter is not best.plan:
                 found = self.search.judged(Candidate(f"{best.way}, {REBOUND}", shorter))
                 if found is not None:

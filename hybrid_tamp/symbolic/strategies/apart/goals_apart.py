@@ -9,9 +9,9 @@ from collections.abc import Iterator, Sequence
 from itertools import islice, permutations, product
 
 from hybrid_tamp.model.facts import facts
+from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.symbolic.decode import UndecodableError, decode
 from hybrid_tamp.symbolic.encoding.application import applicable
-from hybrid_tamp.symbolic.pddl.operators import PlannedAction
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 from hybrid_tamp.symbolic.strategies.apart.allocation import Allocation, Demand, Share
 from hybrid_tamp.symbolic.strategies.apart.groups import Group, goal_groups, helpers, least_helpers, most_helpers

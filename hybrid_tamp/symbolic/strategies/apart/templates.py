@@ -7,8 +7,9 @@ alike need one search, whatever their number.
 from collections.abc import Mapping, Sequence
 
 from hybrid_tamp.errors import LimitReached
+from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
-from hybrid_tamp.symbolic.pddl.operators import Fact, PlannedAction, PlanningProblem
+from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem, ground, rename_arguments
 from hybrid_tamp.symbolic.strategies.apart.groups import Group, own_task
 from hybrid_tamp.symbolic.strategies.search import Search
 
@@ -63,21 +64,17 @@ class Templates:
             return None  # The part is a try only; the whole task is still there.
         if answer.status != "solved":
             return None
-        return tuple(_renamed(action, label) for action in answer.actions)
+        return tuple(rename_arguments(action, label) for action in answer.actions)
 
     def _named(self, actions: Sequence[PlannedAction], order: Sequence[str]) -> tuple[PlannedAction, ...]:
         whole = self._search.compilation
         names = {f"#{index}": whole.name(name) for index, name in enumerate(order)}
-        return tuple(_renamed(action, names) for action in actions)
-
-
-def _renamed(fact: tuple[str, ...], names: Mapping[str, str]) -> tuple[str, ...]:
-    return (fact[0], *(names.get(argument, argument) for argument in fact[1:]))
+        return tuple(rename_arguments(action, names) for action in actions)
 
 
 def _key(problem: PlanningProblem, wanted: Sequence[Fact], label: Mapping[str, str]) -> Key:
     objects = tuple(sorted((label.get(name, name), kind) for name, kind in problem.objects))
-    init, goal = (frozenset(_renamed(fact, label) for fact in facts) for facts in (problem.init, wanted))
+    init, goal = (frozenset(ground(fact, label) for fact in facts) for facts in (problem.init, wanted))
     return (init, goal, objects)
 
 
