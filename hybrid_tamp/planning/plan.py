@@ -20,7 +20,7 @@ from hybrid_tamp.report.plan_entries import (
     plan_document,
 )
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
-from hybrid_tamp.symbolic.strategies.stage import Planned, Planner
+from hybrid_tamp.symbolic.strategies.search import Planner, SearchResult
 from hybrid_tamp.verbs.explaining import SUGGESTING, explained
 
 _SAID = {
@@ -119,13 +119,12 @@ def _network(tailoring: Tailoring) -> NetworkEntry:
     return network_entry(tailoring.task, tailoring.reduction.task, brought)
 
 
-def _outcome(task: Task, planned: Planned, network: NetworkEntry, suggesting: float) -> PlanOutcome:
+def _outcome(task: Task, planned: SearchResult, network: NetworkEntry, suggesting: float) -> PlanOutcome:
     answer = planned.answer
     entry = PlannerEntry(
         name=answer.engine,
         seconds=answer.seconds,
         way=planned.way,
-        proven_shortest=planned.proven,
         stages=dict(planned.stages),
     )
     if planned.plan is not None:

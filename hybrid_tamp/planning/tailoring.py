@@ -11,7 +11,8 @@ from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.reduction import Reduction
 from hybrid_tamp.planning.widening import Brought, Widening, out_of_reach
-from hybrid_tamp.symbolic.strategies.stage import Planned, Planner, plan_task
+from hybrid_tamp.symbolic.find_plan import find_plan
+from hybrid_tamp.symbolic.strategies.search import Planner, SearchResult
 
 _LOG = logging.getLogger(__name__)
 
@@ -43,7 +44,7 @@ class Tailoring:
         self.brought: list[Brought] = []
         self._stages: defaultdict[str, float] = defaultdict(float)
 
-    def planned(self, planner: Planner) -> Planned:
+    def planned(self, planner: Planner) -> SearchResult:
         """Return a lawful plan of the whole task, or why there is none.
 
         'Unsolvable' is said only where nothing was left out that could be in a plan.
@@ -85,7 +86,7 @@ class Tailoring:
             self.reduction = self._widening.reduced(self._names)
             _LOG.info("%s is brought in: %s", name, why)
 
-    def _attempt(self, planner: Planner, share: float = 1.0) -> Planned | None:
+    def _attempt(self, planner: Planner, share: float = 1.0) -> SearchResult | None:
         """Plan on the reduced network within a share of the time that is left, or return None after that.
 
         Raises:
@@ -96,7 +97,7 @@ class Tailoring:
             raise self._out_of_time()
         try:
             limits = replace(self.task.limits, time=left)
-            planned = plan_task(self.reduction.task.replaced(limits=limits), planner)
+            planned = find_plan(self.reduction.task.replaced(limits=limits), planner)
         except LimitReached as reached:
             if reached.limit != "time":
                 raise
@@ -112,7 +113,7 @@ class Tailoring:
         message = f"the planner reached its time limit of {self.task.limits.time:g} s{together}"
         return LimitReached(message, limit="time")
 
-    def _restored(self, planned: Planned) -> Planned:
+    def _restored(self, planned: SearchResult) -> SearchResult:
         """Return what came of planning, with a plan of the whole task: that it is one is checked."""
         goal = planned.task.goal if planned.task else self.task.goal
         whole = self.task if goal == self.task.goal else self.task.replaced(goal=goal)
@@ -133,9 +134,7 @@ class Tailoring:
     def _elapsed(self) -> float:
         return time.monotonic() - self._began
 
-    def _told(self, planned: Planned) -> Planned:
+    def _told(self, planned: SearchResult) -> SearchResult:
         """Return what came of planning, with the time of all attempts together."""
-        # A shorter plan may need what was left out.
-        proven = planned.proven and not self._widening.outside(self.reduction, self._names)
         answer = replace(planned.answer, seconds=self._elapsed)
-        return replace(planned, answer=answer, proven=proven, stages=dict(self._stages))
+        return replace(planned, answer=answer, stages=dict(self._stages))

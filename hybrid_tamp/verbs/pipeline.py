@@ -32,7 +32,7 @@ from hybrid_tamp.report.versions import versions
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.pddl.text import domain_text, plan_text, problem_text
 from hybrid_tamp.symbolic.reencode import plan_actions
-from hybrid_tamp.symbolic.strategies.stage import Planner
+from hybrid_tamp.symbolic.strategies.search import Planner
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import load_task

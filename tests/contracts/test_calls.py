@@ -6,7 +6,7 @@ from contracts.scripts import load_script
 
 @pytest.mark.parametrize(
     ("task", "functions", "modules"),
-    [("roll_cylinder", 11, 6), ("tumble_two_boxes_four_hands", 17, 8)],
+    [("roll_cylinder", 7, 5), ("tumble_two_boxes_four_hands", 11, 6)],
 )
 def test_the_chain_of_calls_to_the_planner_is_short(task: str, functions: int, modules: int) -> None:
     chain = load_script("calls").planning_chain(task)

@@ -16,7 +16,6 @@ LONG_MODULES = frozenset(
         "hybrid_tamp/model/block.py",
         "hybrid_tamp/report/documents.py",
         "hybrid_tamp/symbolic/engines/planner_process.py",
-        "hybrid_tamp/symbolic/strategies/stage.py",
         "hybrid_tamp/verbs/pipeline.py",
     }
 )

@@ -27,9 +27,9 @@ from hybrid_tamp.report.tables import network_text
 from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
+from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.reencode import plan_actions
-from hybrid_tamp.symbolic.strategies.stage import plan_task
 from hybrid_tamp.taskfile.domains import find_task_file
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.roles import can_start
@@ -286,7 +286,7 @@ def test_no_plan_that_the_full_network_has_is_lost(seed: int) -> None:
     whole = RandomSeries(seed).task()
     assume(all(can_start(whole.domain.block_by_name[block]) for block in whole.assignment.values()))
     tailored = pipeline.plan(whole, Exhaustive())
-    full = plan_task(whole, Exhaustive())
+    full = find_plan(whole, Exhaustive())
     assert (full.status == "solved") == (tailored.document.status == "solved")
     if tailored.plan is not None:
         assert check_law(whole, tailored.plan) == []
@@ -307,7 +307,7 @@ def test_tools_are_found_wherever_there_is_a_plan(
     things = {f"{'light ' if light and i % 2 else ''}{i}": kind for i, kind in enumerate(kinds)}
     whole = task(things, goal="covered nail" if covered else "nail")
     tailored = pipeline.plan(whole, Exhaustive())
-    assert plan_task(whole, Exhaustive()).status.replace("not_found", "unknown") == tailored.document.status
+    assert find_plan(whole, Exhaustive()).status.replace("not_found", "unknown") == tailored.document.status
     again = pipeline.plan(shuffled(whole, seed), Exhaustive())
     assert brought(again) == brought(tailored)
 

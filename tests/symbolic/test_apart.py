@@ -20,12 +20,12 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess
+from hybrid_tamp.symbolic.find_plan import WHOLE, find_plan
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
-from hybrid_tamp.symbolic.strategies.apart.goals_apart import APART, GoalsApart
-from hybrid_tamp.symbolic.strategies.apart.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
-from hybrid_tamp.symbolic.strategies.apart.matching import cheapest_matching
-from hybrid_tamp.symbolic.strategies.search import Search
-from hybrid_tamp.symbolic.strategies.stage import WHOLE, Planned, plan_task
+from hybrid_tamp.symbolic.strategies.goals_apart import APART, plan_goals_apart
+from hybrid_tamp.symbolic.strategies.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
+from hybrid_tamp.symbolic.strategies.matching import cheapest_matching
+from hybrid_tamp.symbolic.strategies.search import Search, SearchResult
 
 
 class Counting:
@@ -46,7 +46,7 @@ def planner() -> Iterator[Counting]:
         yield Counting(process)
 
 
-def accepted(folder: Path, task: Task, planned: Planned) -> bool:
+def accepted(folder: Path, task: Task, planned: SearchResult) -> bool:
     """Say whether the law checker and VAL accept the plan of the whole task."""
     assert planned.plan is not None
     lawful = check_law(task, planned.plan) == []
@@ -54,10 +54,10 @@ def accepted(folder: Path, task: Task, planned: Planned) -> bool:
 
 
 def test_three_boxes_take_as_long_as_one_and_one_search_does_for_all(planner: Counting, tmp_path: Path) -> None:
-    one = plan_task(random_tumbling(7, 2, 1), planner)
+    one = find_plan(random_tumbling(7, 2, 1), planner)
     assert (one.way, len(planner.asked)) == (WHOLE, 1)
     task = random_tumbling(7, 6, 3)
-    three = plan_task(task, planner)
+    three = find_plan(task, planner)
     assert three.way.startswith(APART)
     assert len(planner.asked) == 2
     assert accepted(tmp_path, task, three)
@@ -69,28 +69,30 @@ def test_three_boxes_take_as_long_as_one_and_one_search_does_for_all(planner: Co
 
 def test_hands_serve_one_box_after_the_other_where_they_are_few(planner: Counting, tmp_path: Path) -> None:
     task = random_tumbling(3, 2, 2)
-    planned = plan_task(task, planner)
+    planned = find_plan(task, planner)
     assert planned.way.startswith(APART)
     assert accepted(tmp_path, task, planned)
 
 
 def test_more_hands_make_one_box_quicker(planner: Counting) -> None:
     tasks = [random_tumbling(7, hands, 1).replaced(objective="makespan") for hands in (2, 4)]
-    two, four = (next(GoalsApart(Search(task, planner), 60.0).candidates()).plan for task in tasks)
-    assert four.makespan < 0.85 * two.makespan
+    two, four = (plan_goals_apart(Search(task, planner), 60.0, first_will_do=False) for task in tasks)
+    assert two is not None
+    assert four is not None
+    assert four.plan.makespan < 0.85 * two.plan.makespan
 
 
 def test_drums_roll_apart_each_to_its_region(planner: Counting, tmp_path: Path) -> None:
     places = [(0.0, 0.6 * row) for row in range(3)]
     regions = [(0.7, 0.6 * row) for row in range(3)]
     task = rolling_task(1, places, regions, [(0, 0), (1, 1), (2, 2)])
-    planned = plan_task(task, planner)
+    planned = find_plan(task, planner)
     assert planned.way.startswith(APART)
     assert accepted(tmp_path, task, planned)
 
 
 def test_what_has_no_plan_is_proven_with_the_whole_task(planner: Counting) -> None:
-    planned = plan_task(random_tumbling(3, 1, 2), planner)
+    planned = find_plan(random_tumbling(3, 1, 2), planner)
     assert (planned.status, planned.plan) == ("unsolvable", None)
     (asked,) = planner.asked
     assert asked == compile_task(random_tumbling(3, 1, 2)).problem
@@ -98,9 +100,9 @@ def test_what_has_no_plan_is_proven_with_the_whole_task(planner: Counting) -> No
 
 def test_an_optimal_engine_is_asked_for_the_whole_task(planner: Counting) -> None:
     task = rolling_task(2, [(0, 0), (0, 0.6)], [(0.7, 0), (0.7, 0.6)], [(0, 0), (1, 1)])
-    planned = plan_task(task.replaced(planner="symk-opt"), planner)
+    planned = find_plan(task.replaced(planner="symk-opt"), planner)
     assert planned.way == WHOLE
-    assert plan_task(task, planner).way.startswith(APART)
+    assert find_plan(task, planner).way.startswith(APART)
 
 
 class Slow:
@@ -116,7 +118,7 @@ def test_the_time_limit_is_that_of_the_task_however_many_parts_there_are(boxes: 
     task = random_tumbling(3, 2 * boxes, boxes).replaced(limits=Limits(time=1.5))
     began = time.monotonic()
     with pytest.raises(LimitReached, match=r"time limit of 1\.5 s"):
-        plan_task(task, Slow())
+        find_plan(task, Slow())
     assert time.monotonic() - began < 10.0
 
 

@@ -24,7 +24,7 @@ from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
-from hybrid_tamp.symbolic.strategies.stage import plan_task
+from hybrid_tamp.symbolic.find_plan import find_plan
 
 # -- what a chain costs -------------------------------------------------------------------------------------------
 
@@ -78,7 +78,7 @@ def test_a_goal_that_is_true_only_after_block_2_of_3() -> None:
     of = task(stages(3, hold=True), [("stage-2", "part 0"), ("stage-3", "part 1")], parts=20)
     assert chains(of) == ["B1 > B2"]
     with PlannerProcess() as planner:
-        plan = plan_task(of, planner).plan
+        plan = find_plan(of, planner).plan
     assert plan is not None
     assert timeline(plan, "part 0") == ["RESTING", "B1", "B2"]
     assert timeline(plan, "part 1") == ["RESTING", "B1", "B2", "B3"]

@@ -16,8 +16,8 @@ from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess
+from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
-from hybrid_tamp.symbolic.strategies.stage import plan_task
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.verbs import pipeline
@@ -78,7 +78,7 @@ def test_the_region_that_works_is_found() -> None:
 
 def test_of_equal_plans_the_nearer_goal_wins() -> None:
     with PlannerProcess() as planner:
-        planned = plan_task(some_region((0.9, 0.0), (0.6, 0.0)), planner)
+        planned = find_plan(some_region((0.9, 0.0), (0.6, 0.0)), planner)
     assert planned.task is not None
     assert planned.task.goal[0].arguments[1] == "region 1"
 
@@ -87,7 +87,7 @@ def test_a_shorter_plan_beats_a_nearer_goal() -> None:
     given = painting()
     assert [each.goal[0].arguments[1] for each in given.alternatives()] == ["red", "green", "blue"]
     with PlannerProcess() as planner:
-        planned = plan_task(given, planner)
+        planned = find_plan(given, planner)
     assert planned.task is not None
     assert planned.task.goal[0].arguments[1] == "green"
     assert planned.task.limits == given.limits
@@ -96,7 +96,7 @@ def test_a_shorter_plan_beats_a_nearer_goal() -> None:
 def test_the_first_choice_that_holds_already_ends_the_search() -> None:
     with PlannerProcess() as process:
         planner = Slow(process, 0)
-        planned = plan_task(some_region((0.9, 0.0), (0.0, 0.0)), planner)
+        planned = find_plan(some_region((0.9, 0.0), (0.0, 0.0)), planner)
     assert planned.plan is not None
     assert (planned.plan.actions, len(planner.given)) == ((), 1)
 
@@ -111,7 +111,7 @@ def test_unsolvable_is_proven_for_each_and_explained_for_each() -> None:
 def test_alternatives_share_the_time_and_one_that_takes_too_long_is_left() -> None:
     with PlannerProcess() as process:
         planner = Slow(process, 1)
-        planned = plan_task(some_region((0.6, 0.0), (0.9, 0.0)).replaced(limits=Limits(time=40.0)), planner)
+        planned = find_plan(some_region((0.6, 0.0), (0.9, 0.0)).replaced(limits=Limits(time=40.0)), planner)
     assert planned.task is not None
     assert planned.task.goal[0].arguments[1] == "region 1"
     assert 19 < planner.given[0] <= 20
@@ -120,7 +120,7 @@ def test_alternatives_share_the_time_and_one_that_takes_too_long_is_left() -> No
 
 def test_where_one_is_undecided_nothing_is_proven() -> None:
     with PlannerProcess() as process, pytest.raises(LimitReached, match="its time limit of 40 s"):
-        plan_task(some_region((0.6, 0.1), (0.9, 0.1)).replaced(limits=Limits(time=40.0)), Slow(process, 1))
+        find_plan(some_region((0.6, 0.1), (0.9, 0.1)).replaced(limits=Limits(time=40.0)), Slow(process, 1))
 
 
 def test_pddl_needs_a_goal_without_a_choice(tmp_path: Path) -> None:

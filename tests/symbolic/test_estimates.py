@@ -11,8 +11,8 @@ from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.estimates import Estimates
+from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.schedule import schedule
-from hybrid_tamp.symbolic.strategies.stage import plan_task
 
 TASKS = {"two hands": random_tumbling(7, 2, 1), "four hands": random_tumbling(7, 4, 1), "a drum": rolling_task()}
 
@@ -21,7 +21,7 @@ TASKS = {"two hands": random_tumbling(7, 2, 1), "four hands": random_tumbling(7,
 def test_tokens_come_to_where_their_blocks_say_and_when(name: str) -> None:
     task: Task = TASKS[name]
     with PlannerProcess() as planner:
-        plan = plan_task(task, planner).plan
+        plan = find_plan(task, planner).plan
     assert plan is not None
     run = predict(task, plan)
     assert run.failure is None

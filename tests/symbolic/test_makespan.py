@@ -5,9 +5,10 @@ from hybrid_tamp.model.law import check_law
 from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.estimates import Estimates
 from hybrid_tamp.symbolic.pddl.operators import rename_arguments
 from hybrid_tamp.symbolic.schedule import schedule
-from hybrid_tamp.symbolic.strategies.makespan import interchangeable, shortened
+from hybrid_tamp.symbolic.strategies.rebinding import interchangeable, rebind_tokens
 
 TASK = rolling_task(hands=2, drums=[(0, 0), (0, 0.5)], regions=[(0.7, 0), (0.7, 0.5)], goal=[(0, 0), (1, 1)])
 ONE_HAND = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand-0", "drum-1", "region-1")
@@ -15,8 +16,8 @@ ONE_HAND = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand
 
 def test_a_second_hand_takes_over_and_both_drums_roll_at_once() -> None:
     compilation = compile_task(TASK)
-    plan = schedule(TASK, decode(compilation, ONE_HAND))
-    shorter = shortened(compilation, plan, ONE_HAND, 5.0)
+    plan = schedule(TASK, decode(compilation, ONE_HAND), ONE_HAND)
+    shorter = rebind_tokens(compilation, plan, 5.0, Estimates(TASK))
     assert shorter.makespan < 0.6 * plan.makespan
     assert check_law(TASK, shorter) == []
     assert {i.slots["hand"] for i in shorter.instances if i.block == "ROLLING"} == {"hand 0", "hand 1"}
@@ -27,8 +28,8 @@ def test_two_hands_change_places_where_each_is_nearer_to_the_others_drum() -> No
     task = TASK.replaced(state=state)
     actions = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand-1", "drum-1", "region-1")
     compilation = compile_task(task)
-    plan = schedule(task, decode(compilation, actions))
-    shorter = shortened(compilation, plan, actions, 5.0)
+    plan = schedule(task, decode(compilation, actions), actions)
+    shorter = rebind_tokens(compilation, plan, 5.0, Estimates(task))
     assert shorter.makespan < plan.makespan
     hands = {i.slots["object"]: i.slots["hand"] for i in shorter.instances if i.block == "ROLLING"}
     assert hands == {"drum 0": "hand 1", "drum 1": "hand 0"}
@@ -36,8 +37,8 @@ def test_two_hands_change_places_where_each_is_nearer_to_the_others_drum() -> No
 
 def test_no_time_no_change() -> None:
     compilation = compile_task(TASK)
-    plan = schedule(TASK, decode(compilation, ONE_HAND))
-    assert shortened(compilation, plan, ONE_HAND, 0.0) is plan
+    plan = schedule(TASK, decode(compilation, ONE_HAND), ONE_HAND)
+    assert rebind_tokens(compilation, plan, 0.0, Estimates(TASK)) is plan
 
 
 def test_only_equal_tokens_that_no_goal_names_take_over() -> None:

@@ -21,9 +21,9 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
+from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.reencode import NO_ACTION, reencode
 from hybrid_tamp.symbolic.schedule import schedule
-from hybrid_tamp.symbolic.strategies.stage import plan_task
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
 from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
 
@@ -125,6 +125,6 @@ def test_names_make_no_difference(tmp_path_factory: pytest.TempPathFactory, name
 @pytest.mark.parametrize("names", [PLAIN, THREE], ids=["plain", "nasty"])
 def test_an_engine_plans_whatever_the_slots_are_called(names: dict[str, str], tmp_path: Path) -> None:
     with PlannerProcess() as planner:
-        found = plan_task(carrying(names), planner).plan
+        found = find_plan(carrying(names), planner).plan
     assert found is not None
     assert renamed(found, names) == judge(tmp_path, PLAIN)

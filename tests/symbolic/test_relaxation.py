@@ -5,7 +5,7 @@ from planning_problems import DELIVER, ODD, random_problem, shortest
 from scenes import rolling_task
 
 from hybrid_tamp.symbolic.encoding.problem import compile_task
-from hybrid_tamp.symbolic.strategies.relaxation import may_be_solvable, reachable
+from hybrid_tamp.symbolic.relaxation import may_be_solvable, reachable
 
 
 @pytest.mark.parametrize("seed", range(3000, 3080))

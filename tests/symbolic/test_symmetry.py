@@ -22,7 +22,8 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
-from hybrid_tamp.symbolic.strategies.stage import Planned, plan_task
+from hybrid_tamp.symbolic.find_plan import find_plan
+from hybrid_tamp.symbolic.strategies.search import SearchResult
 
 FEW = settings(max_examples=3, deadline=None, suppress_health_check=list(HealthCheck))
 NAMES = st.text(string.ascii_letters + string.digits + " _-ä", min_size=1, max_size=8)
@@ -59,9 +60,9 @@ FORMS = st.tuples(
 )
 
 
-def planned(task: Task, engine: str) -> Planned:
+def planned(task: Task, engine: str) -> SearchResult:
     with PlannerProcess() as planner:
-        return plan_task(task.replaced(planner=engine), planner)
+        return find_plan(task.replaced(planner=engine), planner)
 
 
 @FEW

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from planning_problems import DELIVER, DELIVERED, MEETING, SETTLED, random_problem, shortest
 from validation import read_action
 
+from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.symbolic.engines.plain import PlainProblem
 from hybrid_tamp.symbolic.engines.solver import Solver, original_plan, simplify_for
 from hybrid_tamp.symbolic.engines.unified import unify
@@ -65,7 +66,8 @@ def test_every_thing_has_one_name_that_nobody_changes(problem: PlanningProblem) 
 def test_plans_come_back_in_our_names(solver: Solver, problem: PlanningProblem) -> None:
     constant, (first, second) = problem.domain.constants[0][0], dict(problem.objects)
     move, unlock = (operator.name for operator in problem.domain.operators)
-    plan = [(unlock,), (move, constant, first), (move, first, second)]
+    moves = ((constant, first), (first, second))
+    plan = [PlannedAction(unlock), *(PlannedAction(move, places) for places in moves)]
     assert unify(problem).fault(plan) == ""
     assert solver.reply(problem, "pyperplan") == {"status": "solved", "actions": tuple(plan), "message": ""}
 
@@ -101,7 +103,7 @@ def test_validator_says_what_is_wrong(actions: Any, fault: str) -> None:
 def test_an_add_wins_over_a_delete() -> None:
     again = Operator("again", (("?b", "box"),), (), (("marked", "?b"),), (("marked", "?b"),))
     problem = replace(DELIVER, domain=replace(DELIVER.domain, operators=(again,)), goal=(("marked", "first"),))
-    assert unify(problem).fault([("again", "first")]) == ""
+    assert unify(problem).fault([PlannedAction("again", ("first",))]) == ""
     assert unify(MEETING).fault([read_action(line) for line in ("(light one)", "(pass one one)", "(reset hub)")]) == ""
 
 
@@ -151,8 +153,8 @@ def test_plain_problems_have_no_meeting_effects_and_no_settled_conditions() -> N
     assert list(operators) == ["light", "pass", "reset", "pass-case-1", "reset-case-1"]
     assert operators["pass-case-1"].parameters == (("?s", "spot"),)
     assert operators["reset-case-1"].add == operators["reset-case-1"].delete == (("on", "hub"),)
-    assert PlainProblem(MEETING).original(("pass-case-1", "one")) == ("pass", "one", "one")
-    assert PlainProblem(MEETING).original(("reset-case-1",)) == ("reset", "hub")
+    assert PlainProblem(MEETING).original(read_action("(pass-case-1 one)")) == read_action("(pass one one)")
+    assert PlainProblem(MEETING).original(read_action("(reset-case-1)")) == read_action("(reset hub)")
     assert PlainProblem(SETTLED).problem.domain.operators[0].precondition == ()
     assert PlainProblem(replace(SETTLED, init=())).problem.domain.operators == ()
 

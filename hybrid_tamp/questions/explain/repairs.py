@@ -22,7 +22,7 @@ from hybrid_tamp.questions.changes import apply_change, apply_together
 from hybrid_tamp.questions.explain.candidates import candidates, points_to
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 from hybrid_tamp.symbolic.encoding.problem import compile_task
-from hybrid_tamp.symbolic.strategies.relaxation import may_be_solvable
+from hybrid_tamp.symbolic.relaxation import may_be_solvable
 
 OF_A_KIND = 2
 """How many changes of one kind are suggested: a third hand says nothing new."""

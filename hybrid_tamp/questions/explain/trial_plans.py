@@ -9,8 +9,8 @@ from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.task import DEFAULT_PLANNER, Task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
-from hybrid_tamp.symbolic.strategies.relaxation import may_be_solvable
-from hybrid_tamp.symbolic.strategies.stage import plan_task
+from hybrid_tamp.symbolic.find_plan import find_plan
+from hybrid_tamp.symbolic.relaxation import may_be_solvable
 
 LEAST = 2.0
 """A search that begins shortly before the deadline still gets this long [s]."""
@@ -54,7 +54,7 @@ class TrialPlanner(ExitStack):
         simple = task.replaced(objective="length", planner=DEFAULT_PLANNER, limits=limits)
         process = next(self._processes)
         try:
-            planned = plan_task(simple, process)
+            planned = find_plan(simple, process)
         finally:
             process.prepare()
         return len(planned.plan.actions) if planned.plan else None

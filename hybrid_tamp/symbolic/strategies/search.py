@@ -1,11 +1,11 @@
-"""One search for a plan: what is asked of the planner, what is judged, and how long everything takes."""
+"""One search for a plan: what its strategies share, how long everything takes, and what comes of it."""
 
 import logging
 import time
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -33,17 +33,40 @@ class Planner(Protocol):
 
 @dataclass(frozen=True)
 class Candidate:
-    """A lawful plan.
-
-    Attributes:
-        way: how it was found.
-        plan: the plan.
-        proven: whether no plan has a shorter makespan.
-    """
+    """A lawful plan, and how it was found."""
 
     way: str
     plan: TaskPlan
-    proven: bool = False
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """What came of searching for a plan.
+
+    Attributes:
+        answer: the engine's own answer; where there is a plan, with the actions of that plan.
+        plan: the checked timeline, or None.
+        refusal: why the engine's plan was refused, or empty.
+        way: how the plan was found.
+        stages: seconds that each stage took.
+        task: the task that was planned: of a goal with a choice, the one that was chosen, or else the nearest.
+    """
+
+    answer: PlannerAnswer
+    plan: TaskPlan | None
+    refusal: str = ""
+    way: str = ""
+    stages: Mapping[str, float] = field(default_factory=dict)
+    task: Task | None = None
+
+    @property
+    def status(self) -> str:
+        """``solved``, ``unsolvable``, ``not_found``, ``planner_crashed`` or ``plan_refused``."""
+        if self.plan is not None:
+            return "solved"
+        if self.refusal:
+            return "plan_refused"
+        return {"crashed": "planner_crashed", "refused": "plan_refused"}.get(self.answer.status, self.answer.status)
 
 
 class Search:
@@ -97,12 +120,14 @@ class Search:
             self.stages[self._open[-1]] += now - self._counted
         self._counted = now
 
-    def ask(self, problem: PlanningProblem, seconds: float = float("inf")) -> PlannerAnswer:
-        """Have the task's engine solve a problem, within what is left of the task's time and the given time [s].
+    @contextmanager
+    def limits_of_request(self, seconds: float = float("inf")) -> Iterator[Limits]:
+        """Count the time of a request to the engine, and yield its limits.
+
+        They are what is left of the task's time, or the given time if that is shorter [s].
 
         Raises:
-            InputError: the engine is not installed or not known.
-            LimitReached: the engine ran into the time or memory limit.
+            LimitReached: the request inside ran into a limit, or no time is left for it.
         """
         limits = self.task.limits
         left = limits.time - self.elapsed
@@ -110,27 +135,25 @@ class Search:
             if left <= 0:
                 raise LimitReached("no time is left", limit="time")
             with self.stage("planner"):
-                return self.planner.solve(problem, self.task.planner, replace(limits, time=min(left, seconds)))
+                yield replace(limits, time=min(left, seconds))
         except LimitReached as reached:
             if reached.limit != "time" or self.elapsed < limits.time:
                 raise
-            # It was told what was left of the limit; people know the limit.
-            message = f"the planner reached its time limit of {limits.time:g} s"
-            raise LimitReached(message, limit="time") from reached
+            # The engine was told what was left of the limit; people know the limit.
+            raise time_limit_reached(self.task) from reached
 
-    def candidate(self, way: str, actions: Sequence[PlannedAction]) -> Candidate | None:
+    def judge_actions(self, way: str, actions: Sequence[PlannedAction]) -> Candidate | None:
         """Return the actions of the whole task as a lawful plan, or None, and note why it is refused."""
         compilation = self.compilation
         try:
             with self.stage("scheduling"):
-                instances = decode(compilation, actions)
-                plan = schedule(self.task, instances, actions, self.estimates)
+                plan = schedule(self.task, decode(compilation, actions), actions, self.estimates)
         except (UndecodableError, InfeasibleScheduleError) as error:
             self._refuse(way, str(error))
             return None
-        return self.judged(Candidate(way, plan))
+        return self.judge(Candidate(way, plan))
 
-    def judged(self, candidate: Candidate) -> Candidate | None:
+    def judge(self, candidate: Candidate) -> Candidate | None:
         """Return a candidate that obeys the law, or None, and note why it is refused."""
         with self.stage("law"):
             violations = check_law(self.task, candidate.plan)
@@ -141,3 +164,8 @@ class Search:
     def _refuse(self, way: str, reason: str) -> None:
         _LOG.warning("the plan of %s (%s) was refused: %s", self.task.planner, way, reason)
         self.refusals.append(reason)
+
+
+def time_limit_reached(task: Task) -> LimitReached:
+    """Return the error of a task whose time is up."""
+    return LimitReached(f"the planner reached its time limit of {task.limits.time:g} s", limit="time")

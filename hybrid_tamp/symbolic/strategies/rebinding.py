@@ -48,34 +48,31 @@ def _kind(token: Token) -> tuple[object, ...]:
     return (tuple(c.name for c in token.classes), tuple(sorted(token.properties.items())), token.shape)
 
 
-def shortened(
+def rebind_tokens(
     compilation: Compilation,
     plan: TaskPlan,
-    actions: Sequence[PlannedAction],
     seconds: float,
-    estimates: Estimates | None = None,
+    estimates: Estimates,
 ) -> TaskPlan:
     """Return the plan, or one with rebound tokens that ends earlier.
 
     Args:
         compilation: the compiled task.
-        plan: the plan as it is scheduled.
-        actions: its actions.
+        plan: the plan as it is scheduled, with its actions.
         seconds: how long to try [s].
-        estimates: those of the task, where others have made some already.
+        estimates: those of the task.
     """
     until = time.monotonic() + seconds
-    estimates = estimates or Estimates(compilation.task)
-    best, chosen = plan, list(actions)
+    best = plan
     improved = True
     while improved:
         improved = False
-        for candidate in _neighbours(compilation, chosen):
+        for candidate in _neighbours(compilation, best.actions):
             if time.monotonic() > until:
                 return best
             shorter = _scheduled(compilation, candidate, estimates)
             if shorter is not None and shorter.makespan < best.makespan - 1e-6:
-                best, chosen, improved = shorter, candidate, True
+                best, improved = shorter, True
                 break
     return best
 

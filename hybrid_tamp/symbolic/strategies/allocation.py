@@ -13,8 +13,8 @@ from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.symbolic.strategies.apart.groups import Group, Helpers, Signature
-from hybrid_tamp.symbolic.strategies.apart.matching import cheapest_matching
+from hybrid_tamp.symbolic.strategies.groups import Group, Helpers, Signature
+from hybrid_tamp.symbolic.strategies.matching import cheapest_matching
 
 _NEAR = 6
 """At least so many of the closest helpers are looked at for each group; the others only where these do not do."""

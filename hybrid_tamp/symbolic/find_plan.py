@@ -1,0 +1,119 @@
+"""A task to a lawful plan: every strategy that is worth a try, and of the lawful plans the best.
+
+Independent goals are planned apart; where that gives nothing, the engine plans the whole task at once. For the number
+of actions the first lawful plan is taken. For the makespan the goals are planned apart with several numbers of helpers,
+and interchangeable tokens of the shortest plan are rebound, while there is time.
+"""
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from hybrid_tamp.errors import LimitReached
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
+from hybrid_tamp.symbolic.strategies.goals_apart import plan_goals_apart
+from hybrid_tamp.symbolic.strategies.rebinding import rebind_tokens
+from hybrid_tamp.symbolic.strategies.search import Candidate, Planner, Search, SearchResult, time_limit_reached
+
+SHORTENING_TIME = 15.0
+"""How long shorter plans are looked for when the objective is the makespan [s]."""
+
+WHOLE = "the whole task at once"
+REBOUND = "interchangeable tokens rebound"
+
+_DECOMPOSING = ("fast-downward", "symk", "enhsp", "pyperplan")
+"""Engines that end where a group has no plan, and whose plans are not expected to be the shortest in actions."""
+
+
+def find_plan(task: Task, planner: Planner) -> SearchResult:
+    """Return a plan that the law checker passed, or why there is none.
+
+    Every action of it comes from plans that unified-planning's validator passed. Where the goal leaves a choice, the
+    best plan of all alternatives is returned; that there is none is proven if it is for each of them.
+
+    Args:
+        task: the task.
+        planner: a running planner process.
+
+    Raises:
+        InputError: the engine is not installed or not known, or the goal cannot be compiled.
+        LimitReached: the engine ran into the time or memory limit.
+    """
+    alternatives = task.alternatives()
+    if len(alternatives) == 1:
+        return _plan_alternative(alternatives[0], planner, SHORTENING_TIME)
+    return _plan_alternatives(task, alternatives, planner)
+
+
+def _plan_alternative(task: Task, planner: Planner, shortening: float) -> SearchResult:
+    """Plan a task whose goal leaves no choice, looking for shorter plans for so long [s]."""
+    search = Search(task, planner)
+    shortest = task.objective == "makespan"
+    best = None
+    if task.planner in _DECOMPOSING:
+        best = plan_goals_apart(search, shortening, first_will_do=not shortest)
+    answer = None
+    if best is None:
+        with search.stage("compiling"):
+            problem = search.compilation.problem
+        with search.limits_of_request() as limits:
+            answer = planner.solve(problem, task.planner, limits)
+        best = search.judge_actions(WHOLE, answer.actions) if answer.status == "solved" else None
+    if best is None:
+        assert answer is not None, "the engine is asked for the whole task, or raises"
+        refusal = search.refusals[-1] if search.refusals and answer.status == "solved" else ""
+        answer = replace(answer, seconds=search.elapsed)
+        return SearchResult(answer, None, refusal, stages=dict(search.stages), task=task)
+    if shortest and search.elapsed <= shortening:
+        best = _rebind(search, best, shortening)
+    answer = PlannerAnswer("solved", best.plan.actions, search.elapsed, task.planner, validated=True)
+    return SearchResult(answer, best.plan, "", best.way, dict(search.stages), task)
+
+
+def _rebind(search: Search, best: Candidate, shortening: float) -> Candidate:
+    """Return the plan with interchangeable tokens rebound, if that is shorter and lawful, else the plan."""
+    seconds = shortening - search.elapsed
+    with search.stage("scheduling"):
+        shorter = rebind_tokens(search.compilation, best.plan, seconds, search.estimates)
+    if shorter is best.plan:
+        return best
+    return search.judge(Candidate(f"{best.way}, {REBOUND}", shorter)) or best
+
+
+def _plan_alternatives(task: Task, alternatives: Sequence[Task], planner: Planner) -> SearchResult:
+    """Plan every alternative of a goal with a choice, the nearest first, each with a fair share of the time left.
+
+    Returns the best plan by the objective, of equal ones the nearest; or why there is none.
+
+    Raises:
+        LimitReached: there is no plan, and not every alternative was decided.
+    """
+    began = time.monotonic()
+    found: list[SearchResult] = []
+    undecided: list[LimitReached] = []
+    for number, each in enumerate(alternatives):
+        share = (task.limits.time - (time.monotonic() - began)) / (len(alternatives) - number)
+        limited = each.replaced(limits=replace(task.limits, time=max(share, 0.0)))
+        try:
+            result = _plan_alternative(limited, planner, SHORTENING_TIME / len(alternatives))
+        except LimitReached as reached:
+            undecided.append(reached)
+            continue
+        found.append(replace(result, task=each))
+        if result.plan is not None and not result.plan.actions:
+            break  # Nothing is shorter than nothing.
+    solved = [result for result in found if result.plan is not None]
+    if not solved and undecided:
+        raise next((each for each in undecided if each.limit != "time"), time_limit_reached(task))
+    open_ends = [result for result in found if result.status != "unsolvable"]
+    chosen = min(solved, key=_cost) if solved else [*open_ends, *found][0]
+    # The time is that of all alternatives.
+    stages = {name: sum(result.stages.get(name, 0.0) for result in found) for name in chosen.stages}
+    return replace(chosen, answer=replace(chosen.answer, seconds=time.monotonic() - began), stages=stages)
+
+
+def _cost(result: SearchResult) -> float:
+    assert result.plan is not None
+    assert result.task is not None
+    return result.plan.makespan if result.task.objective == "makespan" else float(len(result.plan.actions))
