@@ -5,13 +5,11 @@ from pathlib import Path
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import UndecodableError, decode
 from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import compile_task
-from hybrid_tamp.symbolic.pddl.operators import PlannedAction
-from hybrid_tamp.symbolic.pddl.text import action_line
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 
 _ACTION = re.compile(r"\(\s*([^()\s]+(?:\s+[^()\s]+)*)\s*\)")
@@ -35,13 +33,13 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
     except (OSError, UnicodeDecodeError) as error:
         raise InputError([Issue(str(path), "a plan file that can be read", str(error))]) from error
     compilation = compile_task(task)
-    actions = [action for line in text.splitlines() for action in _actions_of(line)]
+    actions = [action for line in text.splitlines() for action in _parse_line(line)]
     wanted = f"a plan of the task {task.name}"
     if not applicable(compilation, actions):
         came = "actions that the exported PDDL does not have, that cannot follow each other, or that miss the goal"
         raise InputError([Issue(str(path), wanted, came)])
     try:
-        plan = schedule(task, decode(compilation, actions), tuple(map(action_line, actions)))
+        plan = schedule(task, decode(compilation, actions), actions)
     except (UndecodableError, InfeasibleScheduleError) as error:
         raise InputError([Issue(str(path), wanted, str(error))]) from error
     breaches = check_law(task, plan)
@@ -50,7 +48,8 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
     return plan
 
 
-def _actions_of(line: str) -> list[PlannedAction]:
+def _parse_line(line: str) -> list[PlannedAction]:
     """Return the actions in a line; names are in lower case, as PDDL does not tell them apart."""
     found = _ACTION.findall(line.partition(";")[0].lower())
-    return [tuple(words.split()) for words in found]
+    actions = [words.split() for words in found]
+    return [PlannedAction(name, tuple(arguments)) for name, *arguments in actions]

@@ -138,5 +138,5 @@ def test_pddl_needs_a_goal_without_a_choice(tmp_path: Path) -> None:
 
 def test_a_choice_that_cannot_be_made_leaves_the_document_alone(tmp_path: Path) -> None:
     pipeline.save_plan(pipeline.plan(some_region((0.7, 0.1), (0.9, 0.2))), RunFolder.create(tmp_path))
-    assert [path.name for path in tmp_path.iterdir()] == ["plan.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["plan.json", "task.yaml"]
     assert json.loads((tmp_path / "plan.json").read_text())["status"] == "unsolvable"
