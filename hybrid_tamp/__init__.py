@@ -46,8 +46,10 @@ if TYPE_CHECKING:
     from hybrid_tamp.taskfile.saving import save_task
     from hybrid_tamp.testing import check_domain
     from hybrid_tamp.verbs.learn import learn, save_primitive
-    from hybrid_tamp.verbs.pipeline import plan, replay, run
+    from hybrid_tamp.verbs.plan import plan
     from hybrid_tamp.verbs.probe import probe
+    from hybrid_tamp.verbs.replay import replay
+    from hybrid_tamp.verbs.run import run
 
 _HOMES = {
     "errors": (
@@ -82,8 +84,10 @@ _HOMES = {
     "model.state": ("State",),
     "model.task": ("Limits", "MidLevel", "Range", "Task"),
     "model.token": ("Token",),
-    "verbs.pipeline": ("plan", "replay", "run"),
+    "verbs.plan": ("plan",),
     "verbs.probe": ("probe",),
+    "verbs.replay": ("replay",),
+    "verbs.run": ("run",),
     "taskfile.loader": ("load_task",),
     "taskfile.making": ("make_task",),
     "taskfile.saving": ("save_task",),

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from ruamel.yaml import YAML
 
+import hybrid_tamp
 from hybrid_tamp.midlevel.objective import Evaluator, Objective, RollOut
 from hybrid_tamp.midlevel.optimiser import Budget, Optimum
 from hybrid_tamp.midlevel.registry import find_optimiser
@@ -33,7 +34,6 @@ from hybrid_tamp.midlevel.separate import optimise_apart
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.planning.plan import plan
 from hybrid_tamp.taskfile.loader import load_task_text
 
 PROBLEMS = Path(__file__).resolve().parent.parent / "problems"
@@ -96,7 +96,7 @@ def figure_task(kind: str, x: float, *, radius: float = 0.0, hand_weight: float 
 @cache
 def figure_plan(kind: str) -> TaskPlan:
     """Return the plan of a kind. It is the same wherever the block ends, so that a push may be one of no distance."""
-    found = plan(figure_task(kind, 0.5)).required()
+    found = hybrid_tamp.plan(figure_task(kind, 0.5)).required()
     return replace(found, instances=tuple(replace(instance, hyperparameters={}) for instance in found.instances))
 
 

@@ -10,6 +10,7 @@ import typer
 
 from hybrid_tamp.cli.app import app
 from hybrid_tamp.cli.console import output_failed, report_error
+from hybrid_tamp.cli.flags import with_flags
 from hybrid_tamp.errors import HybridTampError, InputError, Issue
 
 
@@ -25,7 +26,7 @@ def main(arguments: list[str] | None = None) -> int:
         if sys.stdout is not None:  # None where it was closed before we began
             sys.stdout.flush()
     except HybridTampError as error:
-        report_error(error, "--json" in words)
+        report_error(with_flags(error), "--json" in words)
         return error.exit_status
     except usage_error as error:
         message = error.format_message() if hasattr(error, "format_message") else str(error)

@@ -8,15 +8,18 @@ from typing import Annotated
 import typer
 
 from hybrid_tamp.cli.affordances import affordances
+from hybrid_tamp.cli.check import check
 from hybrid_tamp.cli.domains import domains
 from hybrid_tamp.cli.explain import explain
 from hybrid_tamp.cli.imitate import imitate
 from hybrid_tamp.cli.learn import learn
 from hybrid_tamp.cli.network import network
-from hybrid_tamp.cli.planning import check, pddl, plan, run
+from hybrid_tamp.cli.pddl import pddl
+from hybrid_tamp.cli.plan import plan
 from hybrid_tamp.cli.probe import probe
-from hybrid_tamp.cli.recordings import replay
+from hybrid_tamp.cli.replay import replay
 from hybrid_tamp.cli.report import report
+from hybrid_tamp.cli.run import run
 from hybrid_tamp.cli.schema import schema
 
 app = typer.Typer(

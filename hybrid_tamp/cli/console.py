@@ -14,7 +14,7 @@ from hybrid_tamp.errors import HybridTampError, InputError, Issue
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from hybrid_tamp.report.plan_entries import ExplanationEntry, PlanDocument
+    from hybrid_tamp.report.documents import Json
 
 
 def say(document: dict[str, Any], as_json: bool, sentence: Callable[[], str]) -> None:
@@ -62,22 +62,20 @@ def output_failed(error: OSError) -> int:
     return 1
 
 
-def explain(explanation: "ExplanationEntry | None", as_json: bool) -> None:
+def explain(explanation: "Json") -> None:
     """Say why there is no plan, on standard error."""
-    if explanation is None or as_json:
-        return
     from hybrid_tamp.report.tables import explanation_text
 
     _console(stderr=True).print(explanation_text(explanation))
 
 
-def tell_network(document: "PlanDocument") -> None:
+def tell_network(plan: "Json") -> None:
     """Say what part of the network was planned on: on standard output with a plan, else on standard error."""
     from hybrid_tamp.report.tables import network_text
 
-    said = network_text(document)
+    said = network_text(plan["network"])
     if said:
-        typer.echo(said, err=document.status != "solved")
+        typer.echo(said, err=plan["status"] != "solved")
 
 
 def report_error(error: HybridTampError, as_json: bool) -> None:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hybrid_tamp.cli.console import print_json, show
-from hybrid_tamp.cli.loading import finder, load
 from hybrid_tamp.cli.options import DomainOption, ForceOption, JsonOption, TaskArgument
 
 if TYPE_CHECKING:
@@ -30,13 +29,15 @@ def imitate(
     force: ForceOption = False,
 ) -> None:
     """Do as another agent was seen to do, and say which blocks were seen."""
-    loaded = load(task, domain)
     from hybrid_tamp.report.folder import RunFolder
     from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.verbs.imitate import imitate as imitated
     from hybrid_tamp.verbs.imitate import read_shown, segmented
+    from hybrid_tamp.verbs.loading import Settings, domain_finder, load
 
-    seen = read_shown(shown, loaded, finder(domain), None if actor is None else load(actor, domain))
+    settings, find_domain = Settings(domain=domain), domain_finder(domain)
+    loaded = load(task, settings)
+    seen = read_shown(shown, loaded, find_domain, None if actor is None else load(actor, settings))
     with TemporaryDirectory() as temporary, progress_bar() as progress:
         folder = RunFolder.create(output or Path(temporary) / "run", force=force)
         progress(0.0, "segmenting")
@@ -44,12 +45,12 @@ def imitate(
         if not as_json:
             _show_segmentation(seen, segmentation)
         result = imitated(
-            seen, segmentation, loaded, folder, backend=backend, progress=progress, find_domain=finder(domain)
+            seen, segmentation, loaded, folder, backend=backend, progress=progress, find_domain=find_domain
         )
     _report(seen, segmentation, result, as_json)
     if output and not as_json:
         typer.echo(f"files: {output}")
-    run = result.outcome.document
+    run = result.result
     if not run.success or run.law:
         typer.echo("The imitation did not reach the goal.", err=True)
         raise typer.Exit(40)
@@ -76,7 +77,7 @@ def _report(seen: "Shown", segmentation: "Segmentation", result: "Imitation", as
     typer.echo(f"roles: {roles}")
     if result.primitives:
         typer.echo(f"learnt: {', '.join(result.primitives)}")
-    show(result_table(document(result.outcome.document)))
+    show(result_table(document(result.result)))
 
 
 def _document(seen: "Shown", segmentation: "Segmentation", result: "Imitation") -> dict[str, Any]:
@@ -102,5 +103,5 @@ def _document(seen: "Shown", segmentation: "Segmentation", result: "Imitation") 
         ],
         "roles": dict(result.roles),
         "primitives": {name: {"rms": each.rms, "unit": each.unit} for name, each in result.primitives.items()},
-        "result": document(result.outcome.document),
+        "result": document(result.result),
     }

@@ -1,9 +1,12 @@
 """Arguments and options that verbs share."""
 
 from enum import Enum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from hybrid_tamp.verbs.loading import Settings
 
 
 class Objective(str, Enum):
@@ -32,6 +35,14 @@ class Encoding(str, Enum):
 
     classical = "classical"
     temporal = "temporal"
+
+
+def read_settings(**options: "Enum | str | float | None") -> "Settings":
+    """Return what the options say in place of the task file; see `Settings` for their names."""
+    from hybrid_tamp.verbs.loading import Settings
+
+    values = {name: option.value if isinstance(option, Enum) else option for name, option in options.items()}
+    return Settings(**values)  # type: ignore[arg-type]
 
 
 TaskArgument = Annotated[str, typer.Argument(metavar="TASK", help="a YAML task file, or the name of a bundled one")]

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from hybrid_tamp.model.conditions import Violation
+from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.refined import Performance
@@ -29,9 +30,8 @@ class RunResult(Tabular):
     """The result of one run.
 
     Attributes:
-        task: the task that was run.
+        outcome: the outcome of planning, with the plan that was run.
         recording: what was measured, with what was predicted beside it.
-        replans: how many plans were given up before the one that was run.
         metrics: the domain's own measures and those of every run, name (with unit) to value.
         wall_seconds: how long all the work took [s].
         versions: versions of what the result depends on.
@@ -39,14 +39,23 @@ class RunResult(Tabular):
         law: breaches of the law of assignment by the recording.
     """
 
-    task: Task
+    outcome: PlanOutcome
     recording: Recording
-    replans: int
     metrics: Mapping[str, float]
     wall_seconds: float
     versions: Mapping[str, str]
     performance: tuple[Performance, ...]
     law: tuple[Violation, ...]
+
+    @property
+    def task(self) -> Task:
+        """The task that was run."""
+        return self.outcome.task
+
+    @property
+    def replans(self) -> int:
+        """How many plans were given up before the one that was run."""
+        return len(self.outcome.excluded)
 
     @property
     def success(self) -> bool:

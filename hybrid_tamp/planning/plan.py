@@ -1,144 +1,188 @@
-"""A task to a checked plan, or to the reason why there is none."""
+"""Plan a task on a network that is tailored to it: reduced first, widened while it has no plan (paper, Sec. II-C)."""
 
-import shlex
+import logging
 import time
-from dataclasses import dataclass
-from typing import Literal
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import replace
 
-from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
-from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.tailoring import Tailoring
-from hybrid_tamp.report.plan_entries import (
-    BroughtEntry,
-    ExplanationEntry,
-    NetworkEntry,
-    PlanDocument,
-    PlannerEntry,
-    ReasonEntry,
-    network_entry,
-    plan_document,
+from hybrid_tamp.errors import LimitReached
+from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.outcome import (
+    CLASS_UNKNOWN,
+    AddedToken,
+    PlannedNetwork,
+    PlannerFigures,
+    PlanningFailure,
+    PlanOutcome,
 )
-from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.planning.reduction import Reduction
+from hybrid_tamp.planning.widening import Widening, out_of_reach
+from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.strategies.search import Planner, SearchResult
-from hybrid_tamp.verbs.explaining import SUGGESTING, explained
 
-_SAID = {
-    "unsolvable": "No plan exists; the planner has proven it.",
-    "not_found": "The planner found no plan, but has not proven that there is none.",
-    "planner_crashed": "The planner crashed.",
-    "plan_refused": "The planner returned a plan that is wrong; it was refused.",
+_LOG = logging.getLogger(__name__)
+
+UNREACHABLE = "in the network without it no block brings about"
+"""Why an object is brought in without planning."""
+_WITHOUT = {
+    "unsolvable": "the network without it has no plan; the planner has proven that",
+    "not_found": "the planner found no plan in the network without it",
+    "plan_refused": "the planner's plan in the network without it was refused",
 }
-
-CLASS_UNKNOWN = "class_unknown"
-"""The kind of explanation where the goal speaks of a token that is unknown in the class that it asks for."""
+_TOO_LONG = "the planner found no plan in the network without it in half of the time that was left"
 
 
-@dataclass(frozen=True)
-class PlanOutcome:
-    """What came of planning: the document that is shown, and the plan where there is one.
+def plan_task(task: Task, planner: Planner) -> PlanOutcome:
+    """Plan a task: reduce its network, ask the planner, and bring in further objects while there is no plan.
 
-    Attributes:
-        task: the task.
-        document: what is shown.
-        plan: the plan, or None.
-        error: why there is none, or None.
-        chosen: the task with the ground goal that the plan reaches; the task itself where it leaves no choice.
-    """
-
-    task: Task
-    document: PlanDocument
-    plan: TaskPlan | None
-    error: HybridTampError | None
-    chosen: Task | None = None
-
-    def required(self) -> TaskPlan:
-        """Return the plan.
-
-        Raises:
-            NoPlan: there is none, or none was found.
-            LimitReached: the planner ran into a limit.
-        """
-        if self.plan is None:
-            raise self.error or NoPlan("no plan", proven=False, kind="not_found")
-        return self.plan
-
-
-def plan(task: Task, planner: Planner | None = None, suggesting: float = SUGGESTING) -> PlanOutcome:
-    """Plan a task and judge the plan.
+    The outcome is 'unsolvable' only if nothing was left out that could be in a plan.
 
     Args:
         task: the task.
-        planner: a running planner process; without one, one is started for this call.
-        suggesting: how long to look for a single change that gives a plan, where there is none [s].
+        planner: a running planner process.
 
     Raises:
-        InputError: the engine is unknown or not installed.
+        InputError: the engine is unknown or not installed, or the goal cannot be compiled.
     """
-    if planner is None:
-        with PlannerProcess() as process:
-            return plan(task, process, suggesting)
-    began = time.monotonic()
     if task.unsettled:
-        return _unsettled(task)
-    tailoring = Tailoring(task)
+        figures, network = PlannerFigures(task.planner, 0.0), PlannedNetwork.of(task, task)
+        return PlanOutcome(task, figures, network, failure=PlanningFailure(CLASS_UNKNOWN))
+    tailored = _TailoredNetwork(task)
     try:
-        planned = tailoring.planned(planner)
+        while tailored.can_widen:
+            why = tailored.unreachable
+            planned = None if why else _attempt(tailored, planner, share=0.5)
+            if planned is not None and planned.status not in _WITHOUT:
+                break
+            tailored.widen(why or (_WITHOUT[planned.status] if planned else _TOO_LONG))
+        else:
+            planned = _attempt(tailored, planner)
     except LimitReached as limit:
-        entry = PlannerEntry(name=task.planner, seconds=time.monotonic() - began)
-        said = ExplanationEntry(kind=limit.limit, message=str(limit), reasons=[])
-        network = _network(tailoring)
-        document = plan_document(task, status="limit", planner=entry, plan=None, network=network, explanation=said)
-        return PlanOutcome(task, document, None, limit)
-    return _outcome(task, planned, _network(tailoring), suggesting)
+        figures = PlannerFigures(task.planner, tailored.elapsed)
+        return PlanOutcome(task, figures, tailored.network, failure=PlanningFailure(limit.limit, str(limit)))
+    assert planned is not None, "with all the time that is left, an attempt ends or raises"
+    return _outcome(tailored, planned)
 
 
-def _unsettled(task: Task) -> PlanOutcome:
-    """Return that a plan has to wait until it is known what a token of the goal is."""
-    said = "Whether there is a plan is not known: the goal speaks of a token that nobody has tried yet."
-    reasons = []
-    for atom, token, sort in task.unsettled:
-        asking = f"hybrid-tamp probe {task.source or task.name} --token {shlex.quote(token.name)} --write NEW.yaml"
-        message = f"it is unknown whether {token.name} is a member of {sort.name}; '{asking}' finds out"
-        reasons.append(ReasonEntry(goal=str(atom), block="", kind=CLASS_UNKNOWN, message=message, lacks=sort.name))
-    explanation = ExplanationEntry(kind=CLASS_UNKNOWN, message=said, reasons=reasons)
-    entry, network = PlannerEntry(name=task.planner, seconds=0.0), network_entry(task, task, [])
-    document = plan_document(task, status="unknown", planner=entry, plan=None, network=network, explanation=explanation)
-    return PlanOutcome(task, document, None, NoPlan(_with_reasons(explanation), proven=False, kind=CLASS_UNKNOWN))
+class _TailoredNetwork:
+    """The network of one task, as far as it has been widened, and the time that planning has taken.
+
+    Attributes:
+        task: the whole task.
+        reduction: the task reduced to the network.
+        added: the objects that were brought in so far, in their order.
+        stages: stage of planning to the time it took [s].
+    """
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        self._began = time.monotonic()
+        self._widening = Widening(task)
+        self._step = 1
+        self.reduction: Reduction = self._widening.reduced()
+        self.added: list[AddedToken] = []
+        self.stages: defaultdict[str, float] = defaultdict(float)
+
+    @property
+    def elapsed(self) -> float:
+        """Time since planning began [s]."""
+        return time.monotonic() - self._began
+
+    @property
+    def can_widen(self) -> bool:
+        """Whether there are objects left that could be brought in."""
+        return bool(self._widening.outside(self.reduction, self._names))
+
+    @property
+    def unreachable(self) -> str:
+        """Which goal atoms no block of the reduced network brings about, in words; empty if there are none."""
+        atoms = out_of_reach(self.reduction.task)
+        return f"{UNREACHABLE} {' and '.join(atom.text for atom in atoms)}" if atoms else ""
+
+    @property
+    def network(self) -> PlannedNetwork:
+        """The network as a value."""
+        return PlannedNetwork.of(self.task, self.reduction.task, self.added)
+
+    @property
+    def _names(self) -> list[str]:
+        return [each.token for each in self.added]
+
+    def widen(self, why: str) -> None:
+        """Bring in the next objects, twice as many each time unless one suffices."""
+        for name in self._widening.step(self.reduction, self._names, self._step):
+            blocks = self._widening.fillable(self.reduction, self._names, name)
+            classes = tuple(c.name for c in self.task.token_by_name[name].classes if c is not TOKEN)
+            self.added.append(AddedToken(name, classes, blocks, why))
+            self.reduction = self._widening.reduced(self._names)
+            _LOG.info("%s is brought in: %s", name, why)
+        self._step *= 2
+
+    def out_of_time(self) -> LimitReached:
+        """Return the error that the time limit of the task is reached."""
+        together = ", all attempts together" if self.added else ""
+        message = f"the planner reached its time limit of {self.task.limits.time:g} s{together}"
+        return LimitReached(message, limit="time")
+
+    def count(self, stages: Mapping[str, float]) -> None:
+        """Add the times that the stages of an attempt took [s]."""
+        for name, seconds in stages.items():
+            self.stages[name] += seconds
 
 
-def _with_reasons(explanation: ExplanationEntry) -> str:
-    return "\n".join([explanation.message, *(f"  {each.goal}: {each.message}" for each in explanation.reasons)])
+def _attempt(tailored: _TailoredNetwork, planner: Planner, share: float = 1.0) -> SearchResult | None:
+    """Plan on the network within a share of the time that is left, or return None after that.
+
+    Raises:
+        LimitReached: there was no time left, or the memory did not suffice.
+    """
+    left = share * (tailored.task.limits.time - tailored.elapsed)
+    if left <= 0:
+        raise tailored.out_of_time()
+    try:
+        limits = replace(tailored.task.limits, time=left)
+        planned = find_plan(tailored.reduction.task.replaced(limits=limits), planner)
+    except LimitReached as reached:
+        if reached.limit != "time":
+            raise
+        if share < 1:
+            return None
+        raise tailored.out_of_time() from reached
+    tailored.count(planned.stages)
+    return _extend(tailored, planned)
 
 
-def _network(tailoring: Tailoring) -> NetworkEntry:
-    brought = [
-        BroughtEntry(token=each.token, classes=list(each.classes), blocks=list(each.blocks), why=each.why)
-        for each in tailoring.brought
-    ]
-    return network_entry(tailoring.task, tailoring.reduction.task, brought)
+def _extend(tailored: _TailoredNetwork, planned: SearchResult) -> SearchResult:
+    """Extend a plan on the reduced network to a checked plan of the whole task."""
+    task, reduction = tailored.task, tailored.reduction
+    goal = planned.task.goal if planned.task else task.goal
+    whole = task if goal == task.goal else task.replaced(goal=goal)
+    planned = replace(planned, task=whole)
+    if planned.plan is None or not reduction.tokens_left_out:
+        return planned
+    began = time.monotonic()
+    plan = reduction.restore(planned.plan)
+    violations = check_law(whole, plan)
+    tailored.count({"law": time.monotonic() - began})
+    if not violations:
+        return replace(planned, plan=plan)
+    refusal = "; ".join(map(str, violations))
+    _LOG.warning("the plan of the reduced network is no plan of the whole task: %s", refusal)
+    return replace(planned, plan=None, refusal=refusal)
 
 
-def _outcome(task: Task, planned: SearchResult, network: NetworkEntry, suggesting: float) -> PlanOutcome:
-    answer = planned.answer
-    entry = PlannerEntry(
-        name=answer.engine,
-        seconds=answer.seconds,
-        way=planned.way,
-        stages=dict(planned.stages),
+def _outcome(tailored: _TailoredNetwork, planned: SearchResult) -> PlanOutcome:
+    figures = PlannerFigures(
+        planned.answer.engine,
+        tailored.elapsed,
+        planned.way,
+        stages=dict(tailored.stages),
     )
+    outcome = PlanOutcome(tailored.task, figures, tailored.network)
     if planned.plan is not None:
-        document = plan_document(
-            task, status="solved", planner=entry, plan=planned.plan, network=network, explanation=None
-        )
-        return PlanOutcome(task, document, planned.plan, None, planned.task)
-    proven = planned.status == "unsolvable"
-    detail = planned.refusal or ("" if proven else answer.message)
-    said = " ".join(filter(None, [_SAID[planned.status], detail]))
-    if detail:
-        explanation = ExplanationEntry(kind=planned.status, message=said, reasons=[])
-    else:
-        explanation = explained(task, planned.status, said, proven, suggesting)
-    status: Literal["unsolvable", "unknown"] = "unsolvable" if proven else "unknown"
-    document = plan_document(task, status=status, planner=entry, plan=None, network=network, explanation=explanation)
-    return PlanOutcome(task, document, None, NoPlan(_with_reasons(explanation), proven=proven, kind=planned.status))
+        return replace(outcome, plan=planned.plan, chosen=planned.task)
+    detail = planned.refusal or ("" if planned.status == "unsolvable" else planned.answer.message)
+    return replace(outcome, failure=PlanningFailure(planned.status, detail))

@@ -56,7 +56,7 @@ class Reduction:
         """Names of the tokens that are not in the reduced task, sorted; all but places rest all the time."""
         return tuple(sorted(self.whole.token_by_name.keys() - self.tokens))
 
-    def restored(self, plan: TaskPlan) -> TaskPlan:
+    def restore(self, plan: TaskPlan) -> TaskPlan:
         """Return the plan of the whole task from one of the reduced task: what was left out rests from start to end."""
         whole = self.whole
         resting = whole.domain.resting_block

@@ -1,101 +1,83 @@
-"""Rounds of the task planner and the mid-level planner, until a plan can be carried out as far as the models tell.
+"""Plan a task, optimise the plan, and replan if no hyperparameters satisfy it.
 
 The best hyperparameters may leave a condition unmet. Then nothing is executed: the binding of the block that fails is
-forbidden and the task planner is asked again, so many times as the task's limits say.
+excluded and the task planner is asked again, as often as the task's limits allow.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from hybrid_tamp.errors import InputError, NoPlan
-from hybrid_tamp.midlevel.objective import RollOut
-from hybrid_tamp.midlevel.plan_search import Progress
+from hybrid_tamp.errors import InputError
 from hybrid_tamp.midlevel.refinement import refine
 from hybrid_tamp.model.forbidding import forbid
+from hybrid_tamp.model.outcome import NOT_REFINED, Exclusion, PlanningFailure, PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.refined import GOAL, RefinedPlan, Shortfall
+from hybrid_tamp.model.refined import GOAL, Milestone, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.plan import PlanOutcome
-from hybrid_tamp.report.plan_entries import ExplanationEntry, ReasonEntry
+from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
+from hybrid_tamp.workers.processes import count_processors
 
-KIND = "not_refined"
-_SAID = "Plans exist, but none was found that the blocks' own forward models can carry out."
-
-
-@dataclass(frozen=True)
-class Round:
-    """A plan that was given up.
-
-    Attributes:
-        instance: the instance whose binding was forbidden then.
-        shortfall: the condition that no hyperparameters meet.
-    """
-
-    instance: BlockInstance
-    shortfall: Shortfall
-
-    def __str__(self) -> str:
-        roles = ", ".join(f"{role}={name}" for role, name in self.instance.roles.items())
-        short = self.shortfall
-        unit = "" if short.unit == "1" else f" {short.unit}"
-        return f"{self.instance.block} with {roles}: {short.atom.text} fails by {-short.margin:.3g}{unit} at best"
+FindPlan = Callable[[Task], PlanOutcome]
+"""A way to plan a task: a task planner, or a plan that was seen."""
+Progress = Callable[[float, str], None]
+"""Called with the share done, 0 to 1, and what is being done."""
 
 
-@dataclass(frozen=True)
-class Rounds:
-    """What came of all rounds.
-
-    Attributes:
-        outcome: of the last one: the plan that is left, or why there is none.
-        refined: its plan with optimised hyperparameters, or None.
-        given_up: the plans before it.
-    """
-
-    outcome: PlanOutcome
-    refined: RefinedPlan | None
-    given_up: tuple[Round, ...]
-
-
-def plan_in_rounds(
+def plan_and_refine(
     task: Task,
-    plan: Callable[[Task], PlanOutcome],
+    find_plan: FindPlan,
     progress: Progress | None = None,
-    measure: Callable[[Task, TaskPlan], RollOut] | None = None,
-) -> Rounds:
-    """Plan a task and optimise its hyperparameters; where no hyperparameters do, plan anew.
+    backend: str = "pybullet",
+    processes: int | None = None,
+) -> PlanOutcome:
+    """Plan a task and optimise the hyperparameters of the whole plan; exclude what fails, and replan.
 
     Args:
         task: the task.
-        plan: the task planner.
-        progress: told how far each optimisation is.
-        measure: makes what runs candidates of a plan in physics, for tasks that ask for it.
+        find_plan: the task planner.
+        progress: told how far each optimisation is, and its best value so far.
+        backend: name of the physics backend in which a task with ``refine: physics`` tries candidates.
+        processes: how many it may use at once, by default one for each processor; the result does not depend on it.
 
     Raises:
+        InputError: the planner or the backend is unknown.
         NotFinite: every rollout of a plan failed.
     """
-    given_up: list[Round] = []
+    excluded: tuple[Exclusion, ...] = ()
     current = task
     while True:
-        outcome = plan(current)
+        outcome = replace(find_plan(current), excluded=excluded)
         if outcome.plan is None:
-            return Rounds(_ended(outcome, given_up), None, tuple(given_up))
-        chosen = outcome.chosen or current
-        refined = refine(chosen, outcome.plan, progress, measured=measure and measure(chosen, outcome.plan))
+            return _give_up(outcome) if excluded and outcome.status != "limit" else outcome
+        refined = _optimise(outcome, outcome.plan, progress, backend, processes or count_processors())
         if refined.shortfall is None:
-            return Rounds(outcome, refined, tuple(given_up))
-        failing = Round(_failing(current, outcome.plan, refined.shortfall), refined.shortfall)
-        given_up.append(failing)
+            return replace(outcome, plan=refined.plan, refinement=refined)
+        failing = _failing_instance(current, outcome.plan, refined.shortfall)
+        excluded = (*excluded, Exclusion(failing, refined.shortfall))
+        outcome = replace(outcome, excluded=excluded)
         try:
-            current = forbid(current, failing.instance)
+            current = forbid(current, failing)
         except InputError as error:
-            return Rounds(_ended(outcome, given_up, str(error)), None, tuple(given_up))
-        if len(given_up) > task.limits.refinements:
-            said = f"after {len(given_up)} plans the limit of {task.limits.refinements} refinements is reached"
-            return Rounds(_ended(outcome, given_up, said), None, tuple(given_up))
+            return _give_up(outcome, str(error))
+        if len(excluded) > task.limits.refinements:
+            said = f"after {len(excluded)} plans the limit of {task.limits.refinements} refinements is reached"
+            return _give_up(outcome, said)
 
 
-def _failing(task: Task, plan: TaskPlan, shortfall: Shortfall) -> BlockInstance:
-    """Return the instance to blame: whose condition it is, or the last one that was to bring a goal atom about."""
+def _optimise(
+    outcome: PlanOutcome, plan: TaskPlan, progress: Progress | None, backend: str, processes: int
+) -> RefinedPlan:
+    def tell(share: float, best: Milestone) -> None:
+        if progress is not None:
+            said = f"V {best.violation:.3g}" if best.violation > 0 else f"value {best.value:.4g}"
+            progress(share, f"optimising: {said}")
+
+    task = outcome.chosen or outcome.task
+    return refine(task, plan, tell, measured=PhysicsRollouts(task, plan, backend, processes))
+
+
+def _failing_instance(task: Task, plan: TaskPlan, shortfall: Shortfall) -> BlockInstance:
+    """Return the instance to exclude: whose condition fails, or the last one that should bring a goal atom about."""
     if shortfall.where != GOAL:
         return next(instance for instance in plan.instances if instance.name == shortfall.where)
     last_first = sorted(plan.instances, key=lambda i: (i.end, i.start, i.name), reverse=True)
@@ -107,27 +89,7 @@ def _failing(task: Task, plan: TaskPlan, shortfall: Shortfall) -> BlockInstance:
     return (moving or last_first)[0]
 
 
-def _ended(outcome: PlanOutcome, given_up: list[Round], detail: str = "") -> PlanOutcome:
-    """Return the outcome of the last round as that of the whole: no plan is left that can be carried out."""
-    if not given_up or (outcome.error is not None and not isinstance(outcome.error, NoPlan)):
-        return outcome
-    reasons = [
-        ReasonEntry(
-            goal=", ".join(map(str, outcome.task.goal)),
-            block=each.instance.block,
-            kind="forward models",
-            message=str(each),
-            atom=each.shortfall.atom.text,
-            margin=each.shortfall.margin,
-            unit=each.shortfall.unit,
-        )
-        for each in given_up
-    ]
-    said = " ".join(filter(None, [_SAID, detail and f"{detail[0].upper()}{detail[1:]}."]))
-    explanation = ExplanationEntry(kind=KIND, message=said, reasons=reasons)
-    document = outcome.document.model_copy(
-        update={"status": "unknown", "explanation": explanation, "steps": [], "actions": [], "makespan": None}
-    )
-    message = "\n".join([said, *(f"  {each}" for each in given_up)])
-    error = NoPlan(message, proven=False, kind=KIND)
-    return replace(outcome, document=document, plan=None, error=error)
+def _give_up(outcome: PlanOutcome, detail: str = "") -> PlanOutcome:
+    """Return the last outcome as that of the whole: no plan is left that can be carried out."""
+    sentence = f"{detail[0].upper()}{detail[1:]}." if detail else ""
+    return replace(outcome, plan=None, chosen=None, failure=PlanningFailure(NOT_REFINED, sentence))

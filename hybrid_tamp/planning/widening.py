@@ -8,7 +8,6 @@ nearest in space; then by name.
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import networkx as nx
@@ -25,23 +24,6 @@ from hybrid_tamp.planning.reduction import Reducer, Reduction
 
 LOOKED_AT = 16
 """So many of the nearest objects are looked at one by one, whether with one of them the goal comes within reach."""
-
-
-@dataclass(frozen=True)
-class Brought:
-    """One object that was brought in.
-
-    Attributes:
-        token: its name.
-        classes: the names of its classes.
-        blocks: names of the blocks that it made fillable, sorted.
-        why: what was wrong without it.
-    """
-
-    token: str
-    classes: tuple[str, ...]
-    blocks: tuple[str, ...]
-    why: str
 
 
 class Widening:

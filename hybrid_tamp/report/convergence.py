@@ -3,7 +3,7 @@
 from io import BytesIO
 from typing import TYPE_CHECKING
 
-from hybrid_tamp.report.refinement import MilestoneEntry, RefinementEntry
+from hybrid_tamp.report.documents import Json
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -11,12 +11,12 @@ if TYPE_CHECKING:
 _BLUE, _RED, _GREY = "#1f5fa8", "#be2823", "#5c6570"
 
 
-def convergence_picture(entry: RefinementEntry) -> bytes | None:
+def convergence_picture(entry: Json) -> bytes | None:
     """Return the curve as a PNG, or None where nothing was optimised.
 
     While conditions are missed the violation is what counts (red, right axis); from then on the value (blue).
     """
-    if not entry.optimiser or not entry.history:
+    if not entry["optimiser"] or not entry["history"]:
         return None
     # A figure of its own, because pyplot keeps figures and picks a window system.
     from matplotlib.figure import Figure
@@ -24,12 +24,12 @@ def convergence_picture(entry: RefinementEntry) -> bytes | None:
     figure = Figure(figsize=(7.2, 3.6), dpi=120, layout="constrained")
     axes = figure.add_subplot(xlabel="rollouts of the optimiser [1]", ylabel="best value of the plan [1]")
     # The optimiser begins with the defaults.
-    first = MilestoneEntry(evaluations=1, violation=entry.defaults.violation, value=entry.defaults.value)
-    history = [first, *entry.history]
+    first = {"evaluations": 1, **entry["defaults"]}
+    history = [first, *entry["history"]]
     _draw_value(axes, entry, history)
-    if first.violation != 0:
+    if first["violation"] != 0:
         _draw_violation(axes, history)
-    axes.set_xlim(0, 1.02 * history[-1].evaluations)
+    axes.set_xlim(0, 1.02 * history[-1]["evaluations"])
     axes.grid(color="#e4e7eb")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, fontsize="small", frameon=False)
     picture = BytesIO()
@@ -38,18 +38,20 @@ def convergence_picture(entry: RefinementEntry) -> bytes | None:
     return picture.getvalue()
 
 
-def _draw_value(axes: "Axes", entry: RefinementEntry, history: list[MilestoneEntry]) -> None:
-    curve = [(m.evaluations, m.value) for m in history if m.violation == 0 and m.value is not None]
-    axes.plot(*_columns(curve), color=_BLUE, drawstyle="steps-post", marker=".", label=f"by {entry.optimiser}")
-    for name, other, style in (("each action on its own", entry.apart, "--"), ("the defaults", entry.defaults, ":")):
-        if other is not None and other.violation == 0 and other.value is not None:
-            axes.axhline(other.value, color=_GREY, linestyle=style, label=name)
+def _draw_value(axes: "Axes", entry: Json, history: list[Json]) -> None:
+    curve = [(m["evaluations"], m["value"]) for m in history if m["violation"] == 0 and m["value"] is not None]
+    axes.plot(*_columns(curve), color=_BLUE, drawstyle="steps-post", marker=".", label=f"by {entry['optimiser']}")
+    others = (("each action on its own", entry["apart"], "--"), ("the defaults", entry["defaults"], ":"))
+    for name, other, style in others:
+        if other is not None and other["violation"] == 0 and other["value"] is not None:
+            axes.axhline(other["value"], color=_GREY, linestyle=style, label=name)
 
 
-def _draw_violation(axes: "Axes", history: list[MilestoneEntry]) -> None:
-    end = next((m.evaluations for m in history if m.violation == 0), history[-1].evaluations)
+def _draw_violation(axes: "Axes", history: list[Json]) -> None:
+    end = next((m["evaluations"] for m in history if m["violation"] == 0), history[-1]["evaluations"])
     axes.axvspan(0, end, color=_RED, alpha=0.08, linewidth=0, label="conditions are missed")
-    curve = [(m.evaluations, m.violation) for m in history if m.violation is not None and m.evaluations <= end]
+    first = [m for m in history if m["violation"] is not None and m["evaluations"] <= end]
+    curve = [(m["evaluations"], m["violation"]) for m in first]
     right = axes.twinx()
     right.plot(*_columns(curve), color=_RED, drawstyle="steps-post", marker=".")
     right.set_ylabel("violation [scales of the conditions]", color=_RED)

@@ -13,7 +13,7 @@ from enum import Enum
 from functools import cache, cached_property, reduce
 from keyword import iskeyword
 from math import isfinite
-from types import UnionType
+from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pydantic import ConfigDict, Field, TypeAdapter
@@ -64,7 +64,7 @@ def _schema_name(stem: str) -> str:
 def _adapter(stem: str) -> TypeAdapter[Any]:
     name = _schema_name(stem)
     schema = ("schema", Literal[name], dataclass_field(default=name))
-    return TypeAdapter(_form(DOCUMENTS[stem], None, schema))
+    return TypeAdapter(_form(DOCUMENTS[stem], None, "", schema))
 
 
 def _object(value: Any, keys: Keys | None) -> Json:
@@ -101,31 +101,32 @@ def _keys(of: type, keys: Keys | None) -> tuple[Key, ...]:
 
 
 @cache
-def _form(of: type, keys: Keys | None, *more: Any) -> type:
+def _form(of: type, keys: Keys | None, name: str = "", *more: Any) -> type:
     """Return the dataclass that has the keys of a document as fields, from which pydantic makes the schema."""
     namespace = {"__doc__": (of.__doc__ or "").partition("\n")[0], "__pydantic_config__": ConfigDict(extra="forbid")}
     made = [_form_field(of, key) for key in _keys(of, keys)]
-    return make_dataclass(of.__name__, [*more, *made], namespace=namespace, kw_only=True)
+    return make_dataclass(name or of.__name__, [*more, *made], namespace=namespace, kw_only=True)
 
 
 def _form_field(of: type, key: Key) -> tuple[str, Any, Any]:
     shown, described = _resolve(of, key)
-    kind: Any = _form_type(shown, key.keys)
+    kind: Any = _form_type(shown, key)
     name = f"{key.name}_" if iskeyword(key.name) else key.name
-    form = Field(key.default, alias=key.name, description=described or None)
+    default = {"default_factory" if callable(key.default) else "default": key.default}
+    form = Field(**default, alias=key.name, description=described or None)
     return name, kind | None if key.nullable else kind, dataclass_field(default=form)
 
 
-def _form_type(kind: Any, keys: Keys | None) -> Any:
-    """Return the type that a value of some type has in a document."""
+def _form_type(kind: Any, key: Key) -> Any:
+    """Return the type that a value of some type has under a key of a document."""
     if kind in TEXTS:
         return str
     if isinstance(kind, type) and is_dataclass(kind):
-        return _form(kind, keys)
+        return _form(kind, key.keys, key.name.title() if key.keys else "")
     origin = get_origin(kind)
     if origin in (None, Literal):
         return kind
-    inner: Any = tuple(_form_type(each, keys) for each in get_args(kind) if each is not Ellipsis)
+    inner: Any = tuple(_form_type(each, key) for each in get_args(kind) if each is not Ellipsis)
     if origin in (Union, UnionType):
         return Union[inner]  # noqa: UP007
     return dict.__class_getitem__(inner) if issubclass(origin, Mapping) else list[Union[inner]]  # noqa: UP007
@@ -138,10 +139,14 @@ def _resolve(of: type, key: Key) -> tuple[Any, str]:
     kind: Any = of
     described = ""
     for name in key.source.split("."):
+        kind = next((each for each in get_args(kind) if each is not NoneType), kind)
         described = _described(kind, name)
         member = inspect.getattr_static(kind, name, None)
         function = member.func if isinstance(member, cached_property) else getattr(member, "fget", None)
-        kind = get_type_hints(function)["return"] if function else get_type_hints(kind)[name]
+        if function is not None:
+            kind = get_type_hints(function)["return"]
+        else:
+            (kind,) = (field.type for field in fields(kind) if field.name == name)
     return kind, described
 
 

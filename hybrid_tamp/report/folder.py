@@ -32,6 +32,11 @@ class RunFolder:
         self.path = path
 
     @classmethod
+    def open(cls, folder: "RunFolder | Path | str", *, force: bool = False) -> "RunFolder":
+        """Return a folder as it is, or create it from its path (see `create`)."""
+        return folder if isinstance(folder, RunFolder) else cls.create(Path(folder), force=force)
+
+    @classmethod
     def create(cls, path: Path, *, force: bool = False) -> "RunFolder":
         """Make the folder, or take an existing one.
 
@@ -52,7 +57,7 @@ class RunFolder:
         if old and not force:
             held = ", ".join(file.name for file in old[:4])
             raise InputError(
-                [Issue(str(path), "an output folder without another run", f"{held}", remedy="--force replaces it")]
+                [Issue(str(path), "an output folder without another run", f"{held}", remedy="force=True replaces it")]
             )
         return cls(path)
 

@@ -2,16 +2,18 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from hybrid_tamp.model.affordances import AffordanceResult, Implication
 from hybrid_tamp.model.explanation import Explanation, Link, Reason, Suggestion, TaskExplanation
 from hybrid_tamp.model.membership import MembershipResult, Verdict
-from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.outcome import Exclusion, PlannedNetwork, PlannerFigures, PlanOutcome
+from hybrid_tamp.model.plan import BlockInstance, PlannedAction, Step
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.recording import AtomMargin
-from hybrid_tamp.model.refined import Performance
+from hybrid_tamp.model.refined import Milestone, Performance, Retuning, Tuned, Value
 from hybrid_tamp.model.run_result import ExecutedInstance, RunResult
+from hybrid_tamp.report import sources
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,8 @@ class Key:
         name: the key.
         source: the attribute that it shows, by its path, or a function of the whole value; by default the attribute of
             the same name.
-        default: what is meant where a document leaves the key out; without one the key is required.
+        default: what is meant where a document leaves the key out; a type makes an empty one. Without a
+            default the key is required.
         nullable: whether it is null where the number is not finite.
         keys: the keys of what it shows, if they differ from those in `KEYS`.
     """
@@ -43,46 +46,47 @@ Keys = tuple[str | Key, ...]
 GOAL_KEYS: Keys = ("atom", Key("margin", "measured"), "holds")
 
 
-def breaches(result: RunResult) -> tuple[str, ...]:
-    """Breaches of the law of assignment by the recording; empty if there are none."""
-    return tuple(map(str, result.law))
-
-
-def domain(result: TaskExplanation | AffordanceResult) -> str:
-    """Name of the domain."""  # Not by its path, because type hints of domains hold forward references.
-    return result.task.domain.name
-
-
-def solvable(suggestion: Suggestion) -> Literal[True]:
-    """Whether there is a plan with the change; only such changes are suggested."""
-    return True
+REFINEMENT_KEYS: Keys = (
+    Key("optimiser", "refinement.optimiser"),
+    Key("evaluations", "refinement.evaluations"),
+    Key("seconds", "refinement.seconds"),
+    Key("stopped", "refinement.stopped"),
+    Key("best", "refinement.best"),
+    Key("defaults", "refinement.defaults"),
+    Key("apart", "refinement.apart"),
+    Key("hyperparameters", "refinement.hyperparameters"),
+    Key("performance", "refinement.performance"),
+    Key("history", "refinement.history"),
+    Key("rounds", "excluded"),
+    Key("physics", "refinement.physics", default=None),
+)
 
 
 QUESTION_KEYS: Mapping[type, Keys] = {
-    TaskExplanation: (Key("task", "task.name"), Key("domain", domain), "status", "explanation", "tokens"),
+    TaskExplanation: (Key("task", "task.name"), Key("domain", "task.domain.name"), "status", "explanation", "tokens"),
     Explanation: (
         "kind",
         "message",
         "reasons",
-        Key("suggestions", default=[]),
+        Key("suggestions", default=list),
         Key("all_looked_at", "complete", default=False),
-        Key("together", "together_text", default=[]),
+        Key("together", "together_text", default=list),
     ),
     Reason: (
         Key("goal", "goal_text"),
         "block",
-        "kind",
+        Key("kind", sources.kind),
         "message",
         Key("atom", "atom_text", default=""),
         Key("margin", default=None),
         Key("unit", default=""),
         Key("lacks", "lacks_text", default=""),
     ),
-    Suggestion: ("kind", "what", Key("solvable", solvable, default=True), "length", "names"),
+    Suggestion: ("kind", "what", Key("solvable", sources.solvable, default=True), "length", "names"),
     Link: ("instance", "atom", Key("needed_by", "needed_by_text")),
     AffordanceResult: (
         Key("task", "task.name"),
-        Key("domain", domain),
+        Key("domain", "task.domain.name"),
         "view",
         Key("agents", "task.agents"),
         "affordances",
@@ -118,6 +122,59 @@ QUESTION_KEYS: Mapping[type, Keys] = {
 
 KEYS: Mapping[type, Keys] = {
     **QUESTION_KEYS,
+    PlanOutcome: (
+        Key("task", "task.name"),
+        Key("domain", "task.domain.name"),
+        "status",
+        "planner",
+        Key("seed", "task.seed"),
+        Key("objective", sources.objective, default="length"),
+        "makespan",
+        "cost",
+        Key("actions", sources.actions),
+        "steps",
+        "network",
+        "explanation",
+        Key("refinement", sources.refined, default=None, keys=REFINEMENT_KEYS),
+    ),
+    PlannerFigures: (
+        "name",
+        "seconds",
+        Key("way", default=""),
+        Key("proven_shortest", default=False),
+        Key("stages", default=dict),
+    ),
+    Step: ("index", "start", "end", Key("blocks", "instances")),
+    PlannedNetwork: (
+        "blocks",
+        Key("edges", sources.edges),
+        Key("tokens", default=list),
+        Key("reduced_from", default=None),
+        Key("expanded_with", default=list),
+    ),
+    Exclusion: (
+        Key("block", "instance.block"),
+        Key("roles", "instance.roles"),
+        Key("where", "shortfall.where"),
+        Key("atom", "shortfall.atom"),
+        Key("margin", "shortfall.margin"),
+        Key("unit", "shortfall.unit"),
+    ),
+    Value: (Key("violation", nullable=True), Key("value", nullable=True)),
+    Milestone: ("evaluations", Key("violation", nullable=True), Key("value", nullable=True)),
+    Tuned: (
+        *("instance", "name", "unit", "lower", "upper", "default", "value", "status"),
+        Key("moves", sources.moves),
+        "apart",
+    ),
+    Retuning: (
+        Key("before", sources.before),
+        Key("best", sources.best),
+        "evaluations",
+        "seconds",
+        "stopped",
+        "history",
+    ),
     RunResult: (
         Key("task", "task.name"),
         "success",
@@ -132,7 +189,7 @@ KEYS: Mapping[type, Keys] = {
         "versions",
         Key("failure", "recording.failure"),
         "performance",
-        Key("law", breaches),
+        Key("law", sources.breaches),
     ),
     AtomMargin: ("atom", "predicted", "measured", "holds"),
     ExecutedInstance: (
@@ -153,10 +210,11 @@ KEYS: Mapping[type, Keys] = {
 }
 """Dataclass to its keys; of other dataclasses every field is a key."""
 
-TEXTS: Mapping[type, Callable[[Any], str]] = {Atom: lambda atom: atom.text}
+TEXTS: Mapping[type, Callable[[Any], str]] = {Atom: lambda atom: atom.text, PlannedAction: lambda action: action.text}
 """Values that are shown as text."""
 
 DOCUMENTS: Mapping[str, type] = {
+    "plan-1": PlanOutcome,
     "result-1": RunResult,
     "explain-1": TaskExplanation,
     "affordances-1": AffordanceResult,

@@ -1,39 +1,35 @@
 """The page of a run: report.html, made from the documents in its folder; pictures and video are files beside it."""
 
-from collections.abc import Callable
-from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from pydantic import ValidationError
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.report.documents import Json, parse_document
 from hybrid_tamp.report.folder import NUMBERED_FILES, RUN_FILES, RunFolder
-from hybrid_tamp.report.plan_entries import PlanDocument
 from hybrid_tamp.report.refinement_tables import KEPT, efforts, given_up, number, values
 from hybrid_tamp.report.tables import allocation, allocations, margin, network_text, plan_footer, reasons
 
 PAGE = "report.html"
 
-_Document = TypeVar("_Document")
 
-
-def write_page(folder: RunFolder) -> Path:
+def write_page(folder: RunFolder, resting: str) -> Path:
     """Write the page of what `plan` or `run` left in a folder.
 
     Args:
         folder: it holds plan.json and, where the plan was run, result.json.
+        resting: name of the block in which tokens rest.
 
     Raises:
         InputError: a document is not there or is none, or the folder cannot be written to.
     """
-    plan = _read(folder.path / "plan.json", PlanDocument.model_validate_json)
+    plan = _read(folder.path / "plan.json", "plan-1")
     result = None
     if (folder.path / "result.json").exists():
-        result = _read(folder.path / "result.json", partial(parse_document, "result-1"))
-    return folder.write_text(PAGE, _template().render(_content(folder.path, plan, result)))
+        result = _read(folder.path / "result.json", "result-1")
+    return folder.write_text(PAGE, _template().render(_content(folder.path, plan, result, resting)))
 
 
 def _template() -> Any:
@@ -45,16 +41,17 @@ def _template() -> Any:
     return environment.from_string(files("hybrid_tamp.report").joinpath("page.html").read_text(encoding="utf-8"))
 
 
-def _content(path: Path, plan: PlanDocument, result: Json | None) -> dict[str, Any]:
-    refinement, task_file = plan.refinement, path / "task.yaml"
+def _content(path: Path, plan: Json, result: Json | None, resting: str) -> dict[str, Any]:
+    refinement, task_file = plan["refinement"], path / "task.yaml"
     there = sorted(name for name in RUN_FILES if name != PAGE and (path / name).exists())
     return {
         "plan": plan,
         "result": result,
-        "lanes": lanes(plan),
-        "footer": plan_footer(plan) if plan.steps else "",
-        "network": network_text(plan).splitlines(),
-        "performance": result["performance"] if result else refinement.performance if refinement else [],
+        "resting": resting,
+        "lanes": lanes(plan, resting),
+        "footer": plan_footer(plan) if plan["steps"] else "",
+        "network": network_text(plan["network"]).splitlines(),
+        "performance": (result or refinement or {"performance": []})["performance"],
         "values": list(values(refinement)) if refinement else [],
         "effort": "; ".join(efforts(refinement)) if refinement else "",
         "kept": KEPT,
@@ -66,32 +63,33 @@ def _content(path: Path, plan: PlanDocument, result: Json | None) -> dict[str, A
     }
 
 
-def lanes(plan: PlanDocument) -> dict[str, list[dict[str, Any]]]:
+def lanes(plan: Json, resting: str) -> dict[str, list[Json]]:
     """Return the timeline: token to its bars, `left` and `width` in percent of the makespan; none where it rests."""
-    found: dict[str, list[dict[str, Any]]] = {}
-    for step in plan.steps:
-        for entry in step.blocks:
-            for token in entry.slots.values():
+    found: dict[str, list[Json]] = {}
+    for step in plan["steps"]:
+        for entry in step["blocks"]:
+            for token in entry["slots"].values():
                 bars = found.setdefault(token, [])
-                if entry.block == "RESTING":
+                if entry["block"] == resting:
                     continue
-                left, right = (round(100 * time / (plan.makespan or 1.0), 2) for time in (step.start, step.end))
-                if bars and bars[-1]["name"] == entry.instance:
+                left, right = (round(100 * step[end] / (plan["makespan"] or 1.0), 2) for end in ("start", "end"))
+                if bars and bars[-1]["name"] == entry["instance"]:
                     bars[-1]["width"] = round(right - bars[-1]["left"], 2)
                 else:
-                    title = f"{allocation(entry)}, from {step.start:.2f} s"
-                    bars.append({"name": entry.instance, "left": left, "width": round(right - left, 2), "title": title})
+                    title = f"{allocation(entry)}, from {step['start']:.2f} s"
+                    width = round(right - left, 2)
+                    bars.append({"name": entry["instance"], "left": left, "width": width, "title": title})
     return dict(sorted(found.items()))
 
 
-def _read(file: Path, parse: Callable[[bytes], _Document]) -> _Document:
+def _read(file: Path, stem: str) -> Json:
     """Return the document in a file.
 
     Raises:
         InputError: it is not there, or it is not such a document.
     """
     try:
-        return parse(file.read_bytes())
+        return parse_document(stem, file.read_bytes())
     except OSError as error:
         wanted = f"{file.name} as `plan -o` and `run -o` leave it"
         raise InputError([Issue(str(file), wanted, str(error.strerror))]) from error

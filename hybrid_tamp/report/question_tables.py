@@ -10,14 +10,13 @@ from hybrid_tamp.model.affordances import Affordance, AffordanceResult, Implicat
 from hybrid_tamp.model.explanation import Cause, TaskExplanation
 from hybrid_tamp.model.membership import MembershipResult
 from hybrid_tamp.report.documents import document
-from hybrid_tamp.report.plan_entries import ExplanationEntry
 from hybrid_tamp.report.tables import explanation_text
 
 
 def explanation_table(result: TaskExplanation) -> RenderableType:
     """Return why there is no plan, or a row for each token that says why it is in the plan or not."""
     if result.explanation is not None:
-        return explanation_text(ExplanationEntry.model_validate(document(result)["explanation"]))
+        return explanation_text(document(result)["explanation"])
     table = _table(f"Why {result.task.name} has the plan that it has", "token", "in the plan", "why")
     for cause in result.tokens:
         table.add_row(Text(cause.token), "yes" if cause.used else "no", Text("\n".join(_reasons_of(cause))))

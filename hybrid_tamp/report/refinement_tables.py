@@ -6,54 +6,54 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from hybrid_tamp.report.refinement import HyperparameterEntry, PerformanceEntry, RefinementEntry, RoundEntry, ValueEntry
+from hybrid_tamp.report.documents import Json
 
 KEPT = "Hyperparameters are kept at their defaults, which meet every condition."
 
 
-def refinement_tables(entry: RefinementEntry, performance: Sequence[PerformanceEntry] | None = None) -> RenderableType:
+def refinement_tables(entry: Json, performance: Sequence[Json] | None = None) -> RenderableType:
     """Return the performance measures, the hyperparameters that move them, and what planning ahead gains.
 
     Args:
         entry: what the mid-level planner did.
         performance: the measures with what a run measured, or None before a run.
     """
-    measures = entry.performance if performance is None else performance
-    parts: list[RenderableType] = [Text(given_up(each)) for each in entry.rounds]
+    measures = entry["performance"] if performance is None else performance
+    parts: list[RenderableType] = [Text(given_up(each)) for each in entry["rounds"]]
     if measures:
         parts.append(_performance(measures))
-    if entry.optimiser:
-        numbers = {f"{each.instance}.{each.measure}": number for number, each in enumerate(measures, start=1)}
-        parts += [_hyperparameters(entry.hyperparameters, numbers), _values(entry), *map(Text, efforts(entry))]
-    elif entry.hyperparameters:
+    if entry["optimiser"]:
+        numbers = {f"{each['instance']}.{each['measure']}": number for number, each in enumerate(measures, start=1)}
+        parts += [_hyperparameters(entry["hyperparameters"], numbers), _values(entry), *map(Text, efforts(entry))]
+    elif entry["hyperparameters"]:
         parts.append(Text(KEPT))
     return Group(*parts)
 
 
-def given_up(entry: RoundEntry) -> str:
+def given_up(entry: Json) -> str:
     """Say which plan was given up before this one, and why."""
-    roles = ", ".join(f"{role}={name}" for role, name in entry.roles.items())
-    return (
-        f"given up: {entry.block} with {roles}: {entry.atom} fails by {with_unit(f'{-entry.margin:.3g}', entry.unit)}"
-    )
+    roles = ", ".join(f"{role}={name}" for role, name in entry["roles"].items())
+    figure = with_unit(f"{-entry['margin']:.3g}", entry["unit"])
+    return f"given up: {entry['block']} with {roles}: {entry['atom']} fails by {figure}"
 
 
-def efforts(entry: RefinementEntry) -> Iterable[str]:
+def efforts(entry: Json) -> Iterable[str]:
     """Say in one line how the optimum was found, and in another what came of going on in physics."""
-    yield f"optimised by {entry.optimiser}: {entry.evaluations} rollouts in {entry.seconds:.1f} s ({entry.stopped})"
-    if entry.physics is not None:
-        tried = entry.physics
-        before, best = (_failed_or_value(each) for each in (tried.before, tried.best))
-        spent = f"{tried.evaluations} runs in {tried.seconds:.1f} s ({tried.stopped})"
+    spent = f"{entry['evaluations']} rollouts in {entry['seconds']:.1f} s ({entry['stopped']})"
+    yield f"optimised by {entry['optimiser']}: {spent}"
+    if entry["physics"] is not None:
+        tried = entry["physics"]
+        before, best = (_failed_or_value(each) for each in (tried["before"], tried["best"]))
+        spent = f"{tried['evaluations']} runs in {tried['seconds']:.1f} s ({tried['stopped']})"
         yield f"in physics: {before} as the forward models say, {best} after {spent}"
 
 
-def values(entry: RefinementEntry) -> Iterable[tuple[str, str, str]]:
+def values(entry: Json) -> Iterable[tuple[str, str, str]]:
     """Yield what was optimised, the value of the plan, and what optimising all together gains over it."""
-    yield "all actions together", _value(entry.best), ""
-    for name, other in (("each action on its own", entry.apart), ("the defaults", entry.defaults)):
+    yield "all actions together", _value(entry["best"]), ""
+    for name, other in (("each action on its own", entry["apart"]), ("the defaults", entry["defaults"])):
         if other is not None:
-            yield name, _value(other), _gain(entry.best, other)
+            yield name, _value(other), _gain(entry["best"], other)
 
 
 def with_unit(number: str, unit: str) -> str:
@@ -71,51 +71,53 @@ def number(value: float | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
-def _value(entry: ValueEntry) -> str:
-    if entry.violation is None or entry.value is None:
+def _value(entry: Json) -> str:
+    if entry["violation"] is None or entry["value"] is None:
         return "not finite"
-    return f"{entry.value:.4g}" if entry.violation == 0 else f"misses conditions by {entry.violation:.3g} scales"
+    return (
+        f"{entry['value']:.4g}" if entry["violation"] == 0 else f"misses conditions by {entry['violation']:.3g} scales"
+    )
 
 
-def _failed_or_value(entry: ValueEntry | None) -> str:
+def _failed_or_value(entry: Json | None) -> str:
     return "a failed run" if entry is None else _value(entry)
 
 
-def _gain(best: ValueEntry, other: ValueEntry) -> str:
+def _gain(best: Json, other: Json) -> str:
     """Return what the better one gains; nothing where conditions are missed, which no value makes good."""
-    if best.value is None or other.value is None or (best.violation, other.violation) != (0, 0):
+    if best["value"] is None or other["value"] is None or (best["violation"], other["violation"]) != (0, 0):
         return ""
     # Sums of the same terms in another order differ by rounding.
-    gain = best.value - other.value
-    return f"{0.0 if abs(gain) < 1e-9 * (1 + abs(best.value)) else gain:+.3g}"
+    gain = best["value"] - other["value"]
+    return f"{0.0 if abs(gain) < 1e-9 * (1 + abs(best['value'])) else gain:+.3g}"
 
 
-def _performance(measures: Iterable[PerformanceEntry]) -> Table:
+def _performance(measures: Iterable[Json]) -> Table:
     table = _table("Performance measures", "#", "measure", right=("weight", "predicted", "measured"))
     for index, each in enumerate(measures, start=1):
-        name = named(f"{each.instance}.{each.measure}", each.unit)
-        figures = (f"{each.weight:g}", number(each.predicted), number(each.measured))
+        name = named(f"{each['instance']}.{each['measure']}", each["unit"])
+        figures = (f"{each['weight']:g}", number(each["predicted"]), number(each["measured"]))
         # Built as Text, because brackets would be markup.
         table.add_row(*map(Text, (str(index), name, *figures)))
     return table
 
 
-def _hyperparameters(entries: Iterable[HyperparameterEntry], numbers: Mapping[str, int]) -> Table:
+def _hyperparameters(entries: Iterable[Json], numbers: Mapping[str, int]) -> Table:
     table = _table("Hyperparameters", "", right=("value", "default", "apart"), left=("bounds", "", "moves #"))
     before = ""
     for each in entries:
-        if each.instance != before:
-            table.add_row(Text(each.instance))
-            before = each.instance
-        name = f"  {named(each.name, each.unit)}"
-        moved = " ".join(str(numbers[name]) for name in each.moves if name in numbers)
-        bounds = f"{each.lower:.3g} to {each.upper:.3g}"
-        figures = map(number, (each.value, each.default, each.apart))
-        table.add_row(*map(Text, (name, *figures, bounds, each.status, moved)))
+        if each["instance"] != before:
+            table.add_row(Text(each["instance"]))
+            before = each["instance"]
+        name = f"  {named(each['name'], each['unit'])}"
+        moved = " ".join(str(numbers[name]) for name in each["moves"] if name in numbers)
+        bounds = f"{each['lower']:.3g} to {each['upper']:.3g}"
+        figures = map(number, (each["value"], each["default"], each["apart"]))
+        table.add_row(*map(Text, (name, *figures, bounds, each["status"], moved)))
     return table
 
 
-def _values(entry: RefinementEntry) -> Table:
+def _values(entry: Json) -> Table:
     table = _table("Value of the plan, optimised", "", right=("value", "planning ahead gains"))
     for row in values(entry):
         table.add_row(*map(Text, row))

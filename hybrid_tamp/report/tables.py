@@ -9,7 +9,6 @@ from rich.text import Text
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.report.documents import Json
-from hybrid_tamp.report.plan_entries import ExplanationEntry, InstanceEntry, PlanDocument, StepEntry
 
 _WIDTH = 60
 """Characters of a timeline."""
@@ -20,60 +19,63 @@ _NO_SINGLE_CHANGE = "No single change gives it a plan: no token, class, edge, fa
 _NONE_FOUND = "No single change was found in time that gives it a plan; 'hybrid-tamp explain --seconds N' looks longer."
 
 
-def plan_table(document: PlanDocument) -> RenderableType:
-    """Return the table of steps and allocations, as under the pictures of the paper's Fig. 3."""
-    table = Table(title=f"Plan of {document.task}", title_justify="left", header_style="bold")
+def plan_table(document: Json, resting: str) -> RenderableType:
+    """Return the table of steps and allocations, as under the pictures of the paper's Fig. 3.
+
+    Args:
+        document: the document of a plan.
+        resting: name of the block in which tokens rest.
+    """
+    table = Table(title=f"Plan of {document['task']}", title_justify="left", header_style="bold")
     table.add_column("step", justify="right")
     table.add_column("from [s]", justify="right")
     table.add_column("to [s]", justify="right")
     table.add_column("which tokens are in which blocks")
-    for step in document.steps:
-        lines = Text("\n".join(allocations(step)))
-        table.add_row(str(step.index), f"{step.start:.2f}", f"{step.end:.2f}", lines)
+    for step in document["steps"]:
+        lines = Text("\n".join(allocations(step, resting)))
+        table.add_row(str(step["index"]), f"{step['start']:.2f}", f"{step['end']:.2f}", lines)
     return table
 
 
-def allocations(step: StepEntry) -> list[str]:
+def allocations(step: Json, resting: str) -> list[str]:
     """Return which tokens are in which blocks: a line for each busy instance, and one for all that rests."""
-    busy = [allocation(entry) for entry in step.blocks if entry.block != "RESTING"]
-    resting = [token for entry in step.blocks if entry.block == "RESTING" for token in entry.slots.values()]
-    return [*busy, f"RESTING: {', '.join(sorted(resting))}"] if resting else busy
+    busy = [allocation(entry) for entry in step["blocks"] if entry["block"] != resting]
+    idle = [token for entry in step["blocks"] if entry["block"] == resting for token in entry["slots"].values()]
+    return [*busy, f"{resting}: {', '.join(sorted(idle))}"] if idle else busy
 
 
-def plan_footer(document: PlanDocument) -> str:
+def plan_footer(document: Json) -> str:
     """Return in one line how long a plan is, and how it was found."""
-    planner = document.planner
-    said = f"{len(document.actions)} actions, {document.makespan:.2f} s, planned in {planner.seconds:.2f} s"
-    if document.objective == "makespan":
-        said += f" ({planner.way}; {'' if planner.proven_shortest else 'not '}proven the shortest in time)"
+    planner = document["planner"]
+    said = f"{len(document['actions'])} actions, {document['makespan']:.2f} s, planned in {planner['seconds']:.2f} s"
+    if document["objective"] == "makespan":
+        said += f" ({planner['way']}; {'' if planner['proven_shortest'] else 'not '}proven the shortest in time)"
     return said
 
 
-def network_text(document: PlanDocument) -> str:
+def network_text(network: Json) -> str:
     """Return what part of the network was planned on, and what was brought in and why; empty if it was the whole."""
-    network, whole = document.network, document.network.reduced_from
+    whole = network["reduced_from"]
     lines = []
     if whole is not None:
-        blocks, tokens = (
-            f"{len(network.blocks)} of {whole.blocks} blocks",
-            f"{len(network.tokens)} of {whole.tokens} tokens",
-        )
-        left_out = [*whole.blocks_left_out, *whole.tokens_left_out]
+        blocks = f"{len(network['blocks'])} of {whole['blocks']} blocks"
+        tokens = f"{len(network['tokens'])} of {whole['tokens']} tokens"
+        left_out = [*whole["blocks_left_out"], *whole["tokens_left_out"]]
         more = f" and {len(left_out) - _NAMED} more" if len(left_out) > _NAMED else ""
         lines.append(f"reduced network: {blocks}, {tokens}; left out: {', '.join(left_out[:_NAMED])}{more}")
-    for brought in network.expanded_with[:_NAMED]:
-        fills = f" for {', '.join(brought.blocks)}" if brought.blocks else ""
-        lines.append(f"brought in {brought.token} ({', '.join(brought.classes)}){fills}: {brought.why}")
-    if len(network.expanded_with) > _NAMED:
-        lines.append(f"brought in {len(network.expanded_with) - _NAMED} more")
+    for added in network["expanded_with"][:_NAMED]:
+        fills = f" for {', '.join(added['blocks'])}" if added["blocks"] else ""
+        lines.append(f"brought in {added['token']} ({', '.join(added['classes'])}){fills}: {added['why']}")
+    if len(network["expanded_with"]) > _NAMED:
+        lines.append(f"brought in {len(network['expanded_with']) - _NAMED} more")
     return "\n".join(lines)
 
 
-def allocation(entry: InstanceEntry) -> str:
+def allocation(entry: Json) -> str:
     """Return one instance with its tokens and targets, e.g. ``ROLLING-1: hand=h, object=drum -> region=goal``."""
-    slots = ", ".join(f"{slot}={token}" for slot, token in entry.slots.items())
-    targets = ", ".join(f"{target}={value}" for target, value in entry.targets.items())
-    return f"{entry.instance}: {slots}" + (f" -> {targets}" if targets else "")
+    slots = ", ".join(f"{slot}={token}" for slot, token in entry["slots"].items())
+    targets = ", ".join(f"{target}={value}" for target, value in entry["targets"].items())
+    return f"{entry['instance']}: {slots}" + (f" -> {targets}" if targets else "")
 
 
 def timetable(title: str, plan: TaskPlan) -> RenderableType:
@@ -89,7 +91,7 @@ def timetable(title: str, plan: TaskPlan) -> RenderableType:
     return table
 
 
-def timeline(plan: TaskPlan, tokens: Iterable[str]) -> RenderableType:
+def timeline(plan: TaskPlan, tokens: Iterable[str], resting: str) -> RenderableType:
     """Return one row a token: its blocks over time, to scale; dots where it rests."""
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True)
@@ -98,33 +100,35 @@ def timeline(plan: TaskPlan, tokens: Iterable[str]) -> RenderableType:
         row = Text()
         for instance, _ in plan.timeline(token):
             begin, end = (round(time / plan.makespan * _WIDTH) for time in (instance.start, instance.end))
-            row.append(_bar(instance, end - begin))
+            row.append(_bar(instance, end - begin, resting))
         table.add_row(Text(token), row)
     end_mark = f"{plan.makespan:.1f} s"
     table.add_row("", Text("0" + end_mark.rjust(_WIDTH - 1), style="dim"))
     return table
 
 
-def _bar(instance: BlockInstance, width: int) -> Text:
-    if instance.action == "RESTING" or width == 0:
+def _bar(instance: BlockInstance, width: int, resting: str) -> Text:
+    if instance.block == resting or width == 0:
         return Text("." * width, style="dim")
     label = instance.name if len(instance.name) <= width - 2 else ""
     return Text(f"[{label:-^{width - 2}}]" if width > 1 else "|")
 
 
-def explanation_text(entry: ExplanationEntry) -> RenderableType:
+def explanation_text(explanation: Json) -> RenderableType:
     """Return why there is no plan."""
-    return Group(Text(entry.message, style="bold red"), *(Text(f"  {line}") for line in reasons(entry)))
+    return Group(Text(explanation["message"], style="bold red"), *(Text(f"  {line}") for line in reasons(explanation)))
 
 
-def reasons(entry: ExplanationEntry) -> list[str]:
+def reasons(explanation: Json) -> list[str]:
     """Return the reasons why there is no plan, and what would do, a line each."""
-    lines = [f"{reason.goal}: {reason.message}" for reason in entry.reasons]
-    lines += [f"There is a plan of {each.length} actions with {each.what}." for each in entry.suggestions]
-    if entry.kind == "unsolvable" and not entry.suggestions:
-        lines.append(_NO_SINGLE_CHANGE if entry.all_looked_at else _NONE_FOUND)
-    if entry.together:
-        lines.append(f"There is a plan with all of these changes together: {'; '.join(entry.together)}.")
+    lines = [f"{reason['goal']}: {reason['message']}" for reason in explanation["reasons"]]
+    lines += [
+        f"There is a plan of {each['length']} actions with {each['what']}." for each in explanation["suggestions"]
+    ]
+    if explanation["kind"] == "unsolvable" and not explanation["suggestions"]:
+        lines.append(_NO_SINGLE_CHANGE if explanation["all_looked_at"] else _NONE_FOUND)
+    if explanation["together"]:
+        lines.append(f"There is a plan with all of these changes together: {'; '.join(explanation['together'])}.")
     return lines
 
 

@@ -98,6 +98,48 @@ def step_pictures(folder: Path, task: Task, recording: Recording, render: Render
     return tuple(written)
 
 
+def draw_run(
+    folder: Path,
+    task: Task,
+    recording: Recording,
+    render: Render,
+    video: Path | None,
+    progress: Callable[[float], None],
+) -> None:
+    """Draw one picture for each step, and the video if one is wanted.
+
+    Args:
+        folder: where the pictures go.
+        task: the task that was run.
+        recording: what happened.
+        render: draws a state.
+        video: where the video goes, or None.
+        progress: told the share of the video that is drawn.
+
+    Raises:
+        InputError: a file cannot be written.
+    """
+    step_pictures(folder, task, recording, render)
+    if video is not None:
+        write_video(video, task, recording, render, lambda done, of: progress(done / of))
+
+
+def check_video(path: Path | None) -> None:
+    """Refuse a video that could not be written, before anything is done.
+
+    Raises:
+        InputError: its folder is not there, or it does not end in ``.mp4``.
+    """
+    if path is None:
+        return
+    if path.suffix.lower() != ".mp4":
+        raise InputError([Issue(str(path), "a video file that ends in .mp4")])
+    if path.parent.exists() and not path.parent.is_dir():
+        raise InputError([Issue(str(path), "a video file in a folder", f"{path.parent}, a file")])
+    if not path.parent.exists():
+        raise InputError([Issue(str(path), "a video file in a folder that exists", f"{path.parent}, which does not")])
+
+
 def _encoder(path: Path, picture: Picture) -> Generator[None, Picture | None, None]:
     height, width = picture.shape[:2]
     encoder: Generator[None, Picture | None, None] = imageio_ffmpeg.write_frames(

@@ -4,9 +4,9 @@ from pathlib import Path
 
 from hybrid_tamp.model.explanation import TaskExplanation
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.plan import plan
+from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.questions.explain.causal_links import causes
-from hybrid_tamp.questions.explain.explanation import MESSAGES, explain_failure
+from hybrid_tamp.questions.explain.explanation import explain_failure
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.verbs.loading import Settings, load
 
@@ -37,11 +37,7 @@ def explain(
     # The planner's process starts up while the task file is read.
     with PlannerProcess() as process:
         task = load(source, settings, plans=True)
-        outcome = plan(task, process, suggesting=0.0)
-    status = outcome.document.status
+        outcome = plan_task(task, process)
     if outcome.plan is not None:
-        return TaskExplanation(task, status, None, tuple(causes(outcome.chosen or task, outcome.plan)))
-    failure = outcome.document.explanation
-    assert failure is not None, "there is no plan"
-    detail = failure.message.removeprefix(MESSAGES.get(failure.kind, "")).strip()
-    return TaskExplanation(task, status, explain_failure(task, failure.kind, detail, seconds, most))
+        return TaskExplanation(task, outcome.status, None, tuple(causes(outcome.chosen or task, outcome.plan)))
+    return TaskExplanation(task, outcome.status, explain_failure(outcome, seconds, most))

@@ -10,27 +10,28 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from hybrid_tamp.errors import InputError, Issue, NoPlan
+from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.demonstrated import demonstrated_movements
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.outcome import PlannedNetwork, PlannerFigures, PlanningFailure, PlanOutcome
 from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.run_result import RunResult
 from hybrid_tamp.model.state import State, StateLayout
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.plan import PlanOutcome
+from hybrid_tamp.planning.replanning import Progress
 from hybrid_tamp.questions.imitate.observation import ALLOWANCE, Observation
 from hybrid_tamp.questions.imitate.segmentation import Segmentation, segment
 from hybrid_tamp.questions.imitate.transfer import KIND, transfer
 from hybrid_tamp.report.folder import RunFolder
-from hybrid_tamp.report.plan_entries import PlannerEntry, network_entry, plan_document
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.pose_tables import read_poses
 from hybrid_tamp.taskfile.primitives import PrimitiveFile
 from hybrid_tamp.taskfile.yaml.nodes import parse
-from hybrid_tamp.verbs import pipeline
 from hybrid_tamp.verbs.learn import fit_primitive, save_primitive
+from hybrid_tamp.verbs.run import run
 
 _WAY = "imitation"
 _ALLOWANCE_OF_POSES = 1.0
@@ -60,12 +61,12 @@ class Imitation:
     Attributes:
         roles: token that was seen to the token that took its role.
         primitives: block to the motor primitive that it was taught.
-        outcome: of the run.
+        result: of the run.
     """
 
     roles: Mapping[str, str]
     primitives: Mapping[str, PrimitiveFile]
-    outcome: pipeline.RunOutcome
+    result: RunResult
 
 
 def read_shown(
@@ -111,7 +112,7 @@ def imitate(
     folder: RunFolder,
     *,
     backend: str = "pybullet",
-    progress: pipeline.Progress | None = None,
+    progress: Progress | None = None,
     find_domain: Callable[[str], Domain] = installed_domain,
 ) -> Imitation:
     """Do as was shown.
@@ -137,11 +138,11 @@ def imitate(
         moved = transfer(shown.task, segmentation.plan, taught)
         seconds = time.monotonic() - began
 
-        def planning(each: Task) -> PlanOutcome:
+        def find_plan(each: Task) -> PlanOutcome:
             return _outcome(each, moved.task, moved.plan, seconds)
 
-        outcome = pipeline.run(taught, folder, backend=backend, progress=progress, planning=planning)
-    return Imitation(moved.roles, primitives, outcome)
+        result = run(taught, folder, backend=backend, progress=progress, find_plan=find_plan)
+    return Imitation(moved.roles, primitives, result)
 
 
 def _learnt(shown: Shown, plan: TaskPlan, task: Task) -> dict[str, PrimitiveFile]:
@@ -189,12 +190,9 @@ def _taught(
 
 
 def _outcome(task: Task, chosen: Task, plan: TaskPlan, seconds: float) -> PlanOutcome:
-    """Return the plan that was carried over as the outcome of planning a task, which may forbid it by now."""
-    planner, network = PlannerEntry(name=_WAY, seconds=seconds, way=_WAY), network_entry(task, task)
+    """Return the plan that was carried over as the outcome of planning a task, which may exclude it by now."""
+    outcome = PlanOutcome(task, PlannerFigures(_WAY, seconds, _WAY), PlannedNetwork.of(task, task))
     breaches = check_law(task, plan)
     if breaches:
-        said = f"what was seen is no plan of the task: {breaches[0]}"
-        document = plan_document(task, status="unknown", planner=planner, plan=None, network=network, explanation=None)
-        return PlanOutcome(task, document, None, NoPlan(said, proven=False, kind=KIND))
-    document = plan_document(task, status="solved", planner=planner, plan=plan, network=network, explanation=None)
-    return PlanOutcome(task, document, plan, None, chosen)
+        return replace(outcome, failure=PlanningFailure(KIND, f"what was seen is no plan of the task: {breaches[0]}"))
+    return replace(outcome, plan=plan, chosen=chosen)

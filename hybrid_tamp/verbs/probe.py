@@ -9,7 +9,7 @@ from hybrid_tamp.errors import ExecutionFailed, InputError, Issue
 from hybrid_tamp.model.membership import MembershipResult
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.plan import plan
+from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.questions.probe.membership import MOST_STARTS, STARTS, Prober, Tell
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.taskfile.loader import load_task
@@ -55,7 +55,7 @@ def probe(
         task = load(source, settings)
 
         def find_plan(trial: Task) -> TaskPlan:
-            return plan(trial, process, suggesting=0.0).required()
+            return plan_task(trial, process).required()
 
         prober = Prober(find_plan, physics, starts, most_starts, deadline=deadline, tell=tell)
         return prober.probe(task, token, classes, task.seed)

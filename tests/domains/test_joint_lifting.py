@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from random_tasks.lifting import random_lifting
 from validation import val_accepts
 
+import hybrid_tamp
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.control import CONTROL_PERIOD
@@ -29,7 +30,6 @@ from hybrid_tamp.physics.protocol import Backend, open_backend
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
 from hybrid_tamp.testing import check_domain
-from hybrid_tamp.verbs import pipeline
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 NAMES = {"two": "lift_two_hands", "four": "lift_four_hands"}
@@ -257,7 +257,7 @@ def test_a_batch_gives_what_its_members_give() -> None:
 @pytest.mark.parametrize("mode", NAMES)
 def test_problems_are_solved_by_lawful_plans_that_val_accepts(mode: str, tmp_path: Path) -> None:
     task = lifting(mode)
-    plan = pipeline.plan(task).required()
+    plan = hybrid_tamp.plan(task).required()
     assert not check_law(task, plan)
     blocks = [instance.block for instance in plan.instances if instance.block != "RESTING"]
     assert blocks == ["REACHING:place"] * (len(task.tokens) - 1) + [f"LIFTING:{mode}", f"HOLDING:{mode}"]

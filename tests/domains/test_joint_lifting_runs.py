@@ -11,6 +11,7 @@ from hybrid_tamp_domains.joint_lifting.places import gap_at
 from predicted_runs import predict
 from random_tasks.lifting import random_lifting
 
+import hybrid_tamp
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.recording import Recording
@@ -18,14 +19,13 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.report.measures import CONTACT, MEASURED, PLANNED, run_measures
 from hybrid_tamp.taskfile.loader import load_task
-from hybrid_tamp.verbs import pipeline
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 
 
 def run(task: Task) -> tuple[Recording, dict[str, float]]:
     """Plan and run a task; the run is lawful, and the lift is controlled."""
-    plan = pipeline.plan(task).required()
+    plan = hybrid_tamp.plan(task).required()
     with open_backend("pybullet") as physics:
         recording = execute(task, plan, physics)
     assert recording.success
@@ -73,7 +73,7 @@ def test_hands_never_go_through_each_other() -> None:
 def test_the_forward_models_expect_what_happens() -> None:
     task = load_task(PROBLEMS / "lift_four_hands.yaml")
     recording, _ = run(task)
-    expected = predict(task, pipeline.plan(task).required())
+    expected = predict(task, hybrid_tamp.plan(task).required())
     thing = task.tokens[-1]
     assert recording.duration == pytest.approx(expected.duration, abs=0.1)
     measured, predicted = (r.trajectory[thing, "position"][-1] for r in (recording, expected))

@@ -12,6 +12,7 @@ from hybrid_tamp_domains.tool_use.geometry import RAISED, on_handle, push_pose, 
 from random_tasks.hammer import Scene, hammer_shape, hammer_task, random_hammer
 from validation import val_accepts
 
+import hybrid_tamp
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.law import check_law
@@ -26,7 +27,6 @@ from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.domains import find_task_file
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.testing import check_domain
-from hybrid_tamp.verbs import pipeline
 
 USES = {"push": ("CARRYING:push", "PUSHING"), "strike": ("CARRYING:strike", "STRIKING")}
 PROBLEMS = ("hammer_push", "hammer_strike", "hammer_push_then_strike")
@@ -186,7 +186,7 @@ def test_symbols_and_forward_models_agree() -> None:
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_problems_are_solved_by_lawful_plans_that_val_accepts(name: str, tmp_path: Path) -> None:
     task = load_task(find_task_file(name))
-    plan = pipeline.plan(task).required()
+    plan = hybrid_tamp.plan(task).required()
     assert not check_law(task, plan)
     uses = [USES[word] for word in name.split("_") if word in USES]
     blocks = [instance.block for instance in plan.instances if instance.block != "RESTING"]
@@ -208,7 +208,7 @@ def with_hammer(task: Task, **properties: object) -> Task:
     ],
 )
 def test_what_a_hand_cannot_hold_has_no_plan(properties: dict[str, float], fact: str) -> None:
-    outcome = pipeline.plan(with_hammer(TASK, **properties))
+    outcome = hybrid_tamp.plan(with_hammer(TASK, **properties))
     assert outcome.plan is None
     assert fact in str(outcome.error)
 
@@ -228,7 +228,7 @@ def test_a_tool_that_strikes_is_chosen_among_others() -> None:
         ("stick", "orientation"): TASK.state["hammer", "orientation"],
     }
     task = TASK.replaced(tokens=tokens, state=State.of(tokens, given), goal=(Atom("struck", ("block",)),))
-    plan = pipeline.plan(task).required()
+    plan = hybrid_tamp.plan(task).required()
     assert not check_law(task, plan)
     assert {i.slots["tool"] for i in plan.instances if "tool" in i.slots} == {"hammer"}
     assert HAMMER.is_member(Striker)

@@ -7,6 +7,7 @@ import pytest
 from hybrid_tamp_domains.tool_use.classes import DexterousHand
 from random_tasks.hammer import Scene, hammer_task, random_hammer
 
+import hybrid_tamp
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.recording import Recording
@@ -15,12 +16,11 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.taskfile.domains import find_task_file
 from hybrid_tamp.taskfile.loader import load_task
-from hybrid_tamp.verbs import pipeline
 
 
 def run(task: Task, **chosen: float) -> tuple[Recording, Mapping[str, float]]:
     """Plan and run a task with some hyperparameters of its blocks chosen; return what was recorded and measured."""
-    plan = pipeline.plan(task).required()
+    plan = hybrid_tamp.plan(task).required()
     instances = tuple(
         replace(i, hyperparameters={**i.hyperparameters, **{k: v for k, v in chosen.items() if k in i.hyperparameters}})
         for i in plan.instances

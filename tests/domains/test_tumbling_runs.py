@@ -6,13 +6,13 @@ import pytest
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from random_tasks.tumbling import random_tumbling
 
+import hybrid_tamp
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.questions.changes import without_token
 from hybrid_tamp.report.measures import CONTACT, MEASURED, PLANNED, run_measures
 from hybrid_tamp.taskfile.loader import load_task
-from hybrid_tamp.verbs import pipeline
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 
@@ -20,7 +20,7 @@ PROBLEMS = Path(__file__).parents[2] / "problems"
 def measured(seed: int, hands: int) -> dict[str, float]:
     """Plan and run a random task and return all measures; the run is lawful and every tumble is controlled."""
     task = random_tumbling(seed, hands=hands)
-    plan = pipeline.plan(task).required()
+    plan = hybrid_tamp.plan(task).required()
     with open_backend("pybullet") as physics:
         recording = execute(task, plan, physics)
     assert recording.success
@@ -49,7 +49,7 @@ def test_a_box_whose_edge_slides_is_tipped_all_the_same() -> None:
 
 def test_two_one_handed_robots_tumble_a_box_together() -> None:
     task = load_task(PROBLEMS / "tumble_two_robots.yaml")
-    plan = pipeline.plan(task).required()
+    plan = hybrid_tamp.plan(task).required()
     with open_backend("pybullet") as physics:
         recording = execute(task, plan, physics)
     assert recording.success
@@ -57,4 +57,4 @@ def test_two_one_handed_robots_tumble_a_box_together() -> None:
     assert run_measures(plan, recording)[CONTACT] < 5.0
     for agent in task.agents:
         alone = without_token(task, task.token_by_name[task.agents[agent][0]])
-        assert pipeline.plan(alone, suggesting=0.0).document.status == "unsolvable"
+        assert hybrid_tamp.plan(alone, seconds=0.0).status == "unsolvable"

@@ -6,11 +6,11 @@ import pytest
 from hybrid_tamp_domains.rolling_tumbling.faces import over
 from random_tasks.tumbling import random_tumbling
 
+import hybrid_tamp
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.verbs import pipeline
 
 TASK = random_tumbling(0, hands=3)
 WAITS = "hand 3"
@@ -19,7 +19,7 @@ WAITS = "hand 3"
 @pytest.fixture(scope="module")
 def plan() -> TaskPlan:
     """Return a lawful plan in which two hands tumble the box and the third one rests all the time."""
-    found = pipeline.plan(random_tumbling(0)).required()
+    found = hybrid_tamp.plan(random_tumbling(0)).required()
     rests = BlockInstance("RESTING-w", "RESTING", {"token": WAITS}, 0.0, found.makespan, reached=0.1)
     found = replace(found, instances=(*found.instances, rests))
     assert not check_law(TASK, found)
@@ -68,7 +68,7 @@ def test_plans_reach_a_face_anew_after_others_have_turned_the_box() -> None:
     tipped = over("bottom", "right")
     at_left = [Atom("at_face", (hand, "box 1", "left")) for hand in ("hand 1", WAITS)]
     task: Task = TASK.replaced(goal=(Atom("posture", ("box 1", tipped)), *at_left))
-    found = pipeline.plan(task).required()
+    found = hybrid_tamp.plan(task).required()
     tips = tipping(found, "opposite")
     # One of the two tips the box from there; the other one could have come before, but would not be there any more.
     [other] = {"hand 1", WAITS} - set(tips.slots.values())

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from random_tasks.tumbling import random_tumbling
 
+import hybrid_tamp
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.execution.events import Event, EventLog
 from hybrid_tamp.execution.loop import PATIENCE, SETTLING, execute
@@ -21,7 +22,6 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.physics.analytic import AnalyticBackend
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.report.measures import CONTACT, run_measures
-from hybrid_tamp.verbs import pipeline
 
 STEP = 1 / 240
 
@@ -320,7 +320,7 @@ def test_progress_is_told(toys: Any) -> None:
 def test_who_reads_what_another_holds_waits_until_it_is_still() -> None:
     """Two hands come to a box that two others hold tipped: only once it stands still (law 5)."""
     task = random_tumbling(3, hands=4)
-    plan = pipeline.plan(task).required()
+    plan = hybrid_tamp.plan(task).required()
     recording = run(task, plan)
     assert recording.success
     assert check_law(task, recording.plan, recording.at) == []

@@ -9,6 +9,7 @@ from random_tasks.tumbling import random_tumbling
 from scenes import rolling_task
 from serial import COLOURS, Part, block, changing, domain, in_series, task
 
+import hybrid_tamp
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model import forbidding
 from hybrid_tamp.model.block import Block
@@ -18,7 +19,6 @@ from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import ANY, Atom, Parameter, Predicate
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import with_copy
-from hybrid_tamp.verbs import pipeline
 
 
 def used(plan: TaskPlan, action: str) -> BlockInstance:
@@ -26,7 +26,7 @@ def used(plan: TaskPlan, action: str) -> BlockInstance:
 
 
 def solved(given: Task) -> TaskPlan:
-    return pipeline.plan(given).required()
+    return hybrid_tamp.plan(given).required()
 
 
 def test_the_other_hand_is_found_and_then_no_other_is() -> None:
@@ -37,8 +37,8 @@ def test_the_other_hand_is_found_and_then_no_other_is() -> None:
     assert {used(first, "ROLLING").slots["hand"], used(second, "ROLLING").slots["hand"]} == {"hand 0", "hand 1"}
     assert check_law(given, second) == []
     assert any("permitted_ROLLING" in str(each) and each.law == 5 for each in check_law(once, first))
-    outcome = pipeline.plan(forbid(once, used(second, "ROLLING")))
-    assert outcome.document.status == "unsolvable"
+    outcome = hybrid_tamp.plan(forbid(once, used(second, "ROLLING")))
+    assert outcome.status == "unsolvable"
     assert "ROLLING of drum 0 by hand " in str(outcome.error)
     assert "to region 0 failed in the forward models" in str(outcome.error)
 
@@ -95,7 +95,7 @@ def test_of_a_block_with_many_slots_those_who_are_in_them_count() -> None:
     """Who is in a slot is known where the last one is filled; any other hand of the task would do else."""
     given = random_lifting(0, hands=4)
     plan = solved(given)
-    assert pipeline.plan(forbid(given, used(plan, "LIFTING")), suggesting=0.0).document.status == "unsolvable"
+    assert hybrid_tamp.plan(forbid(given, used(plan, "LIFTING")), seconds=0.0).status == "unsolvable"
     first = given.token_by_name["hand 1"]
     fifth = with_copy(given, first, given.state[first, "position"] + [-0.3, 0.0, 0.0])
     other = solved(forbid(fifth, used(solved(fifth), "LIFTING")))

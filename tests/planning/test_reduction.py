@@ -14,15 +14,18 @@ from scenes import rolling_task
 from serial import Part, Tool, block, changing
 from tools import CROWBAR, HAMMER, Ball, Graspable, Hand, Lever, Lid, Nail, Striker, domain, task
 
+import hybrid_tamp
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.network import ReassignmentNetwork
+from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.predicate import ANY, Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.planning.reduction import reduced
-from hybrid_tamp.planning.tailoring import Tailoring
+from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.tables import network_text
 from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import compile_task
@@ -30,10 +33,7 @@ from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
 from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.reencode import plan_actions
-from hybrid_tamp.taskfile.domains import find_task_file
-from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.roles import can_start
-from hybrid_tamp.verbs import pipeline
 
 
 class Exhaustive:
@@ -52,8 +52,8 @@ def blocks(of: Task) -> set[str]:
     return {block.name for block in of.domain.blocks}
 
 
-def brought(outcome: pipeline.PlanOutcome) -> list[str]:
-    return [each.token for each in outcome.document.network.expanded_with]
+def brought(outcome: PlanOutcome) -> list[str]:
+    return [each.token for each in outcome.network.expanded_with]
 
 
 def shuffled(of: Task, seed: int) -> Task:
@@ -141,7 +141,7 @@ def test_rolling_leaves_tumbling_out_and_places_that_no_block_asks_for() -> None
 
 def test_what_was_left_out_rests_in_the_plan_of_the_whole() -> None:
     wide = task({"hammer": HAMMER, "ball": [Ball], "a bar": CROWBAR, "lid": [Lid]})
-    planned = Tailoring(wide).planned(Exhaustive())
+    planned = plan_task(wide, Exhaustive())
     assert planned.plan is not None
     assert check_law(wide, planned.plan) == []
     for name in ("ball", "a bar", "lid"):
@@ -156,37 +156,37 @@ def test_the_hammer_is_brought_in_and_grasped_and_distractors_are_not() -> None:
     places = {"hammer": (9.0, 0.0, 0.0), "ball": (0.1, 0.0, 0.0)}
     planner = Exhaustive()
     things = {"ball": [Ball], "a bar": CROWBAR, "lid": [Lid], "hammer": HAMMER}
-    outcome = pipeline.plan(task(things, places=places), planner)
-    (entry,) = outcome.document.network.expanded_with
-    assert (entry.token, entry.classes) == ("hammer", ["GRASPABLE", "STRIKER"])
-    assert entry.blocks == ["DRIVING", "GRASPING"]
+    outcome = plan_task(task(things, places=places), planner)
+    (entry,) = outcome.network.expanded_with
+    assert (entry.token, entry.classes) == ("hammer", ("GRASPABLE", "STRIKER"))
+    assert entry.blocks == ("DRIVING", "GRASPING")
     assert "no block brings about driven(nail)" in entry.why
     assert [i.block for i, _ in outcome.required().timeline("hammer")] == ["RESTING", "GRASPING", "DRIVING", "RESTING"]
     assert len(planner.asked) == 1
-    whole = outcome.document.network.reduced_from
+    whole = outcome.network.reduced_from
     assert whole is not None
-    assert (whole.blocks, whole.tokens, whole.tokens_left_out) == (5, 6, ["a bar", "ball", "lid"])
+    assert (whole.blocks, whole.tokens, whole.tokens_left_out) == (5, 6, ("a bar", "ball", "lid"))
 
 
 def test_of_two_tools_the_suitable_one_is_brought_in() -> None:
     tools = {"a light hammer": HAMMER, "mallet": HAMMER}
-    outcome = pipeline.plan(task(tools, places={"a light hammer": (0.1, 0.0, 0.0)}), Exhaustive())
+    outcome = plan_task(task(tools, places={"a light hammer": (0.1, 0.0, 0.0)}), Exhaustive())
     assert brought(outcome) == ["mallet"]
-    (whole,) = [outcome.document.network.reduced_from]
+    (whole,) = [outcome.network.reduced_from]
     assert whole is not None
-    assert whole.tokens_left_out == ["a light hammer"]
+    assert whole.tokens_left_out == ("a light hammer",)
 
 
 def test_of_two_suitable_tools_the_nearer_one_is_brought_in() -> None:
     tools = {"far": HAMMER, "near": HAMMER}
-    outcome = pipeline.plan(task(tools, places={"near": (0.5, 0.0, 0.0)}), Exhaustive())
+    outcome = plan_task(task(tools, places={"near": (0.5, 0.0, 0.0)}), Exhaustive())
     assert brought(outcome) == ["near"]
 
 
 def test_tools_that_are_needed_together_are_brought_in_one_after_the_other() -> None:
     things = {"ball": [Ball], "hammer": HAMMER, "bar": CROWBAR, "lid": [Lid]}
-    outcome = pipeline.plan(task(things, goal="covered nail"), Exhaustive())
-    assert outcome.document.status == "solved"
+    outcome = plan_task(task(things, goal="covered nail"), Exhaustive())
+    assert outcome.status == "solved"
     assert {"hammer", "bar", "lid"} <= set(brought(outcome))
 
 
@@ -195,37 +195,37 @@ def test_tools_that_are_of_no_use_alone_are_brought_in_once_each() -> None:
     all_three = block("A", {"part": Part, "first": Tool, "second": Tool, "third": Tool}, (), [done("part")])
     of = serial.domain([all_three], [done], serial.in_series([all_three]))
     whole = serial.task(of, [("done", "part 0")], tools=3)
-    outcome = pipeline.plan(whole, Exhaustive())
-    assert outcome.document.status == "solved"
-    assert [each.blocks for each in outcome.document.network.expanded_with] == [[], [], ["A"]]
+    outcome = plan_task(whole, Exhaustive())
+    assert outcome.status == "solved"
+    assert [each.blocks for each in outcome.network.expanded_with] == [(), (), ("A",)]
     assert brought(outcome) == ["tool 0", "tool 1", "tool 2"]
 
 
 def test_without_any_tool_it_is_proven_on_all_that_is_relevant() -> None:
     planner = Exhaustive()
-    outcome = pipeline.plan(task({"a light hammer": HAMMER, "ball": [Ball]}), planner)
-    assert outcome.document.status == "unsolvable"
+    outcome = plan_task(task({"a light hammer": HAMMER, "ball": [Ball]}), planner)
+    assert outcome.status == "unsolvable"
     assert brought(outcome) == ["a light hammer"]
     assert len(planner.asked) == 1
 
 
 def test_what_only_rests_need_not_be_brought_in_to_prove_that_there_is_no_plan() -> None:
     planner = Exhaustive()
-    outcome = pipeline.plan(task({"stone": []}), planner)
-    assert (outcome.document.status, brought(outcome), len(planner.asked)) == ("unsolvable", [], 1)
+    outcome = plan_task(task({"stone": []}), planner)
+    assert (outcome.status, brought(outcome), len(planner.asked)) == ("unsolvable", [], 1)
 
 
 def test_the_order_of_tokens_does_not_matter() -> None:
     things = {"ball": [Ball], "bar": CROWBAR, "lid": [Lid], "hammer": HAMMER, "mallet": HAMMER}
     wide = task(things, goal="covered nail")
-    told = {tuple(brought(pipeline.plan(shuffled(wide, seed), Exhaustive()))) for seed in range(5)}
+    told = {tuple(brought(plan_task(shuffled(wide, seed), Exhaustive()))) for seed in range(5)}
     assert len(told) == 1
 
 
 def test_a_goal_with_a_choice_keeps_all_that_it_leaves_to_choose_from() -> None:
     wide = task({"hammer": HAMMER, "another nail": [Nail], "ball": [Ball]}, goal="covered nail")
     wide = wide.replaced(goal=(Atom("driven", (ANY,)),))
-    outcome = pipeline.plan(wide, Exhaustive())
+    outcome = plan_task(wide, Exhaustive())
     assert brought(outcome) == ["hammer"]
     assert outcome.chosen is not None
     assert outcome.chosen.goal == (Atom("driven", ("another nail",)),)
@@ -238,12 +238,12 @@ HEAVY_AND_LIGHT = task({"a light hammer": HAMMER, "mallet": HAMMER}, agents={"ro
 
 def test_what_the_planner_said_of_the_first_network_is_told() -> None:
     planner = Exhaustive()
-    outcome = pipeline.plan(HEAVY_AND_LIGHT, planner)
-    (entry,) = outcome.document.network.expanded_with
-    assert (entry.token, entry.blocks) == ("mallet", [])
+    outcome = plan_task(HEAVY_AND_LIGHT, planner)
+    (entry,) = outcome.network.expanded_with
+    assert (entry.token, entry.blocks) == ("mallet", ())
     assert "has no plan; the planner has proven that" in entry.why
     assert [len(asked.objects) for asked in planner.asked] == sorted({len(asked.objects) for asked in planner.asked})
-    text = network_text(outcome.document)
+    text = network_text(document(outcome)["network"])
     assert text.splitlines()[0].startswith("reduced network: 3 of 5 blocks, 4 of 4 tokens; left out: LEVERING, PUSHING")
     assert text.splitlines()[1].startswith("brought in mallet (GRASPABLE, STRIKER): the network without it")
 
@@ -258,7 +258,7 @@ def test_a_planner_that_does_not_end_leaves_time_for_the_wider_network() -> None
             return answer
 
     times: list[float] = []
-    outcome = pipeline.plan(HEAVY_AND_LIGHT.replaced(limits=Limits(time=40.0)), Endless())
+    outcome = plan_task(HEAVY_AND_LIGHT.replaced(limits=Limits(time=40.0)), Endless())
     assert brought(outcome) == ["mallet"]
     assert times[0] <= 20.0 < times[1] <= 40.0
 
@@ -271,9 +271,9 @@ def test_the_time_limit_is_for_all_attempts_together() -> None:
 
     given: list[float] = []
     wide = task({"hammer": HAMMER, "mallet": HAMMER}, goal="nail")
-    tailoring = Tailoring(wide.replaced(limits=Limits(time=1e-9)))
+    outcome = plan_task(wide.replaced(limits=Limits(time=1e-9)), Slow())
     with pytest.raises(LimitReached, match="time limit"):
-        tailoring.planned(Slow())
+        outcome.required()
     assert given == []
 
 
@@ -285,9 +285,9 @@ def test_the_time_limit_is_for_all_attempts_together() -> None:
 def test_no_plan_that_the_full_network_has_is_lost(seed: int) -> None:
     whole = RandomSeries(seed).task()
     assume(all(can_start(whole.domain.block_by_name[block]) for block in whole.assignment.values()))
-    tailored = pipeline.plan(whole, Exhaustive())
+    tailored = plan_task(whole, Exhaustive())
     full = find_plan(whole, Exhaustive())
-    assert (full.status == "solved") == (tailored.document.status == "solved")
+    assert (full.status == "solved") == (tailored.status == "solved")
     if tailored.plan is not None:
         assert check_law(whole, tailored.plan) == []
         # Whatever network it was found on, it can be written for the whole one.
@@ -306,9 +306,9 @@ def test_tools_are_found_wherever_there_is_a_plan(
 ) -> None:
     things = {f"{'light ' if light and i % 2 else ''}{i}": kind for i, kind in enumerate(kinds)}
     whole = task(things, goal="covered nail" if covered else "nail")
-    tailored = pipeline.plan(whole, Exhaustive())
-    assert find_plan(whole, Exhaustive()).status.replace("not_found", "unknown") == tailored.document.status
-    again = pipeline.plan(shuffled(whole, seed), Exhaustive())
+    tailored = plan_task(whole, Exhaustive())
+    assert find_plan(whole, Exhaustive()).status.replace("not_found", "unknown") == tailored.status
+    again = plan_task(shuffled(whole, seed), Exhaustive())
     assert brought(again) == brought(tailored)
 
 
@@ -318,15 +318,15 @@ def test_tools_are_found_wherever_there_is_a_plan(
 def test_unrelated_tokens_and_blocks_are_seen_neither_by_the_facts_nor_by_the_compiler() -> None:
     things = {"hammer": HAMMER}
     few, planner = Exhaustive(), Exhaustive()
-    alone = pipeline.plan(task(things), few)
+    alone = plan_task(task(things), few)
     of = domain(60)
     odd = {f"odd {c.name} {i}": [c] for c in of.classes if c.name.startswith("ODD") for i in range(2)}
     for predicate in of.predicates:
         if "-" in predicate.name:
             object.__setattr__(predicate, "margin", _never)
     crowd = task({**odd, **things}, of=of)
-    crowded = pipeline.plan(crowd, planner)
-    assert crowded.document.actions == alone.document.actions != []
+    crowded = plan_task(crowd, planner)
+    assert crowded.required().actions == alone.required().actions != ()
     assert crowded.required().makespan == alone.required().makespan
     assert [i for i in crowded.required().instances if not set(i.slots.values()) & set(odd)] == list(
         alone.required().instances
@@ -343,8 +343,8 @@ def _never(*_: Token) -> None:
 
 @pytest.mark.parametrize(("name", "left_out"), [("tool_among_distractors", "paddle"), ("tool_choice", "mallet")])
 def test_the_hammer_of_a_bundled_task_is_brought_in_and_grasped(name: str, left_out: str) -> None:
-    outcome = pipeline.plan(load_task(find_task_file(name)))
-    network = outcome.document.network
+    outcome = hybrid_tamp.plan(name)
+    network = outcome.network
     assert brought(outcome) == ["hammer"]
     assert network.reduced_from is not None
     assert left_out in network.reduced_from.tokens_left_out

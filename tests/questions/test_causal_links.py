@@ -4,15 +4,15 @@ import pytest
 from bank import problem
 from workshop import at, cut, workshop_task
 
+import hybrid_tamp
 from hybrid_tamp.model.explanation import Cause
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.explain.causal_links import causes, chain
-from hybrid_tamp.verbs import pipeline
 
 
 def planned(task: Task) -> TaskPlan:
-    return pipeline.plan(task).required()
+    return hybrid_tamp.plan(task).required()
 
 
 @pytest.fixture(scope="module")

@@ -2,9 +2,9 @@
 
 from scenes import rolling_task
 
+import hybrid_tamp
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.questions.explain.explanation import explain
-from hybrid_tamp.verbs import pipeline
 
 
 def test_a_region_off_the_rolling_line() -> None:
@@ -43,5 +43,5 @@ def test_a_goal_that_no_block_brings_about() -> None:
 
 
 def test_what_is_explained_is_unsolvable_and_its_repair_is_not() -> None:
-    assert pipeline.plan(rolling_task(hands=0)).document.status == "unsolvable"
-    assert pipeline.plan(rolling_task(hands=1)).document.status == "solved"
+    assert hybrid_tamp.plan(rolling_task(hands=0)).status == "unsolvable"
+    assert hybrid_tamp.plan(rolling_task(hands=1)).status == "solved"

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import hybrid_tamp
 from hybrid_tamp.errors import InputError, NoPlan
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.execution.storage import save
@@ -21,7 +22,6 @@ from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.questions.imitate.transfer import transfer
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
 from hybrid_tamp.taskfile.pose_tables import read_poses
-from hybrid_tamp.verbs import pipeline
 from hybrid_tamp.verbs.imitate import read_shown, segmented
 
 PROBLEMS = Path(__file__).resolve().parents[2] / "problems"
@@ -32,7 +32,7 @@ OTHER = (PROBLEMS / "roll_by_another_agent.yaml").read_text(encoding="utf-8")
 @cache
 def rolled() -> tuple[Task, TaskPlan, Recording]:
     task = load_task(PROBLEMS / "roll_cylinder.yaml")
-    plan = pipeline.plan(task).required()
+    plan = hybrid_tamp.plan(task).required()
     with open_backend("analytic") as physics:
         return task, plan, execute(task, plan, physics)
 

@@ -3,13 +3,13 @@
 import pytest
 from bank import problem
 
+import hybrid_tamp
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.affordances.perspectives import afforded_to, environment, team
 from hybrid_tamp.questions.changes import with_copy
 from hybrid_tamp.questions.explain.explanation import explain
-from hybrid_tamp.verbs import pipeline
 
 FOUR = {"LIFTING:four", "HOLDING:four", "LOWERING:four"}
 TWO = {"LIFTING:two", "HOLDING:two", "LOWERING:two"}
@@ -61,17 +61,17 @@ def test_too_heavy_for_two_and_two_more_would_do() -> None:
 
 def test_one_more_hand_is_not_suggested_and_would_not_do_but_two_do() -> None:
     task = crate(24)
-    outcome = pipeline.plan(task, suggesting=60.0)
-    assert outcome.document.status == "unsolvable"
-    assert outcome.document.explanation is not None
-    said = outcome.document.explanation.suggestions
+    outcome = hybrid_tamp.plan(task, seconds=60.0)
+    assert outcome.status == "unsolvable"
+    assert outcome.explanation is not None
+    said = outcome.explanation.suggestions
     assert said
-    assert not any("hand" in each.what for each in said)
+    assert not any("hand" in each.change.what for each in said)
     left, right = task.token_by_name["left-hand"], task.token_by_name["right-hand"]
     one = with_copy(task, left, task.state[left, "position"] + [0.0, 0.3, 0.0])
-    assert pipeline.plan(one, suggesting=0.0).document.status == "unsolvable"
+    assert hybrid_tamp.plan(one, seconds=0.0).status == "unsolvable"
     two = with_copy(one, right, task.state[right, "position"] + [0.0, 0.3, 0.0])
-    assert pipeline.plan(two).document.status == "solved"
+    assert hybrid_tamp.plan(two).status == "solved"
 
 
 def test_too_heavy_for_four_and_more_hands_would_not_do() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import hybrid_tamp
 from hybrid_tamp.errors import ExecutionFailed, InputError, LimitReached, NoPlan
 from hybrid_tamp.geometry.features import (
     resting_poses,
@@ -27,7 +28,6 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy, quaternion_of_rotation, rotate
 from hybrid_tamp.physics.protocol import open_backend
-from hybrid_tamp.planning.plan import plan
 from hybrid_tamp.questions.probe.membership import Prober
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
@@ -201,7 +201,7 @@ def test_the_written_task_plans_and_runs(task: Task, tumbled: MembershipResult, 
     assert (wanted.unsettled, known.unsettled) == (((*wanted.goal, wanted.token_by_name["P5"], tumblable),), ())
     assert [member.name for member in known.token_by_name["P5"].classes] == ["TOKEN", "TUMBLABLE"]
     assert known.token_by_name["P5"].unknown == ()
-    found = plan(known).required()
+    found = hybrid_tamp.plan(known).required()
     from hybrid_tamp.execution.loop import execute
 
     with open_backend("pybullet") as physics:
@@ -257,7 +257,7 @@ def test_without_a_labelled_member_it_is_not_tried(task: Task) -> None:
 
 def test_a_trial_that_never_settles_ends_and_says_so(task: Task) -> None:
     with open_backend("pybullet") as physics:
-        prober = Prober(lambda each: plan(each).required(), physics, starts=1, most_seconds=1.0)
+        prober = Prober(lambda each: hybrid_tamp.plan(each).required(), physics, starts=1, most_seconds=1.0)
         (verdict,) = prober.probe(task, "P5", ["TUMBLABLE"]).verdicts
         assert verdict.trials[0].why == "it did not settle within 1 s of simulated time"
         late = replace(prober, deadline=0.0)

@@ -9,6 +9,7 @@ from explanation_judge import faults
 from scenes import rolling_task
 from workshop import at, cut, workshop_task
 
+import hybrid_tamp
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import apply_change, with_edges
@@ -16,7 +17,6 @@ from hybrid_tamp.questions.explain.candidates import candidates
 from hybrid_tamp.questions.explain.explanation import explain, explain_wholly
 from hybrid_tamp.questions.explain.property_changes import property_changes
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
-from hybrid_tamp.verbs import pipeline
 
 CARRIED = ("CARRYING", "part")
 SOME = (
@@ -127,9 +127,9 @@ def test_every_candidate_is_one_change_and_comes_once() -> None:
 
 
 def test_a_plan_document_suggests_what_to_change() -> None:
-    explanation = pipeline.plan(problem("tumble_one_hand"), suggesting=60.0).document.explanation
+    explanation = hybrid_tamp.plan(problem("tumble_one_hand"), seconds=60.0).explanation
     assert explanation is not None
     (suggestion,) = explanation.suggestions
-    assert (suggestion.kind, suggestion.names) == ("token", ["hand-1", "box"])
-    assert "one more token like hand-1" in suggestion.what
+    assert (suggestion.change.kind, suggestion.change.names) == ("token", ("hand-1", "box"))
+    assert "one more token like hand-1" in suggestion.change.what
     assert suggestion.length > 10

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import hybrid_tamp
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
@@ -16,7 +17,6 @@ from hybrid_tamp.questions.imitate.movement_check import pauses
 from hybrid_tamp.questions.imitate.observation import Observation
 from hybrid_tamp.questions.imitate.segmentation import Segmentation, segment
 from hybrid_tamp.taskfile.loader import load_task
-from hybrid_tamp.verbs import pipeline
 
 PROBLEMS = Path(__file__).resolve().parents[2] / "problems"
 NEAR = 0.3
@@ -27,7 +27,7 @@ NEAR = 0.3
 def recorded(name: str, backend: str = "analytic") -> tuple[Task, Recording]:
     task = load_task(PROBLEMS / f"{name}.yaml")
     with open_backend(backend) as physics:
-        recording = execute(task, pipeline.plan(task).required(), physics)
+        recording = execute(task, hybrid_tamp.plan(task).required(), physics)
     assert recording.success
     return task, recording
 
@@ -112,9 +112,9 @@ def test_noise_is_measured_and_margins_are_as_exact_as_that() -> None:
 def test_a_reach_was_for_what_was_made_use_of() -> None:
     """Two regions lie all but in one line: the place behind the thing is good for both, but it is rolled to one."""
     task = load_task(PROBLEMS / "roll_second_round.yaml")
-    rounds = pipeline.refine(task, processes=1)
+    outcome = hybrid_tamp.plan(task, optimise=True)
     with open_backend("pybullet") as physics:
-        recording = execute(task, rounds.outcome.required(), physics)
+        recording = execute(task, outcome.required(), physics)
     found = segment(task, Observation.of(recording.times, recording.trajectory))
     check_given_back(recording, found)
 

@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import strength_needed
 
+import hybrid_tamp
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.explain.explanation import explain
 from hybrid_tamp.taskfile.loader import load_task_text
-from hybrid_tamp.verbs import pipeline
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 ALONG_Y = "rpy: [1.5707963267948966, 0, 0]"
@@ -132,10 +132,10 @@ def test_goals_that_exclude_each_other() -> None:
 )
 def test_the_planner_proves_what_the_explanation_says(edit: tuple[str, str]) -> None:
     wrong = task("tumble_two_hands", edit)
-    document = pipeline.plan(wrong).document
-    assert document.status == "unsolvable"
-    assert document.explanation is not None
+    outcome = hybrid_tamp.plan(wrong)
+    assert outcome.status == "unsolvable"
+    assert outcome.explanation is not None
     # What would do beside mending the fact, such as another hand, is a reason, too.
-    kinds = [reason.kind for reason in document.explanation.reasons]
+    kinds = [reason.kind for reason in outcome.explanation.reasons]
     assert kinds.count("not_feasible") == 1
     assert set(kinds) <= {"not_feasible", "too_few_tokens"}

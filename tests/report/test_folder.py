@@ -20,7 +20,7 @@ def test_another_run_is_kept_unless_forced(tmp_path: Path) -> None:
     RunFolder.create(tmp_path).write_text("events.jsonl", "")
     (tmp_path / "step-01.png").touch()
     (tmp_path / "mine.txt").touch()
-    with pytest.raises(InputError, match="--force"):
+    with pytest.raises(InputError, match="force=True"):
         RunFolder.create(tmp_path)
     folder = RunFolder.create(tmp_path, force=True)
     assert len(list(tmp_path.iterdir())) == 3, "nothing is lost before something takes its place"

@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from PIL import Image
 from rich.console import Console
+from scenes import rolling_task
 
-from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.outcome import Exclusion, PlannedNetwork, PlannerFigures, PlanOutcome
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.refined import Milestone, Performance, RefinedPlan, Shortfall, Tuned, Value
 from hybrid_tamp.report.convergence import convergence_picture
+from hybrid_tamp.report.documents import Json, document
 from hybrid_tamp.report.progress import progress_bar
-from hybrid_tamp.report.refinement import RefinementEntry, refinement_entry
 from hybrid_tamp.report.refinement_tables import KEPT, refinement_tables
 
 GRASP = Tuned(
@@ -24,7 +26,8 @@ HISTORY = (Milestone(48, 0.5, float("nan")), Milestone(96, 0.0, 1.0), Milestone(
 MISSED = Value(0.75, 3.0)
 
 
-def entry(defaults: Value = MISSED, optimiser: str = "cma") -> RefinementEntry:
+def entry(defaults: Value = MISSED, optimiser: str = "cma") -> Json:
+    task = rolling_task()
     tuned = GRASP if optimiser else Tuned(*"ab", "m", 0.0, 1.0, 0.5, 0.5, "kept")
     refined = RefinedPlan(
         plan=TaskPlan((), 0.0),
@@ -41,12 +44,21 @@ def entry(defaults: Value = MISSED, optimiser: str = "cma") -> RefinementEntry:
         stopped="evaluations",
         history=HISTORY if optimiser else (),
     )
-    return refinement_entry(
-        refined, [("ROLLING", {"hand": "h"}, Shortfall("ROLLING-1", Atom("inside", ("d", "g")), "m", -0.001))]
+    failing = BlockInstance("ROLLING-1", "ROLLING", {"hand": "h"}, 0.0, 1.0)
+    excluded = Exclusion(failing, Shortfall("ROLLING-1", Atom("inside", ("d", "g")), "m", -0.001))
+    outcome = PlanOutcome(
+        task,
+        PlannerFigures("p", 0.1),
+        PlannedNetwork.of(task, task),
+        plan=refined.plan,
+        refinement=refined,
+        excluded=(excluded,),
     )
+    found: Json = document(outcome)["refinement"]
+    return found
 
 
-def shown(of: RefinementEntry) -> list[str]:
+def shown(of: Json) -> list[str]:
     console = Console(file=StringIO(), width=80)
     console.print(refinement_tables(of))
     assert isinstance(console.file, StringIO)
@@ -71,7 +83,7 @@ def test_what_is_kept_is_one_line() -> None:
 
 def test_values_that_are_not_finite_are_null() -> None:
     found = entry(defaults=Value(float("inf"), float("nan")))
-    assert found.defaults.dump() == {"violation": None, "value": None}
+    assert found["defaults"] == {"violation": None, "value": None}
     assert any(line.split() == ["the", "defaults", "not", "finite"] for line in shown(found))
     assert convergence_picture(found) is not None
 

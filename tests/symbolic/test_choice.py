@@ -8,6 +8,7 @@ import pytest
 from scenes import rolling_task
 from serial import COLOURS, Part, block, changing, domain, task
 
+import hybrid_tamp
 from hybrid_tamp.errors import InputError, LimitReached
 from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.law import check_law
@@ -20,7 +21,8 @@ from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
 from hybrid_tamp.taskfile.loader import load_task
-from hybrid_tamp.verbs import pipeline
+from hybrid_tamp.verbs.pddl import export
+from hybrid_tamp.verbs.plan import save_plan
 
 EITHER = Path(__file__).parents[2] / "problems" / "roll_to_either_region.yaml"
 SOME = Atom("inside", ("drum 0", ANY))
@@ -68,7 +70,7 @@ class Slow:
 
 def test_the_region_that_works_is_found() -> None:
     given = load_task(EITHER)
-    outcome = pipeline.plan(given)
+    outcome = hybrid_tamp.plan(given)
     plan = outcome.required()
     assert outcome.task is given
     assert outcome.chosen is not None
@@ -102,8 +104,8 @@ def test_the_first_choice_that_holds_already_ends_the_search() -> None:
 
 
 def test_unsolvable_is_proven_for_each_and_explained_for_each() -> None:
-    outcome = pipeline.plan(some_region((0.7, 0.1), (0.9, 0.2)))
-    assert outcome.document.status == "unsolvable"
+    outcome = hybrid_tamp.plan(some_region((0.7, 0.1), (0.9, 0.2)))
+    assert outcome.status == "unsolvable"
     assert "inside(drum 0, region 0): ROLLING" in str(outcome.error)
     assert "inside(drum 0, region 1): ROLLING" in str(outcome.error)
 
@@ -128,15 +130,15 @@ def test_pddl_needs_a_goal_without_a_choice(tmp_path: Path) -> None:
     given = some_region((0.6, 0.1), (0.9, 0.0))
     for encoding in ("classical", "temporal"):
         with pytest.raises(InputError, match="2 choices; name tokens instead of '\\*'; the nearest choice is inside"):
-            pipeline.export(given, folder, encoding=encoding)
+            export(given, folder, encoding=encoding)
     assert compile_task(some_region((0.6, 0.0))).goal == compile_task(rolling_task(regions=[(0.6, 0.0)])).goal
     one = compile_durative(some_region((0.6, 0.0))).problem
     assert one.goal == compile_durative(rolling_task(regions=[(0.6, 0.0)])).problem.goal
-    pipeline.export(given, folder, pipeline.plan(given).required())
+    export(given, folder, hybrid_tamp.plan(given).required())
     assert "(inside drum-0 region-1)" in (tmp_path / "problem.pddl").read_text()
 
 
 def test_a_choice_that_cannot_be_made_leaves_the_document_alone(tmp_path: Path) -> None:
-    pipeline.save_plan(pipeline.plan(some_region((0.7, 0.1), (0.9, 0.2))), RunFolder.create(tmp_path))
+    save_plan(hybrid_tamp.plan(some_region((0.7, 0.1), (0.9, 0.2))), RunFolder.create(tmp_path))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["plan.json", "task.yaml"]
     assert json.loads((tmp_path / "plan.json").read_text())["status"] == "unsolvable"

@@ -13,15 +13,17 @@ from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import TUMBLING_PR
 from scenes import rolling_task
 from validation import val_accepts, val_accepts_files
 
+import hybrid_tamp
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.task import Limits, Task
+from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.engines.registry import with_java
 from hybrid_tamp.taskfile.loader import load_task
-from hybrid_tamp.verbs import pipeline
+from hybrid_tamp.verbs.pddl import export
 
 ROOT = Path(__file__).resolve().parents[2]
 _BLOCKS = tuple(block for block in DOMAIN.blocks if block.name in ("REACHING:behind", "ROLLING", "RESTING"))
@@ -43,9 +45,9 @@ ENGINES = ["fast-downward", "symk", "enhsp", "pyperplan", "aries"]
 def test_engine_solves_the_task(engine: str, tmp_path: Path) -> None:
     task = rolling_task(hands=2, drums=[(0, 0), (0, 0.5)], regions=[(0.7, 0), (0.7, 0.5)], goal=[(0, 0)])
     task = task.replaced(planner=engine, limits=Limits(time=60.0))
-    outcome = pipeline.plan(task)
+    outcome = hybrid_tamp.plan(task)
     plan = outcome.required()
-    assert outcome.document.planner.name == engine
+    assert outcome.planner.name == engine
     assert check_law(task, plan) == []
     assert val_accepts(tmp_path, compile_task(task).problem, plan.actions)
 
@@ -53,8 +55,8 @@ def test_engine_solves_the_task(engine: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("engine", ["fast-downward", "symk", "enhsp", "pyperplan"])
 def test_engine_proves_that_there_is_no_plan(engine: str) -> None:
     task = rolling_task(regions=[(0.7, 0.3)]).replaced(planner=engine, limits=Limits(time=60.0))
-    outcome = pipeline.plan(task)
-    assert outcome.document.status == "unsolvable"
+    outcome = hybrid_tamp.plan(task)
+    assert outcome.status == "unsolvable"
     assert outcome.error is not None
     assert outcome.error.exit_status == 10
 
@@ -62,11 +64,11 @@ def test_engine_proves_that_there_is_no_plan(engine: str) -> None:
 def test_optimal_engines_need_no_more_actions_than_the_default() -> None:
     task = rolling_task(hands=2)
     with PlannerProcess() as planner:
-        fast = pipeline.plan(task, planner)
-    best = pipeline.plan(task.replaced(planner="fast-downward-opt"))
-    assert best.document.cost == 5
-    assert fast.document.cost is not None
-    assert fast.document.cost >= best.document.cost
+        fast = plan_task(task, planner)
+    best = hybrid_tamp.plan(task.replaced(planner="fast-downward-opt"))
+    assert best.cost == 5
+    assert fast.cost is not None
+    assert fast.cost >= best.cost
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -84,7 +86,7 @@ def test_an_engine_solves_the_export_of_the_whole_domain(tmp_path: Path) -> None
 
 
 def _solve_export(task: Task, engine: str, tmp_path: Path) -> None:
-    pipeline.export(task, RunFolder.create(tmp_path))
+    export(task, RunFolder.create(tmp_path))
     files = [str(tmp_path / name) for name in ("domain.pddl", "problem.pddl")]
     words = ["oneshot-planning", "--pddl", *files, "--engine", engine, "--plan", str(tmp_path / "plan.pddl")]
     done = subprocess.run(

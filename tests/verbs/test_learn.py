@@ -19,7 +19,6 @@ from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply
 from hybrid_tamp.motion.profile import Profile
-from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.primitives import read_primitive
 
@@ -77,7 +76,7 @@ def distances(task: hybrid_tamp.Task, primitive: DMP) -> np.ndarray:
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a run of the drum's task, in the blocks' own forward models."""
     folder = tmp_path_factory.mktemp("recorded") / "first"
-    hybrid_tamp.run(load_task(ROLL), RunFolder.create(folder), backend="analytic")
+    hybrid_tamp.run(ROLL, folder, backend="analytic")
     return folder
 
 

@@ -16,6 +16,7 @@ from hybrid_tamp.feasibility.bindings import TooMany
 from hybrid_tamp.feasibility.reasons import merge_reasons
 from hybrid_tamp.feasibility.relevance import relevant_part
 from hybrid_tamp.model.explanation import Explanation, Reason, Suggestion
+from hybrid_tamp.model.outcome import CLASS_UNKNOWN, MESSAGES, NOT_REFINED, Exclusion, PlanOutcome
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.explain.candidates import points_to
@@ -26,35 +27,41 @@ from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 MOST_EXPLAINED = 5
 """Of how many alternatives of a goal with a choice is explained why they cannot be reached."""
 
-MESSAGES = {
-    "unsolvable": "No plan exists; the planner has proven it.",
-    "not_found": "The planner found no plan, but has not proven that there is none.",
-    "planner_crashed": "The planner crashed.",
-    "plan_refused": "The planner returned a plan that is wrong; it was refused.",
-    "class_unknown": "Whether there is a plan is not known: the goal speaks of a token that nobody has tried yet.",
-}
-"""Status of planning to the sentence that explains it."""
 
-
-def explain_failure(task: Task, status: str, detail: str = "", seconds: float = 0.0, most: int = 1) -> Explanation:
+def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -> Explanation:
     """Explain why planning a task gave no plan.
 
     Args:
-        task: the task.
-        status: ``unsolvable``, ``not_found``, ``planner_crashed``, ``plan_refused``, ``class_unknown``, or the limit
-            that was reached, ``time`` or ``memory``.
-        detail: what the planner, the refusal or the limit says; then no reasons are searched for.
+        outcome: the outcome of planning, which has no plan. If it has a detail, no reasons are searched for.
         seconds: how long single changes are searched for if it is proven that there is no plan [s].
         most: how many changes are enough.
     """
-    message = " ".join(filter(None, [MESSAGES.get(status, ""), detail]))
-    if status == "class_unknown":
-        return Explanation(status, message, _unknown_classes(task))
-    if detail:
-        return Explanation(status, message)
-    if status == "unsolvable" and seconds:
+    task, failure = outcome.task, outcome.failure
+    assert failure is not None, "it has no plan"
+    if failure.kind == CLASS_UNKNOWN:
+        return Explanation(failure.kind, failure.message, _unknown_classes(task))
+    if failure.kind == NOT_REFINED:
+        return Explanation(failure.kind, failure.message, tuple(_excluded(task, each) for each in outcome.excluded))
+    if failure.detail:
+        return Explanation(failure.kind, failure.message)
+    if failure.kind == "unsolvable" and seconds:
         return explain_wholly(task, seconds, most)
-    return Explanation(status, message, tuple(explain_alternatives(task, status == "unsolvable")))
+    reasons = explain_alternatives(task, failure.kind == "unsolvable")
+    return Explanation(failure.kind, failure.message, tuple(reasons))
+
+
+def _excluded(task: Task, exclusion: Exclusion) -> Reason:
+    """Return that a binding was excluded as the reason why the goal cannot be reached."""
+    short = exclusion.shortfall
+    return Reason(
+        goal=task.goal,
+        block=exclusion.instance.block,
+        kind="forward models",
+        message=exclusion.text,
+        atom=short.atom,
+        margin=short.margin,
+        unit=short.unit,
+    )
 
 
 def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:

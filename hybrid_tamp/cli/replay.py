@@ -1,4 +1,4 @@
-"""The verb that runs a recording again: replay."""
+"""The verb ``replay``."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 
 from hybrid_tamp.cli.console import say
-from hybrid_tamp.cli.loading import finder
 from hybrid_tamp.cli.options import DomainOption, JsonOption
 
 
@@ -16,9 +15,10 @@ def replay(
     domain: DomainOption = None,
 ) -> None:
     """Run the recorded commands again and say whether the same happened, bit for bit."""
-    from hybrid_tamp.verbs import pipeline
+    from hybrid_tamp.verbs.loading import domain_finder
+    from hybrid_tamp.verbs.replay import replay as replay_run
 
-    report = pipeline.replay(directory, finder(domain))
+    report = replay_run(directory, domain_finder(domain))
     difference = report.first_difference
     document = {
         "schema": "hybrid-tamp/replay/1",

@@ -1,0 +1,241 @@
+"""The outcome of planning a task: the plan and how it was found, or why there is none."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
+from hybrid_tamp.model.explanation import Explanation
+from hybrid_tamp.model.network import SlotName
+from hybrid_tamp.model.plan import BlockInstance, Step, TaskPlan
+from hybrid_tamp.model.refined import RefinedPlan, Shortfall
+from hybrid_tamp.model.task import Task
+
+Status = Literal["solved", "unsolvable", "unknown", "limit"]
+
+NOT_REFINED = "not_refined"
+"""The kind of failure if plans exist, but no hyperparameters satisfy any of them."""
+CLASS_UNKNOWN = "class_unknown"
+"""The kind of failure if the goal needs a class of which it is unknown whether a token is a member."""
+
+MESSAGES: Mapping[str, str] = {
+    "unsolvable": "No plan exists; the planner has proven it.",
+    "not_found": "The planner found no plan, but has not proven that there is none.",
+    "planner_crashed": "The planner crashed.",
+    "plan_refused": "The planner returned a plan that is wrong; it was refused.",
+    CLASS_UNKNOWN: "Whether there is a plan is not known: the goal speaks of a token that nobody has tried yet.",
+    NOT_REFINED: "Plans exist, but none was found that the blocks' own forward models can carry out.",
+}
+"""Kind of failure to the sentence that explains it."""
+
+
+@dataclass(frozen=True)
+class PlannerFigures:
+    """Which engine answered, how long it took, and how the plan was found.
+
+    Attributes:
+        name: name of the engine.
+        seconds: time of all attempts together [s].
+        way: how the plan was found.
+        proven_shortest: whether no plan has a shorter makespan.
+        stages: stage of planning to the time it took [s].
+    """
+
+    name: str
+    seconds: float
+    way: str = ""
+    proven_shortest: bool = False
+    stages: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class WholeNetwork:
+    """The task from which a network was reduced.
+
+    Attributes:
+        blocks: how many blocks the domain has.
+        edges: how many edges its network has.
+        tokens: how many tokens the task has.
+        blocks_left_out: names of the blocks that were left out, sorted.
+        tokens_left_out: names of the tokens that were left out, sorted; all but places rest all the time.
+    """
+
+    blocks: int
+    edges: int
+    tokens: int
+    blocks_left_out: tuple[str, ...]
+    tokens_left_out: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class AddedToken:
+    """An object that was brought into the network as a tool.
+
+    Attributes:
+        token: its name.
+        classes: the names of its classes.
+        blocks: names of the blocks that it made fillable, sorted.
+        why: what was wrong without it.
+    """
+
+    token: str
+    classes: tuple[str, ...]
+    blocks: tuple[str, ...]
+    why: str
+
+
+@dataclass(frozen=True)
+class PlannedNetwork:
+    """The network that was planned on.
+
+    Attributes:
+        blocks: names of its blocks, sorted.
+        edges: its edges, source first.
+        tokens: names of the tokens that were planned with, sorted.
+        reduced_from: what it was reduced from, or None if nothing was left out.
+        expanded_with: objects brought in because there was no plan without them, in their order.
+    """
+
+    blocks: tuple[str, ...]
+    edges: tuple[tuple[SlotName, SlotName], ...]
+    tokens: tuple[str, ...]
+    reduced_from: WholeNetwork | None
+    expanded_with: tuple[AddedToken, ...]
+
+    @classmethod
+    def of(cls, whole: Task, part: Task, added: Iterable[AddedToken] = ()) -> "PlannedNetwork":
+        """Return the network of a part of a task.
+
+        Args:
+            whole: the task.
+            part: what it was reduced to.
+            added: the objects that were brought in.
+        """
+        kept = part.domain.block_by_name
+        whole_network = WholeNetwork(
+            blocks=len(whole.domain.blocks),
+            edges=whole.domain.network.graph.number_of_edges(),
+            tokens=len(whole.tokens),
+            blocks_left_out=tuple(sorted(whole.domain.block_by_name.keys() - kept.keys())),
+            tokens_left_out=tuple(sorted(whole.token_by_name.keys() - part.token_by_name.keys())),
+        )
+        reduced = whole_network.blocks_left_out or whole_network.tokens_left_out
+        edges = tuple(part.domain.network.edges)
+        tokens = tuple(sorted(part.token_by_name))
+        return cls(tuple(sorted(kept)), edges, tokens, whole_network if reduced else None, tuple(added))
+
+
+@dataclass(frozen=True)
+class PlanningFailure:
+    """Why planning gave no plan, as planning itself knows it.
+
+    Attributes:
+        kind: a key of `MESSAGES`; ``time`` or ``memory`` if that limit was reached; or a word of whoever made the plan.
+        detail: what else is known, e.g. why a plan was refused; empty if the kind says all.
+    """
+
+    kind: str
+    detail: str = ""
+
+    @property
+    def message(self) -> str:
+        """The failure in a sentence or two."""
+        return " ".join(filter(None, [MESSAGES.get(self.kind, ""), self.detail]))
+
+    @property
+    def status(self) -> Status:
+        """The status of the outcome."""
+        if self.kind == "unsolvable":
+            return "unsolvable"
+        return "limit" if self.kind in ("time", "memory") else "unknown"
+
+
+@dataclass(frozen=True)
+class Exclusion:
+    """A binding of a block that was excluded, because no hyperparameters satisfy the plan that contains it.
+
+    Attributes:
+        instance: the instance whose binding was excluded.
+        shortfall: the condition that no hyperparameters satisfy.
+    """
+
+    instance: BlockInstance
+    shortfall: Shortfall
+
+    @property
+    def text(self) -> str:
+        """The binding and by how much the condition fails."""
+        roles = ", ".join(f"{role}={name}" for role, name in self.instance.roles.items())
+        short = self.shortfall
+        unit = "" if short.unit == "1" else f" {short.unit}"
+        return f"{self.instance.block} with {roles}: {short.atom.text} fails by {-short.margin:.3g}{unit} at best"
+
+
+@dataclass(frozen=True)
+class PlanOutcome:
+    """The outcome of planning a task.
+
+    Attributes:
+        task: the task; of a goal with a choice, `chosen` says which ground goal the plan reaches.
+        planner: how the plan was looked for.
+        network: the network that was planned on.
+        plan: the plan, or None.
+        failure: why there is none, or None.
+        chosen: the task with the ground goal that the plan reaches; None if there is no plan.
+        explanation: why there is no plan in terms of the task, or None if nobody has asked.
+        refinement: how the hyperparameters of the plan were optimised, or None.
+        excluded: the bindings that were excluded before this plan, in their order.
+    """
+
+    task: Task
+    planner: PlannerFigures
+    network: PlannedNetwork
+    plan: TaskPlan | None = None
+    failure: PlanningFailure | None = None
+    chosen: Task | None = None
+    explanation: Explanation | None = None
+    refinement: RefinedPlan | None = None
+    excluded: tuple[Exclusion, ...] = ()
+
+    @property
+    def status(self) -> Status:
+        """Whether there is a plan, is proven to be none, or nothing is known."""
+        return "solved" if self.failure is None else self.failure.status
+
+    @property
+    def makespan(self) -> float | None:
+        """When the plan ends [s]."""
+        return None if self.plan is None else self.plan.makespan
+
+    @property
+    def cost(self) -> float | None:
+        """Number of PDDL actions of the plan."""
+        return None if self.plan is None else float(len(self.plan.actions))
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """The stretches of time in which no token is reassigned; empty if there is no plan."""
+        return () if self.plan is None else tuple(self.plan.steps)
+
+    @property
+    def error(self) -> HybridTampError | None:
+        """Why there is no plan, as an exception; None if there is one."""
+        if self.failure is None:
+            return None
+        if self.status == "limit":
+            return LimitReached(self.failure.message, limit=self.failure.kind)
+        message = self.failure.message if self.explanation is None else self.explanation.text
+        if self.failure.kind == NOT_REFINED:
+            message = "\n".join([self.failure.message, *(f"  {each.text}" for each in self.excluded)])
+        return NoPlan(message, proven=self.status == "unsolvable", kind=self.failure.kind)
+
+    def required(self) -> TaskPlan:
+        """Return the plan.
+
+        Raises:
+            NoPlan: there is none, or none was found.
+            LimitReached: the planner reached a limit.
+        """
+        if self.plan is None:
+            raise self.error or NoPlan("no plan", proven=False, kind="not_found")
+        return self.plan

@@ -1,0 +1,61 @@
+"""What keys of documents show that is no attribute of a dataclass; the docstrings describe the keys in the schemas."""
+
+from math import isfinite
+from typing import Literal
+
+from hybrid_tamp.model.explanation import Reason, Suggestion
+from hybrid_tamp.model.network import slot_text
+from hybrid_tamp.model.outcome import PlannedNetwork, PlanOutcome
+from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.model.refined import Retuning, Tuned, Value
+from hybrid_tamp.model.run_result import RunResult
+
+
+def objective(outcome: PlanOutcome) -> Literal["length", "makespan"]:
+    """What the plan should be short in."""
+    return "makespan" if outcome.task.objective == "makespan" else "length"
+
+
+def actions(outcome: PlanOutcome) -> tuple[PlannedAction, ...]:
+    """The PDDL plan, a line each."""
+    return () if outcome.plan is None else outcome.plan.actions
+
+
+def refined(outcome: PlanOutcome) -> PlanOutcome | None:
+    """How the hyperparameters were optimised; null if they were not."""
+    return None if outcome.refinement is None else outcome
+
+
+def edges(network: PlannedNetwork) -> tuple[tuple[str, str], ...]:
+    """Pairs of 'BLOCK.slot', source first."""
+    return tuple((slot_text(source), slot_text(target)) for source, target in network.edges)
+
+
+def kind(reason: Reason) -> str:
+    """What is wrong, in a word."""
+    return reason.kind
+
+
+def solvable(suggestion: Suggestion) -> Literal[True]:
+    """Whether the changed task has a plan: it was planned."""
+    return True
+
+
+def moves(tuned: Tuned) -> tuple[str, ...]:
+    """Performance measures on which it has an effect."""
+    return tuple(".".join(measure) for measure in tuned.moves)
+
+
+def before(retuning: Retuning) -> Value | None:
+    """The optimum of the forward models in physics; null if its run failed."""
+    return retuning.before if isfinite(retuning.before.violation) else None
+
+
+def best(retuning: Retuning) -> Value | None:
+    """The values that were kept, in physics; null if every run failed."""
+    return retuning.best if isfinite(retuning.best.violation) else None
+
+
+def breaches(result: RunResult) -> tuple[str, ...]:
+    """Breaches of the law of assignment by the recording; empty if there are none."""
+    return tuple(map(str, result.law))

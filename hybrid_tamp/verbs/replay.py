@@ -1,0 +1,29 @@
+"""The verb ``replay``: a recording goes in; whether its commands give the same states again, bit for bit, comes out."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from hybrid_tamp.execution import replay as replaying
+from hybrid_tamp.execution.replay import ReplayReport
+from hybrid_tamp.execution.storage import load
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.physics.protocol import open_backend
+from hybrid_tamp.taskfile.domains import installed_domain
+from hybrid_tamp.taskfile.loader import load_task
+
+
+def replay(directory: Path | str, find_domain: Callable[[str], Domain] = installed_domain) -> ReplayReport:
+    """Run the commands of a recording again and compare, bit for bit.
+
+    Args:
+        directory: the folder that a run left.
+        find_domain: how the domain is found that the task file names.
+
+    Raises:
+        InputError: the folder holds no run, or a broken one; the message says what is wrong with it.
+    """
+    folder = Path(directory)
+    recording = load(folder / "recording.npz")
+    task = load_task(folder / "task.yaml", find_domain)
+    with open_backend(recording.backend) as physics:
+        return replaying.replay(task, recording, physics)

@@ -1,0 +1,119 @@
+"""The verb ``run``: a task is planned, optimised, carried out in physics, recorded and judged."""
+
+import time
+from contextlib import ExitStack
+from dataclasses import replace
+from functools import partial
+from math import isfinite
+from pathlib import Path
+
+from hybrid_tamp.execution.events import EventLog
+from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.prediction import add_predictions
+from hybrid_tamp.execution.storage import save
+from hybrid_tamp.midlevel.measured import measure_run
+from hybrid_tamp.model.law import check_law
+from hybrid_tamp.model.outcome import PlanOutcome
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.run_result import RunResult
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.physics.pictures.rendering import open_renderer
+from hybrid_tamp.physics.protocol import open_backend
+from hybrid_tamp.planning.plan import plan_task
+from hybrid_tamp.planning.replanning import FindPlan, Progress, plan_and_refine
+from hybrid_tamp.questions.explain.explanation import explain_failure
+from hybrid_tamp.report.documents import document
+from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.report.measures import run_measures
+from hybrid_tamp.report.page import write_page
+from hybrid_tamp.report.versions import versions
+from hybrid_tamp.report.video import check_video, draw_run
+from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
+from hybrid_tamp.symbolic.strategies.search import Planner
+from hybrid_tamp.verbs.loading import Settings, load
+from hybrid_tamp.verbs.plan import SECONDS, save_plan
+
+
+def run(
+    source: Task | Path | str,
+    folder: RunFolder | Path | str,
+    settings: Settings = Settings(),  # noqa: B008
+    *,
+    backend: str = "pybullet",
+    video: Path | None = None,
+    force: bool = False,
+    planner: Planner | None = None,
+    find_plan: FindPlan | None = None,
+    progress: Progress | None = None,
+) -> RunResult:
+    """Plan a task, optimise its hyperparameters, carry the plan out, record it and judge the recording.
+
+    Args:
+        source: a task, the path of a task file, or the name of a bundled task.
+        folder: where the files of the run go.
+        settings: what replaces what the file says.
+        backend: name of the physics backend.
+        video: where the video goes; without it only one picture for each step is drawn.
+        force: whether the files may replace another run's.
+        planner: a running planner process; by default one is started for this call.
+        find_plan: how plans are found, if not by the planner.
+        progress: told how far the work is.
+
+    Raises:
+        NoPlan: there is no plan, or none was found that the forward models can carry out.
+        LimitReached: the planner reached a limit.
+        InputError: the task file, the folder, the planner or the backend cannot be used.
+        NotFinite: every rollout of a plan failed.
+    """
+    began = time.monotonic()
+    tell = progress or (lambda share, what: None)
+    with ExitStack() as stack:
+        # The planner's process starts up while the task file is read.
+        process = planner or stack.enter_context(PlannerProcess())
+        task = load(source, settings, plans=find_plan is None)
+        target = RunFolder.open(folder, force=force)
+        check_video(video)
+        physics = stack.enter_context(open_backend(backend))
+        outcome = plan_and_refine(task, find_plan or partial(plan_task, planner=process), tell, backend)
+        if outcome.plan is None:
+            outcome = replace(outcome, explanation=explain_failure(outcome, SECONDS))
+        save_plan(outcome, target)
+        write_page(target, task.domain.resting)  # of the plan, or of why there is none
+        plan = outcome.required()
+        with EventLog(target.path / "events.jsonl") as events:
+            recording = execute(task, plan, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
+    result = judge(outcome, recording, time.monotonic() - began)
+    save(result.recording, target.path / "recording.npz")
+    target.write_json("result.json", document(result))
+    with open_renderer(task, recording) as renderer:
+        draw_run(target.path, task, recording, renderer.picture, video, lambda share: tell(share, "drawing"))
+    write_page(target, task.domain.resting)
+    return result
+
+
+def judge(outcome: PlanOutcome, recording: Recording, seconds: float) -> RunResult:
+    """Judge a recording by what was predicted, the law of assignment and the domain's measures.
+
+    Args:
+        outcome: the plan that was run, refined.
+        recording: what was measured.
+        seconds: how long all the work took [s].
+    """
+    assert outcome.refinement is not None, "what was run was refined"
+    task = outcome.task
+    recording = add_predictions(recording, outcome.refinement.expected)
+    metrics = {**(task.domain.metrics(task, recording) if task.domain.metrics else {})}
+    metrics |= run_measures(outcome.required(), recording)
+    figures = {key: float(figure[0]) for key, figure in measure_run(task, recording).figures.items()}
+    return RunResult(
+        outcome=outcome,
+        recording=recording,
+        metrics={name: value for name, value in metrics.items() if isfinite(value)},
+        wall_seconds=seconds,
+        versions=versions(),
+        performance=tuple(
+            replace(each, measured=figures.get((each.instance, each.measure)))
+            for each in outcome.refinement.performance
+        ),
+        law=tuple([] if recording.failure else check_law(task, recording.plan, recording.at)),
+    )
