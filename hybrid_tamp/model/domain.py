@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Any
 
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.affordance import ClassRelations, ObjectClass
@@ -13,12 +13,11 @@ from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import Predicate, SymbolSort
 from hybrid_tamp.model.trial import TrialRecipe
 
-if TYPE_CHECKING:
-    from hybrid_tamp.model.recording import Recording
-    from hybrid_tamp.model.task import Task
+Metrics = Callable[[Any, Any], Mapping[str, float]]
+"""``metrics(task, recording)``: a domain's own measures of a finished run, name (with unit) to value.
 
-Metrics = Callable[["Task", "Recording"], Mapping[str, float]]
-"""A domain's own measures of a finished run, name (with unit) to value."""
+A task knows its domain, so a domain does not know the class of tasks.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +53,7 @@ class Domain:
     sorts: tuple[SymbolSort, ...] = field(default=())
     disjoint: tuple[tuple[type[ObjectClass], ...], ...] = ()
     reduced: bool = False
-    trials: tuple[TrialRecipe, ...] = ()
+    trials: tuple[TrialRecipe[Any], ...] = ()
 
     def __post_init__(self) -> None:
         faults = [] if self.reduced else faults_of(self)

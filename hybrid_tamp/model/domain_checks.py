@@ -1,19 +1,16 @@
 """What a domain's declarations must satisfy; each fault is refused with its place and its remedy."""
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
 
 from hybrid_tamp.errors import Issue
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.declarations import Declarations
 from hybrid_tamp.model.predicate import ANY, Literal, Parameter, SymbolSort
 from hybrid_tamp.model.token import conflicts
 
-if TYPE_CHECKING:
-    from hybrid_tamp.model.domain import Domain
 
-
-def faults_of(domain: "Domain") -> list[Issue]:
+def faults_of(domain: Declarations) -> list[Issue]:
     """Return every fault of the domain; frame faults only where the rest is sound."""
     faults = [
         *_twice(domain),
@@ -26,7 +23,7 @@ def faults_of(domain: "Domain") -> list[Issue]:
     return faults or list(_frame(domain))
 
 
-def _twice(domain: "Domain") -> Iterator[Issue]:
+def _twice(domain: Declarations) -> Iterator[Issue]:
     kinds: dict[str, list[str]] = {
         "block": [block.name for block in domain.blocks],
         "predicate": [predicate.name for predicate in domain.predicates],
@@ -42,7 +39,7 @@ def _twice(domain: "Domain") -> Iterator[Issue]:
             )
 
 
-def _one_namespace(domain: "Domain") -> Iterator[Issue]:
+def _one_namespace(domain: Declarations) -> Iterator[Issue]:
     """PDDL has one namespace for types and predicates, so a class or sort and a predicate differ in name."""
     mentioned = [*domain.sorts, *(p.sort for q in domain.predicates for p in q.parameters)]
     sorts = {sort.name for sort in mentioned if isinstance(sort, SymbolSort)}
@@ -51,7 +48,7 @@ def _one_namespace(domain: "Domain") -> Iterator[Issue]:
         yield Issue(domain.name, f"{name!r} names a class or sort and a predicate", remedy="rename one of them")
 
 
-def _classes(domain: "Domain") -> Iterator[Issue]:
+def _classes(domain: Declarations) -> Iterator[Issue]:
     for object_class in domain.classes:
         actions = object_class.basic_actions
         for action in actions:
@@ -69,7 +66,7 @@ def _classes(domain: "Domain") -> Iterator[Issue]:
                 yield from conflicts((one, other))
 
 
-def _blocks(domain: "Domain") -> Iterator[Issue]:
+def _blocks(domain: Declarations) -> Iterator[Issue]:
     if domain.resting not in {block.name for block in domain.blocks}:
         yield Issue(domain.name, f"a domain needs the block {domain.resting} for what nothing manipulates")
     for block in domain.blocks:
@@ -105,7 +102,7 @@ def _measures(block: Block) -> Iterator[Issue]:
             yield Issue(f"{block.name}.{measure.name}", "the scale of a measure is more than 0", str(measure.scale))
 
 
-def _ways(domain: "Domain", block: Block, slot: str) -> Iterator[Issue]:
+def _ways(domain: Declarations, block: Block, slot: str) -> Iterator[Issue]:
     where = f"{block.name}.{slot}"
     if not domain.network.sources((block.name, slot)):
         yield Issue(where, "no edge leads into this slot", remedy="add an edge into it, e.g. from RESTING")
@@ -113,7 +110,7 @@ def _ways(domain: "Domain", block: Block, slot: str) -> Iterator[Issue]:
         yield Issue(where, "no edge leads out of this slot", remedy="add an edge out of it, e.g. to RESTING")
 
 
-def _edges(domain: "Domain") -> Iterator[Issue]:
+def _edges(domain: Declarations) -> Iterator[Issue]:
     slots = {(block.name, slot.name): slot.object_class for block in domain.blocks for slot in block.slots}
     available = tuple(f"{block}.{slot}" for block, slot in sorted(slots))
     for source, target in domain.network.edges:
@@ -129,7 +126,7 @@ def _edges(domain: "Domain") -> Iterator[Issue]:
             )
 
 
-def _conditions(domain: "Domain") -> Iterator[Issue]:
+def _conditions(domain: Declarations) -> Iterator[Issue]:
     known = set(map(id, domain.predicates))
     for block in domain.blocks:
         for literal in (*block.entry, *block.exit):
@@ -202,7 +199,7 @@ def sort_name(sort: type[ObjectClass] | SymbolSort) -> str:
     return sort.name
 
 
-def _frame(domain: "Domain") -> Iterator[Issue]:
+def _frame(domain: Declarations) -> Iterator[Issue]:
     """A predicate that reads something written must be set, deleted, maintained or declared kept."""
     for block in domain.blocks:
         for slot_name, written in block.writes.items():

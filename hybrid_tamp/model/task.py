@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.choice import alternatives
+from hybrid_tamp.model.choice import ground_goals
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
@@ -199,4 +199,7 @@ class Task:
         Raises:
             InputError: there are too many, or none.
         """
-        return alternatives(self) if any(ANY in atom.arguments for atom in self.goal) else (self,)
+        if not any(ANY in atom.arguments for atom in self.goal):
+            return (self,)
+        goals = ground_goals(self.goal, self.domain.predicate_by_name, self.groundings, self.margin)
+        return tuple(self.replaced(goal=goal) for goal in goals)

@@ -1,12 +1,12 @@
 """How a domain tries whether a token is a member of one of its classes, which blocks ground (paper, Sec. II-B).
 
-What is generic, ranking, warping and counting, is the business of `hybrid_tamp.affordances`; a domain says only what a
-labelled member teaches about a new token, and what a trial is.
+Ranking, warping and counting are the same for all domains (`hybrid_tamp.questions.probe`). A domain says what a labelled
+member teaches about a new token, and what a trial is.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -14,8 +14,8 @@ from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
-if TYPE_CHECKING:
-    from hybrid_tamp.model.task import Task
+TaskType = TypeVar("TaskType")
+"""The class of tasks. A task knows its domain, whose recipes therefore do not know the class."""
 
 Carry = Callable[[FloatArray], FloatArray]
 """Points on a labelled token ``(n, 3)`` [m] to where the warp has carried them on the new one, both in body frames."""
@@ -35,7 +35,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, eq=False)
-class TrialRecipe:
+class TrialRecipe(Generic[TaskType]):
     """How membership of one class is tried.
 
     Attributes:
@@ -49,7 +49,7 @@ class TrialRecipe:
     """
 
     object_class: type[ObjectClass]
-    align: Callable[["Task", Token, Token], FloatArray]
-    estimate: Callable[["Task", Token, Token, Carry], Estimate]
-    task: Callable[["Task", Token, np.random.Generator | None], "Task"]
+    align: Callable[[TaskType, Token, Token], FloatArray]
+    estimate: Callable[[TaskType, Token, Token, Carry], Estimate]
+    task: Callable[[TaskType, Token, np.random.Generator | None], TaskType]
     bounds: Mapping[str, tuple[float, float]]

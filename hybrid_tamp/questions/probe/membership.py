@@ -115,7 +115,7 @@ class Prober:
         return self.tried(known, recipe, task, member, plan, seed)
 
     def tried(
-        self, known: Verdict, recipe: TrialRecipe, task: Task, member: Token, plan: TaskPlan, seed: int
+        self, known: Verdict, recipe: TrialRecipe[Task], task: Task, member: Token, plan: TaskPlan, seed: int
     ) -> Verdict:
         """Return what is known of a class with the trials of a member, until they are enough.
 
@@ -128,7 +128,7 @@ class Prober:
             known = replace(known, trials=(*known.trials, self.trial(recipe, recipe.task(task, member, rng), plan)))
         return known
 
-    def trial(self, recipe: TrialRecipe, task: Task, plan: TaskPlan) -> Trial:
+    def trial(self, recipe: TrialRecipe[Task], task: Task, plan: TaskPlan) -> Trial:
         """Run one of a recipe's tasks.
 
         Raises:
@@ -186,7 +186,7 @@ def _classes(task: Task, token: Token, names: Sequence[str]) -> tuple[type[Objec
     return tuple(known[name] for name in names) or token.unknown
 
 
-def _nearest(task: Task, token: Token, recipe: TrialRecipe) -> tuple[Token, Warp] | None:
+def _nearest(task: Task, token: Token, recipe: TrialRecipe[Task]) -> tuple[Token, Warp] | None:
     """Return the labelled member whose surface comes the nearest, and its warp."""
     found = []
     for labelled in task.tokens:
@@ -207,7 +207,7 @@ def _draws(seed: int, count: int) -> Iterator[np.random.Generator]:
     yield from (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(count))
 
 
-def _faults(recipe: TrialRecipe, recording: Recording, measured: Mapping[str, float]) -> Iterator[str]:
+def _faults(recipe: TrialRecipe[Task], recording: Recording, measured: Mapping[str, float]) -> Iterator[str]:
     """Yield what was wrong with a trial."""
     if recording.failure is not None:
         yield f"{recording.failure.instance}: {recording.failure.reason}"
