@@ -1,7 +1,7 @@
 """How a domain tries whether a token is a member of one of its classes, which blocks ground (paper, Sec. II-B).
 
-Ranking, warping and counting are the same for all domains (`hybrid_tamp.questions.probe`). A domain says what a labelled
-member teaches about a new token, and what a trial is.
+Ranking, warping and counting are the same for all domains (`hybrid_tamp.questions.probe`). A domain says what a
+labelled member teaches about a new token, and what a trial is.
 """
 
 from collections.abc import Callable, Mapping
