@@ -2,17 +2,17 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.forward_model import roll_out
-from hybrid_tamp.model.predicate import ANY, Binding, Literal, Value
+from hybrid_tamp.model.predicate import ANY, Binding, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
 
 _WALKS = 4  # At most, for each sample.
 _LONGEST_HOLD = 30.0  # [s]
@@ -89,30 +89,13 @@ def _next(
         return None
     # Of those that have been rolled out, any: the way to some states leads through blocks that are rolled out often.
     for block in sorted(blocks, key=lambda block: (done[block.name] > 0, rng.random())):
-        possible = list(_possible(task, block, state, {}))
+        possible = list(enumerate_bindings(task.choices(block), block.entry, partial(_holds, task, state)))
         if possible:
             return block, possible[int(rng.integers(len(possible)))]
     return None
 
 
-def _possible(task: Task, block: Block, state: State, bound: dict[str, Value]) -> Iterator[Binding]:
-    """Yield the bindings of a block whose entry conditions hold, each evaluated as soon as its roles are bound."""
-    unbound = [role for role in block.roles if role not in bound]
-    if not unbound:
-        yield bound
-        return
-    for value in task.values_of(block.roles[unbound[0]]):
-        if isinstance(value, Token) and value in bound.values():
-            continue
-        more = {**bound, unbound[0]: value}
-        ready = [
-            c for c in block.entry if unbound[0] in c.arguments and set(c.arguments) & set(block.roles) <= set(more)
-        ]
-        if all(_holds(task, condition, state, more) for condition in ready):
-            yield from _possible(task, block, state, more)
-
-
-def _holds(task: Task, condition: Literal, state: State, binding: Binding) -> bool:
+def _holds(task: Task, state: State, condition: Literal, binding: Binding) -> bool:
     # Feasibility was decided in the initial state.
     return float(condition.margin(task.state if condition.predicate.static else state, binding)) >= 0
 

@@ -10,10 +10,8 @@ from dataclasses import dataclass, field
 from hybrid_tamp.feasibility.bindings import (
     MOST,
     Bound,
-    Choices,
     Margins,
     TooMany,
-    choices,
     completed,
     feasible,
     static_entry,
@@ -21,6 +19,7 @@ from hybrid_tamp.feasibility.bindings import (
 from hybrid_tamp.feasibility.passages import Passages
 from hybrid_tamp.feasibility.reasons import BLOCK, reason_of
 from hybrid_tamp.feasibility.shares import amount, best_choice, failing
+from hybrid_tamp.model.bindings import Choices
 from hybrid_tamp.model.block import Block, Slot
 from hybrid_tamp.model.explanation import Reason, ReasonKind
 from hybrid_tamp.model.facts import StaticFacts, facts
@@ -99,7 +98,7 @@ class Backwards:
         ways, never = Ways(), list[Reason]()
         for block, fixed in self._achievers(atom):
             member = _no_member(self.task, block, fixed)
-            allowed = choices(self.task, block, fixed)
+            allowed = self.task.choices(block, fixed)
             literals = static_entry(block)
             if member:
                 ways.reasons.append(member)
@@ -125,14 +124,14 @@ class Backwards:
         """
         found: list[Reason] = []
         for block, fixed in self._achievers(atom):
-            allowed = self._narrowed(block, choices(self.task, block, fixed), reached)
+            allowed = self._narrowed(block, self.task.choices(block, fixed), reached)
             literals = static_entry(block)
             symbols = list(filter(_over_symbols, literals))
             rows = feasible(self._margins, symbols, allowed)
             if rows and all(allowed.values()):
                 bound = {role: tuple(dict.fromkeys(row[role] for row in rows)) for role in rows[0]}
                 found += failing(
-                    self._margins, block, [each for each in literals if each not in symbols], allowed | bound
+                    self._margins, block, [each for each in literals if each not in symbols], {**allowed, **bound}
                 )
         return found
 

@@ -1,24 +1,22 @@
-"""Which tokens and symbols could fill a block's roles, as far as facts tell that nothing changes."""
+"""Which tokens and symbols can take a block's roles, as far as feasibility facts decide."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import islice, product
+from itertools import islice
 
+from hybrid_tamp.model.bindings import Choices, enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import Literal, Predicate, Value
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import different
 
-Choices = dict[str, tuple[Value, ...]]
-"""Role to the values that it may have."""
 Bound = dict[str, Value]
 """Role to its value."""
 
 MOST = 50_000
-"""So many bindings of a block are looked at."""
+"""How many bindings of a block are examined at most."""
 
 
 class TooMany(Exception):
-    """A block has more bindings than are looked at."""
+    """A block has more bindings than are examined."""
 
 
 class Margins:
@@ -37,15 +35,6 @@ class Margins:
         return self._known[key] if literal.positive else -self._known[key]
 
 
-def choices(task: Task, block: Block, fixed: Mapping[str, Value]) -> Choices:
-    """Return what each role may be by its class or sort alone, and by what is fixed; an empty tuple where nothing."""
-    every = {role: task.values_of(sort) for role, sort in block.roles.items()}
-    return {
-        role: tuple(value for value in values if role not in fixed or value == fixed[role])
-        for role, values in every.items()
-    }
-
-
 def static_entry(block: Block) -> tuple[Literal, ...]:
     """Return the block's feasibility conditions, those over symbols alone first: they leave the fewest choices."""
     return tuple(sorted(block.static_entry, key=lambda literal: literal.predicate.rows is None))
@@ -55,40 +44,29 @@ def feasible(margins: Margins, literals: Iterable[Literal], allowed: Choices) ->
     """Return the bindings of the literals' roles under which all of them hold, tokens different from each other.
 
     Raises:
-        TooMany: there are more than `MOST`.
+        TooMany: there are more than `MOST`, or more than that satisfy some of the literals.
     """
-    found: list[Bound] = [{}]
-    for literal in literals:
-        every = (more for bound in found for more in _extended(margins, literal, bound, allowed))
-        found = list(islice(every, MOST + 1))
-        if len(found) > MOST:
+    literals = list(literals)
+    roles = {argument for literal in literals for argument in literal.arguments}
+    satisfied = dict.fromkeys(literals, 0)
+
+    def holds(literal: Literal, bound: Mapping[str, Value]) -> bool:
+        if margins.of(literal, bound) < 0:
+            return False
+        satisfied[literal] += 1
+        if satisfied[literal] > MOST:
             raise TooMany
-    return found
+        return True
+
+    choices = {role: values for role, values in order_roles(allowed, literals).items() if role in roles}
+    return list(islice(enumerate_bindings(choices, literals, holds), MOST + 1))
 
 
 def completed(bounds: Iterable[Bound], allowed: Choices) -> Iterator[Bound]:
     """Yield every way to bind the remaining roles, tokens different from each other."""
     for bound in bounds:
-        missing = [role for role in allowed if role not in bound]
-        for values in product(*(allowed[role] for role in missing)):
-            whole = bound | dict(zip(missing, values, strict=True))
-            if different(whole.values()):
-                yield whole
+        yield from enumerate_bindings({**{role: (value,) for role, value in bound.items()}, **_rest(bound, allowed)})
 
 
-def _extended(margins: Margins, literal: Literal, bound: Bound, allowed: Choices) -> Iterator[Bound]:
-    return (more for more in extensions(literal, bound, allowed) if margins.of(literal, more) >= 0)
-
-
-def extensions(literal: Literal, bound: Bound, allowed: Choices) -> Iterator[Bound]:
-    """Yield every way to bind a literal's roles, tokens different; of one over symbols alone, those that hold."""
-    roles = [role for role in dict.fromkeys(literal.arguments) if role in allowed and role not in bound]
-    rows: Iterable[tuple[Value, ...]]
-    if literal.positive and literal.predicate.rows is not None and len(roles) == len(literal.arguments):
-        rows = (row for row in literal.predicate.rows if all(v in allowed[r] for r, v in zip(roles, row, strict=True)))
-    else:
-        rows = product(*(allowed[role] for role in roles))
-    for values in rows:
-        more = bound | dict(zip(roles, values, strict=True))
-        if different(more.values()):
-            yield more
+def _rest(bound: Bound, allowed: Choices) -> Choices:
+    return {role: values for role, values in allowed.items() if role not in bound}

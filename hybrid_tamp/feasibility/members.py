@@ -1,9 +1,9 @@
-"""Which of some tokens could fill the slots and targets of a block, all of them at once."""
+"""Which of some tokens could fill the slots and targets of a block, all of them at once, by their classes alone."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence, Set
 
-from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import SymbolSort
 from hybrid_tamp.model.token import Token
@@ -14,31 +14,22 @@ class Members:
 
     def __init__(self, tokens: Iterable[Token]) -> None:
         # From each token up to the classes above its own: asking every class of every token takes longer.
-        self._of: defaultdict[type, set[str]] = defaultdict(set)
+        self._of: defaultdict[type, list[Token]] = defaultdict(list)
         for token in tokens:
             for above in {above for member in token.classes for above in member.__mro__}:
-                self._of[above].add(token.name)
-
-    def of(self, object_class: type[ObjectClass]) -> Set[str]:
-        """Return the names of the members of a class."""
-        return self._of.get(object_class, frozenset())
+                self._of[above].append(token)
 
     def can_fill(self, block: Block) -> bool:
         """Say whether there is a token for each slot and each target that is no symbol, a different one for each."""
-        return _choosable(self._fitting(block))
+        # The roles with the fewest members first; one with as many members as there are roles always finds one left.
+        members = sorted(self._of_roles(block), key=len)
+        tight = {str(role): tokens for role, tokens in enumerate(members) if len(tokens) < len(members)}
+        return next(enumerate_bindings(tight), None) is not None
 
     def able(self, block: Block) -> Set[str]:
         """Return the names of the tokens that fit a slot or a target of the block."""
-        return frozenset().union(*self._fitting(block))
+        return frozenset(token.name for tokens in self._of_roles(block) for token in tokens)
 
-    def _fitting(self, block: Block) -> list[Set[str]]:
-        return [self.of(sort) for sort in block.roles.values() if not isinstance(sort, SymbolSort)]
-
-
-def _choosable(sets: Sequence[Set[str]]) -> bool:
-    """Say whether one element of each set can be chosen so that all are different."""
-    # A set with enough elements for all has one left for itself, whatever the others take.
-    tight = sorted((each for each in sets if len(each) < len(sets)), key=len)
-    if not tight:
-        return True
-    return any(_choosable([each - {chosen} for each in tight[1:]]) for chosen in sorted(tight[0]))
+    def _of_roles(self, block: Block) -> list[Sequence[Token]]:
+        sorts = (sort for sort in block.roles.values() if not isinstance(sort, SymbolSort))
+        return [self._of.get(sort, []) for sort in sorts]

@@ -5,8 +5,9 @@ from functools import cached_property
 
 import networkx as nx
 
-from hybrid_tamp.feasibility.bindings import Bound, Choices
+from hybrid_tamp.feasibility.bindings import Bound
 from hybrid_tamp.feasibility.reasons import BLOCK, reason_of
+from hybrid_tamp.model.bindings import Choices
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.network import SlotName, slot_text

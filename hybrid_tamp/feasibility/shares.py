@@ -7,16 +7,15 @@ by share.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import product
 from math import ceil
 
-from hybrid_tamp.feasibility.bindings import Bound, Choices, Margins, completed, feasible
+from hybrid_tamp.feasibility.bindings import Bound, Margins, completed, feasible
 from hybrid_tamp.feasibility.reasons import BLOCK, reason_of
+from hybrid_tamp.model.bindings import Choices, enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import Literal, Value, name_of
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import different
 
 _MANY = 100
 
@@ -88,11 +87,8 @@ def _ranked(margins: Margins, shared: _Shared, allowed: Choices) -> list[tuple[f
     """Return the best margin of each token that could be in one of the slots, the largest first."""
     best: dict[Value, tuple[float, Bound]] = {}
     for literal, slot in zip(shared.literals, shared.slots or ("",) * len(shared.literals), strict=False):
-        roles = [role for role in dict.fromkeys(literal.arguments) if role in allowed]
-        for values in product(*(allowed[role] for role in roles)):
-            if not different(values):
-                continue
-            bound = dict(zip(roles, values, strict=True))
+        choices = {role: allowed[role] for role in literal.arguments if role in allowed}
+        for bound in enumerate_bindings(choices):
             margin, bearer = margins.of(literal, bound), bound.get(slot, "")
             if bearer not in best or margin > best[bearer][0]:
                 best[bearer] = (margin, bound)

@@ -6,9 +6,9 @@ never come from numbers: their atoms belong to running instances.
 """
 
 from collections.abc import Iterable
-from itertools import product
 
-from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort, Value, name_of
+from hybrid_tamp.model.bindings import enumerate_bindings, names_of
+from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token, different
@@ -88,9 +88,8 @@ def margins(task: Task, state: State, predicate: Predicate) -> Iterable[tuple[At
 
 def _atoms(task: Task, predicate: Predicate) -> Iterable[tuple[Atom, tuple[Value, ...]]]:
     """Yield every well-typed atom of the predicate over different tokens, with its arguments."""
-    for values in product(*(task.values_of(parameter.sort) for parameter in predicate.parameters)):
-        if different(values):
-            yield Atom(predicate.name, tuple(map(name_of, values))), values
+    for bound in enumerate_bindings({each.name: task.values_of(each.sort) for each in predicate.parameters}):
+        yield Atom(predicate.name, names_of(bound)), tuple(bound.values())
 
 
 def _one_value_each(task: Task, holding: list[tuple[Atom, float]], index: int) -> Iterable[Atom]:

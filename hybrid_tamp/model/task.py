@@ -1,19 +1,19 @@
 """A task: tokens of a domain, where they are, who they belong to, and what is wanted."""
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import product
 from pathlib import Path
 
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.bindings import enumerate_bindings, names_of
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.choice import ground_goals
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort, Value, name_of
+from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort, Value
 from hybrid_tamp.model.state import State
-from hybrid_tamp.model.token import Token, different
+from hybrid_tamp.model.token import Token
 
 DEFAULT_PLANNER = "fast-downward"
 
@@ -144,12 +144,14 @@ class Task:
         """Return role to token or symbol from role to name."""
         return {role: self.value(name) for role, name in roles.items()}
 
-    def bindings(self, block: Block) -> Iterator[dict[str, Value]]:
-        """Every binding of a block's roles by classes alone, all tokens different."""
-        roles = block.roles
-        for values in product(*(self.values_of(sort) for sort in roles.values())):
-            if different(values):
-                yield dict(zip(roles, values, strict=True))
+    def choices(self, block: Block, fixed: Mapping[str, Value] | None = None) -> dict[str, tuple[Value, ...]]:
+        """Return the values that each role of a block may have by its class or sort, and by what is fixed."""
+        every = {role: self.values_of(sort) for role, sort in block.roles.items()}
+        fixed = fixed or {}
+        return {
+            role: tuple(value for value in values if role not in fixed or value == fixed[role])
+            for role, values in every.items()
+        }
 
     def margin(self, atom: Atom, state: State | None = None) -> float:
         """Return the signed margin of an atom, in the initial state unless another is given.
@@ -185,13 +187,11 @@ class Task:
     def groundings(self, atom: Atom) -> tuple[Atom, ...]:
         """Return the positive ground atoms that an atom leaves to choose from, all tokens different."""
         parameters = self.domain.predicate_by_name[atom.predicate].parameters
-        choices = [
-            self.values_of(parameter.sort) if argument == ANY else (self.value(argument),)
+        choices = {
+            parameter.name: self.values_of(parameter.sort) if argument == ANY else (self.value(argument),)
             for argument, parameter in zip(atom.arguments, parameters, strict=True)
-        ]
-        return tuple(
-            Atom(atom.predicate, tuple(map(name_of, values))) for values in product(*choices) if different(values)
-        )
+        }
+        return tuple(Atom(atom.predicate, names_of(bound)) for bound in enumerate_bindings(choices))
 
     def alternatives(self) -> tuple["Task", ...]:
         """Return the tasks with the ground goals that this one leaves to choose from, the nearest first.

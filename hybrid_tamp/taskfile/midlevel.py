@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.parameters import Hyperparameter
@@ -55,7 +56,9 @@ def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
         part = next(each for each in task.domain.block_by_name[block].hyperparameters if each.name == name)
         if part.within is None:
             continue
-        ranges = list(map(part.within, islice(task.bindings(task.domain.block_by_name[block]), MOST_BINDINGS)))
+        ranges = list(
+            map(part.within, islice(enumerate_bindings(task.choices(task.domain.block_by_name[block])), MOST_BINDINGS))
+        )
         if ranges and all(high < part.lower or low > part.upper for low, high in ranges):
             allowed = ", ".join(list(dict.fromkeys(f"{low:g} to {high:g}" for low, high in ranges))[:MOST_SHOWN])
             wanted = f"{path[-1]} is within what some tokens of the task allow: {allowed}"

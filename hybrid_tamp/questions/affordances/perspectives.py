@@ -9,7 +9,7 @@ state are not examined.
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import combinations
 
-from hybrid_tamp.feasibility.fillable import Usable
+from hybrid_tamp.feasibility.fillable import FillableBlocks
 from hybrid_tamp.model.affordance import CapabilityClass
 from hybrid_tamp.model.affordances import Affordance, Implication, View
 from hybrid_tamp.model.block import Block, Slot
@@ -47,7 +47,7 @@ def environment(task: Task) -> list[Affordance]:
 def afforded_to(task: Task, *names: str) -> list[Affordance]:
     """Return what is afforded to an agent, or to several that pool their tokens."""
     own = _of_agents(task, names)
-    fillable = Usable(own)
+    fillable = FillableBlocks(own)
     found = []
     for thing in own.assigned:
         for block, slot in _offered(own, thing):

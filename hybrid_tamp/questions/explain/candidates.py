@@ -1,17 +1,19 @@
 """The single changes that might give a task a plan; those first to which the reasons point."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Set
 from itertools import product
 
-from hybrid_tamp.feasibility.bindings import Bound, Choices, Margins, choices, extensions, static_entry
+from hybrid_tamp.feasibility.bindings import Margins, static_entry
 from hybrid_tamp.feasibility.passages import Passages
 from hybrid_tamp.feasibility.shares import amount
 from hybrid_tamp.model.affordance import ObjectClass, is_place
+from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
+from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.change import AddEdge, Change, CopyToken, GrantFact, IdealToken, JoinClass, SetProperty
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.plan import split_mode
-from hybrid_tamp.model.predicate import Atom, Literal
+from hybrid_tamp.model.predicate import Atom, Literal, Value
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import more_tokens, task_root
 from hybrid_tamp.questions.explain.property_changes import property_changes
@@ -69,7 +71,6 @@ class _Space:
         self.task = task
         self._margins = Margins(task)
         self._passages = Passages(task)
-        self._kept: set[Atom] = set()
         self._slots = {(b.name, s.name): s.object_class for b in task.domain.blocks for s in b.slots}
 
     def pointed(self, reason: Reason) -> Iterator[Change]:
@@ -131,23 +132,35 @@ class _Space:
         """Return the feasibility facts that alone keep some tokens out of some block, the nearest first."""
         found: dict[Atom, float] = {}
         for block in self.task.domain.blocks:
-            bounds: list[tuple[Bound, Atom | None]] = [({}, None)]
-            allowed = choices(self.task, block, {})
-            for literal in static_entry(block):
-                bounds = [more for bound in bounds for more in self._failing_once(literal, *bound, allowed, found)]
-            found |= {atom: found[atom] for _, atom in bounds if atom is not None}
-            self._kept |= {atom for _, atom in bounds if atom is not None}
-        return sorted(self._kept, key=lambda atom: (-found[atom], atom))
+            for failure in self._single_failures(block):
+                found |= failure
+        return sorted(found, key=lambda atom: (-found[atom], atom))
 
-    def _failing_once(
-        self, literal: Literal, bound: Bound, failed: Atom | None, allowed: Choices, found: dict[Atom, float]
-    ) -> Iterator[tuple[Bound, Atom | None]]:
-        """Yield the bindings, extended, in which at most one fact fails, which is not about symbols alone."""
-        for more in extensions(literal, bound, allowed):
-            margin = self._margins.of(literal, more)
-            atom = literal.ground(more)
-            if margin >= 0 or atom == failed:
-                yield more, failed
-            elif failed is None and literal.predicate.rows is None:
-                found[atom] = margin / literal.predicate.scale
-                yield more, atom
+    def _single_failures(self, block: Block) -> Iterator[dict[Atom, float]]:
+        """Yield the one fact that fails in each binding of the block in which no other one does."""
+        conditions = static_entry(block)
+        roles = {argument for literal in conditions for argument in literal.arguments if argument in block.roles}
+        choices = {role: values for role, values in self.task.choices(block).items() if role in roles}
+
+        def few_fail(_: Literal, bound: Mapping[str, Value]) -> bool:
+            return self._failure(conditions, roles, bound) is not None
+
+        for bound in enumerate_bindings(order_roles(choices, conditions), conditions, few_fail):
+            yield self._failure(conditions, roles, bound) or {}
+
+    def _failure(
+        self, conditions: Iterable[Literal], roles: Set[str], bound: Mapping[str, Value]
+    ) -> dict[Atom, float] | None:
+        """Return the one fact that fails, with its margin in units of violation, or nothing if none fails.
+
+        It is None if several fail, or one over symbols alone. Conditions with open roles are not decided.
+        """
+        found: dict[Atom, float] = {}
+        for literal in conditions:
+            decided = all(argument in bound for argument in literal.arguments if argument in roles)
+            margin = self._margins.of(literal, bound) if decided else 0.0
+            if margin < 0:
+                found[literal.ground(bound)] = margin / literal.predicate.scale
+                if literal.predicate.rows is not None or len(found) > 1:
+                    return None
+        return found

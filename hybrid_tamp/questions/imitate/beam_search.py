@@ -13,6 +13,7 @@ from itertools import product
 
 import numpy as np
 
+from hybrid_tamp.model.bindings import enumerate_bindings, names_of
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.imitate.exits_used import ExitUse
 from hybrid_tamp.questions.imitate.hypotheses import Hypotheses, Hypothesis, Roles
@@ -141,20 +142,18 @@ class _Search:
     ) -> Iterator[Roles]:
         """Yield the tokens for all slots of a block of which one token takes one slot."""
         placed = _placed(reassignment)
-        choices = []
+        choices = {}
         for each in self.hypotheses.block(name).slots:
-            able = [
-                other.name
+            choices[each.name] = [
+                other
                 for other in self.task.assigned
                 if (other.name == token) == (each.name == slot)
                 and other.is_member(each.object_class)
                 and other.name not in placed
                 and (name, each.name) in self._destinations(interpretation, other.name)
             ]
-            choices.append([(each.name, other) for other in able])
-        for slots in product(*choices):
-            if len({other for _, other in slots}) == len(slots):
-                yield slots
+        for bound in enumerate_bindings(choices):
+            yield tuple(zip(bound, names_of(bound), strict=True))
 
     def _continuations(self, interpretation: Interpretation, reassignment: _Reassignment) -> Iterator[Interpretation]:
         row = self._instant(reassignment)

@@ -5,21 +5,21 @@ still until they leave. What a block does not write does not move while it runs,
 not change before its exit conditions hold.
 """
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import cast
 
 import numpy as np
 
+from hybrid_tamp.feasibility.bindings import static_entry
 from hybrid_tamp.model.affordance import BODY_STATE
+from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.plan import TIME_TOLERANCE
-from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort
+from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort, Value, name_of
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
 from hybrid_tamp.questions.imitate.movement_check import unexpected_pauses
 from hybrid_tamp.questions.imitate.observation import SURE, Observation, Truth
 
@@ -84,7 +84,6 @@ class Hypotheses:
         self.static = StaticFacts(task)
         self._targets: dict[tuple[str, Roles], tuple[Roles, ...]] = {}
         self._found: dict[tuple[str, Roles, Roles, int], tuple[Hypothesis, ...]] = {}
-        self._over_symbols: dict[str, tuple[Roles, ...]] = {}
 
     def block(self, name: str) -> Block:
         """Return the block of that name."""
@@ -168,30 +167,18 @@ class Hypotheses:
             self._targets[key] = tuple(self._feasible(block, slots))
         return self._targets[key]
 
-    def _feasible(self, block: Block, slots: Roles) -> Iterator[Roles]:
-        taken = {token for _, token in slots}
-        places = [t for t in block.targets if not isinstance(t.sort, SymbolSort)]
-        choices = [[cast(Token, v).name for v in self.task.values_of(t.sort)] for t in places]
-        facts = block.static_entry
-        for names in product(*choices):
-            if len({*names, *taken}) < len(names) + len(taken):
-                continue
-            chosen = tuple((target.name, name) for target, name in zip(places, names, strict=True))
-            for symbols in self._symbols(block):
-                if all(self._holds(literal, slots + chosen + symbols) for literal in facts):
-                    yield chosen + symbols
+    def _feasible(self, block: Block, slots: Roles) -> list[Roles]:
+        """Return the targets that the feasibility facts allow, tokens before symbols, in the order of the task."""
+        choices = self.task.choices(block, self.task.bind(dict(slots)))
+        conditions = static_entry(block)
+        found = enumerate_bindings(order_roles(choices, conditions), conditions, self._holds)
+        targets = sorted(block.targets, key=lambda target: isinstance(target.sort, SymbolSort))
+        order = {t.name: {name_of(v): place for place, v in enumerate(choices[t.name])} for t in targets}
+        roles = [tuple((target.name, name_of(bound[target.name])) for target in targets) for bound in found]
+        return sorted(roles, key=lambda each: [order[target][value] for target, value in each])
 
-    def _symbols(self, block: Block) -> tuple[Roles, ...]:
-        """Return the symbols for its targets that its facts over symbols alone allow."""
-        if block.name not in self._over_symbols:
-            sorts = {t.name: t.sort.symbols for t in block.targets if isinstance(t.sort, SymbolSort)}
-            rows = [tuple(zip(sorts, row, strict=True)) for row in product(*sorts.values())]
-            facts = [e for e in block.static_entry if set(e.arguments) <= set(sorts)]
-            self._over_symbols[block.name] = tuple(r for r in rows if all(self._holds(fact, r) for fact in facts))
-        return self._over_symbols[block.name]
-
-    def _holds(self, literal: Literal, roles: Roles) -> bool:
-        atom = literal.ground(self.task.bind(dict(roles)))
+    def _holds(self, literal: Literal, bound: Mapping[str, Value]) -> bool:
+        atom = literal.ground(bound)
         return (Atom(atom.predicate, atom.arguments) in self.static) == literal.positive
 
     def _departure(self, block: Block, slot: str, token: str, start: int, reached: int) -> int:

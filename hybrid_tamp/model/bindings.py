@@ -1,0 +1,99 @@
+"""The one enumeration of bindings: tokens and symbols for the roles of a block or the places of a predicate."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from hybrid_tamp.model.predicate import Literal, Value, name_of
+from hybrid_tamp.model.token import Token
+
+Choices = Mapping[str, Sequence[Value]]
+"""Role to the values that it may have."""
+Holds = Callable[[Literal, Mapping[str, Value]], bool]
+"""Says whether a condition holds whose roles are bound."""
+
+
+@dataclass(frozen=True)
+class _Step:
+    """One step of the enumeration: roles that are bound at once, and the conditions that can be decided then.
+
+    Attributes:
+        roles: the roles.
+        rows: the values that they may have together.
+        conditions: conditions all of whose roles are bound after this step, but not before.
+    """
+
+    roles: tuple[str, ...]
+    rows: Sequence[tuple[Value, ...]]
+    conditions: tuple[Literal, ...]
+
+
+def enumerate_bindings(
+    choices: Choices, conditions: Iterable[Literal] = (), holds: Holds | None = None
+) -> Iterator[dict[str, Value]]:
+    """Yield every way to bind roles to values, lazily: tokens are different from each other, symbols need not be.
+
+    The bindings come in the order of the choices, as of nested loops over the roles. Each condition is decided as soon
+    as its roles are bound; a relation over symbols gives the rows for its roles if they follow each other.
+
+    Args:
+        choices: role to the values that it may have.
+        conditions: literals that must hold; arguments that are no roles are symbols.
+        holds: decides them.
+    """
+    conditions = list(conditions)
+    if holds is not None and not all(holds(each, {}) for each in conditions if not _roles(each, choices)):
+        return
+    steps = _plan_steps(choices, conditions)
+
+    def extend(bound: dict[str, Value], index: int) -> Iterator[dict[str, Value]]:
+        if index == len(steps):
+            yield bound
+            return
+        step = steps[index]
+        for row in step.rows:
+            # Tokens are equal only to themselves.
+            if any(isinstance(value, Token) and value in bound.values() for value in row):
+                continue
+            more = bound | dict(zip(step.roles, row, strict=True))
+            if holds is None or all(holds(condition, more) for condition in step.conditions):
+                yield from extend(more, index + 1)
+
+    yield from extend({}, 0)
+
+
+def names_of(bound: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return the names of the tokens and symbols of a binding, in the order of its roles."""
+    return tuple(map(name_of, bound.values()))
+
+
+def order_roles(choices: Choices, conditions: Iterable[Literal]) -> Choices:
+    """Return the choices with the roles of the first conditions first, so that these conditions are decided early."""
+    roles = dict.fromkeys(argument for literal in conditions for argument in literal.arguments if argument in choices)
+    return {role: choices[role] for role in (*roles, *(role for role in choices if role not in roles))}
+
+
+def _plan_steps(choices: Choices, conditions: Sequence[Literal]) -> list[_Step]:
+    steps: list[_Step] = []
+    open_roles, bound = list(choices), set[str]()
+    while open_roles:
+        relation = next((literal for literal in conditions if _gives_rows(literal, open_roles)), None)
+        roles = (open_roles[0],) if relation is None else relation.arguments
+        rows: Sequence[tuple[Value, ...]] = [(value,) for value in choices[roles[0]]]
+        if relation is not None:
+            allowed = [frozenset(choices[role]) for role in roles]
+            rows = [row for row in relation.predicate.rows or () if all(map(frozenset.__contains__, allowed, row))]
+        after = bound | set(roles)
+        ready = [each for each in conditions if each is not relation and _roles(each, choices) <= after]
+        steps.append(_Step(roles, rows, tuple(each for each in ready if not _roles(each, choices) <= bound)))
+        bound, open_roles = after, open_roles[len(roles) :]
+    return steps
+
+
+def _roles(literal: Literal, choices: Choices) -> set[str]:
+    return {argument for argument in literal.arguments if argument in choices}
+
+
+def _gives_rows(literal: Literal, open_roles: Sequence[str]) -> bool:
+    """Say whether a literal is a relation over symbols whose arguments are the next roles."""
+    next_roles = tuple(open_roles[: len(literal.arguments)])
+    return literal.positive and literal.predicate.rows is not None and literal.arguments == next_roles
