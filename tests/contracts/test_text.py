@@ -10,9 +10,8 @@ CASES = {
     "roll_cylinder": ("check", "plan", "optimise", "explain", "affordances"),
     "roll_cylinder_off_axis": ("plan", "explain"),
     "tumble_one_hand": ("plan", "explain"),
-    "tool_choice": ("plan",),
+    "tool_choice": ("plan", "optimise"),
     "lift_two_hands": ("plan",),
-    "roll_past_region": ("optimise",),
     "unknown_box": ("probe",),
 }
 
