@@ -17,17 +17,17 @@ CONTROLLED: Mapping[str, tuple[float, float]] = {
 """Bounds of a controlled lift."""
 
 
-def metrics(task: Task, recording: Recording) -> Mapping[str, float]:
-    """Return the measures of every lift, with the name of its instance before each.
+def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
+    """Return the measures of every lift, each by the name of its instance and its own.
 
     From when the hands of LIFTING bear the box until their HOLDING ends: how high the lowest corner of the box is in
     the end and how far it is tilted at most; how far a hand slips along its face at most; and with which force a hand
     presses on the box at most as it is lifted, where the backend measures it.
     """
-    found: dict[str, float] = {}
+    found: dict[tuple[str, str], float] = {}
     for instance in recording.instances:
         if split_mode(instance.block)[0] == "LIFTING":
-            found |= {f"{instance.name}.{name}": value for name, value in _lift(task, recording, instance)}
+            found |= {(instance.name, name): value for name, value in _lift(task, recording, instance)}
     return found
 
 

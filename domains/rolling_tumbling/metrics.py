@@ -24,15 +24,15 @@ CONTROLLED: Mapping[str, tuple[float, float]] = {
 """Bounds of a controlled tumble. Pushed over by one hand, a box also ends on its next face, but it drops there."""
 
 
-def metrics(task: Task, recording: Recording) -> Mapping[str, float]:
-    """Return the measures of every rolling and of every tumble, with the name of the instance before each.
+def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
+    """Return the measures of every rolling and of every tumble, each by the name of its instance and its own.
 
     Rolling: how far the object came, how truly it rolled (``roll_ratio``, radius times angle over distance, is 1
     without slip) and how far its centre was from the region's when the instance ended.
     Tumbling, of the instance that brought the box down: the tilt reached, how far the pivot edge moved and how far the
     box turned about the vertical since the tumble began, and the angular speed at touchdown.
     """
-    found: dict[str, float] = {}
+    found: dict[tuple[str, str], float] = {}
     for instance in recording.instances:
         if instance.block == "ROLLING":
             measures = _rolling(task, recording, instance)
@@ -40,7 +40,7 @@ def metrics(task: Task, recording: Recording) -> Mapping[str, float]:
             measures = _tumble(task, recording, instance)
         else:
             continue
-        found |= {f"{instance.name}.{name}": value for name, value in measures}
+        found |= {(instance.name, name): value for name, value in measures}
     return found
 
 

@@ -16,15 +16,15 @@ _MOVING = 0.02
 _WITH_TOOL = ("CARRYING", "PUSHING", "STRIKING")
 
 
-def metrics(task: Task, recording: Recording) -> Mapping[str, float]:
-    """Return the measures of every grasp, push and strike, with the name of the instance before each.
+def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
+    """Return the measures of every grasp, push and strike, each by the name of its instance and its own.
 
     Grasp: where it is when the grasp ends, and how far the hand was from there at most, in the tool's frame, at the
     end of a later block that holds the tool. Push: mean torque of the wrist about the tool's y axis while the object
     moves, and the one that follows from the grasp. Strike: largest speed of the impact point along its normal, and
     the one that follows from the grasp.
     """
-    found: dict[str, float] = {}
+    found: dict[tuple[str, str], float] = {}
     for instance in recording.instances:
         if instance.block == "GRASPING":
             measures = _grasp(task, recording, instance)
@@ -34,7 +34,7 @@ def metrics(task: Task, recording: Recording) -> Mapping[str, float]:
             measures = _strike(task, recording, instance)
         else:
             continue
-        found |= {f"{instance.name}.{name}": value for name, value in measures}
+        found |= {(instance.name, name): value for name, value in measures}
     return found
 
 

@@ -3,13 +3,11 @@
 from collections.abc import Iterator, Sequence
 
 from hybrid_tamp.execution.events import Observer
-from hybrid_tamp.execution.run import PATIENCE, SETTLING, Progress, Run
+from hybrid_tamp.execution.run import Progress, Run
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
-
-__all__ = ["PATIENCE", "SETTLING", "Progress", "execute", "execute_variants"]
 
 
 def execute(

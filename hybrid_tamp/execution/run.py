@@ -14,18 +14,15 @@ from copy import copy
 
 import numpy as np
 
-from hybrid_tamp.errors import DomainError, Issue
+from hybrid_tamp.execution.commanding import blame_state, command
 from hybrid_tamp.execution.events import Event, Observer
 from hybrid_tamp.execution.logbook import Logbook
 from hybrid_tamp.execution.running_instance import RunError, Running, measure, shortfall
-from hybrid_tamp.model.commands import CommandError, CommandLayout
-from hybrid_tamp.model.control import Commands
+from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
 from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
-from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.physics.protocol import Backend
 
 Progress = Callable[[float, float], None]
@@ -188,46 +185,24 @@ class Run:
             for name, running in self._running.items()
             if name not in event.ending
             and running.reached is None
-            and any(self._changes(running, instance) for instance in event.starting)
+            and any(running.changes(instance) for instance in event.starting)
         ]
         return [*event.ending, *changing]
-
-    def _changes(self, running: Running, reader: BlockInstance) -> bool:
-        targets = self._task.domain.block_by_name[reader.block].targets
-        return any(
-            reader.targets[target.name] == token and set(target.reads) & set(running.block.writes.get(slot, ()))
-            for target in targets
-            for slot, token in running.instance.slots.items()
-        )
 
     def _begin(self, instances: tuple[BlockInstance, ...]) -> None:
         for instance in instances:
             running = Running(self._task, instance, self._time, self._state)
             self._running[instance.name] = running
             margins = tuple(self._entries(instance))
-            self._observer(
-                Event(
-                    self._time,
-                    "begin",
-                    instance,
-                    hyperparameters=running.hyperparameters,
-                    margins=margins,
-                )
-            )
+            chosen = running.hyperparameters
+            self._observer(Event(self._time, "begin", instance, hyperparameters=chosen, margins=margins))
         self._backend.assign([running.instance for running in self._running.values()])
 
     def _end(self, running: Running) -> None:
         margins = tuple(running.exits(self._state))
         self._log.ended(running, self._time, margins)
-        self._observer(
-            Event(
-                self._time,
-                "end",
-                running.instance,
-                hyperparameters=running.hyperparameters,
-                margins=margins,
-            )
-        )
+        chosen = running.hyperparameters
+        self._observer(Event(self._time, "end", running.instance, hyperparameters=chosen, margins=margins))
 
     def _entries(self, instance: BlockInstance) -> list[AtomMargin]:
         block = self._task.domain.block_by_name[instance.block]
@@ -239,40 +214,12 @@ class Run:
         Raises:
             RunError: a command or the measured state is not finite.
         """
-        row, cut = self._layout.limited(self._row())
+        row, cut = self._layout.limited(command(self._layout, self._running.values(), self._time, self._state))
         after = self._backend.step(self._layout.commands(row))
         if not np.isfinite(after.values).all():
-            self._refuse_state(after)
+            raise blame_state(after, self._running.values(), self._time)
         self._state = after
         self._time = self._log.stepped(after, row, cut, self._running.values())
-
-    def _row(self) -> FloatArray:
-        commands: Commands = {}
-        for running in self._running.values():
-            commands.update(running.commands(self._time, self._state))
-        try:
-            row = self._layout.row(commands)
-        except CommandError as error:
-            blocks = ", ".join(sorted({running.block.name for running in self._running.values()}))
-            raise DomainError([Issue(f"policy of {blocks}", str(error))]) from error
-        if not np.isfinite(row).all():
-            for running in self._running.values():
-                running.check_finite(commands)
-        return row
-
-    def _refuse_state(self, state: State) -> None:
-        """Say whose state is not finite.
-
-        Raises:
-            RunError: always.
-        """
-        for running in self._running.values():
-            for token in running.instance.slots.values():
-                for name, _ in ((n, s) for t, n, s in state.layout.entries if t == token):
-                    if not np.isfinite(state[token, name]).all():
-                        said = f"the {name} of {token} is no longer finite after {self._time:.3f} s"
-                        raise RunError(running.instance.name, said)
-        raise RunError("", f"the state is no longer finite after {self._time:.3f} s")
 
     def _failed(self, error: RunError) -> Recording:
         step = self._log.step_index

@@ -102,6 +102,14 @@ class Running:
                 return False
         return True
 
+    def changes(self, reader: BlockInstance) -> bool:
+        """Say whether it writes something that another instance reads of its targets."""
+        return any(
+            reader.targets[target.name] == token and set(target.reads) & set(self.block.writes.get(slot, ()))
+            for target in self._task.domain.block_by_name[reader.block].targets
+            for slot, token in self.instance.slots.items()
+        )
+
     def check_overdue(self, time: float, state: State) -> None:
         """Refuse to go on beyond its maximum.
 

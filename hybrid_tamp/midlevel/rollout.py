@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hybrid_tamp.midlevel.simulation import IntArray, Simulation, Stretch
+from hybrid_tamp.midlevel.population import IntArray, Stretch
+from hybrid_tamp.midlevel.simulation import Simulation
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom, Literal

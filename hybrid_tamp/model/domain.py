@@ -13,8 +13,8 @@ from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import Predicate, SymbolSort
 from hybrid_tamp.model.trial import TrialRecipe
 
-Metrics = Callable[[Any, Any], Mapping[str, float]]
-"""``metrics(task, recording)``: a domain's own measures of a finished run, name (with unit) to value.
+Metrics = Callable[[Any, Any], Mapping[tuple[str, str], float]]
+"""``metrics(task, recording)``: a domain's own measures of a finished run, (instance, name with unit) to value.
 
 A task knows its domain, so a domain does not know the class of tasks.
 """
@@ -34,7 +34,7 @@ class Domain:
         disjoint: groups of classes that never share a token, pairwise.
         reduced: whether it is a part of a domain that was checked as a whole; slots of it may lack ways in or out.
         resting: name of the block that takes whatever nothing manipulates.
-        metrics: measures of a finished run for ``result.json``, or None.
+        metrics: measures of a finished run for ``result.json``, (instance, measure) to the figure; or None.
         description: one line.
         trials: how membership of a class is tried, for those classes for which the domain knows.
 

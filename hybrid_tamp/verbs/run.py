@@ -102,8 +102,8 @@ def judge(outcome: PlanOutcome, recording: Recording, seconds: float) -> RunResu
     assert outcome.refinement is not None, "what was run was refined"
     task = outcome.task
     recording = add_predictions(recording, outcome.refinement.expected)
-    metrics = {**(task.domain.metrics(task, recording) if task.domain.metrics else {})}
-    metrics |= run_measures(outcome.required(), recording)
+    own = task.domain.metrics(task, recording) if task.domain.metrics else {}
+    metrics = {".".join(key): value for key, value in own.items()} | dict(run_measures(outcome.required(), recording))
     figures = {key: float(figure[0]) for key, figure in measure_run(task, recording).figures.items()}
     return RunResult(
         outcome=outcome,

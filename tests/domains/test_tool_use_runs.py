@@ -28,7 +28,7 @@ def run(task: Task, **chosen: float) -> tuple[Recording, Mapping[str, float]]:
     with open_backend("pybullet") as physics:
         recording = execute(task, replace(plan, instances=instances), physics)
     assert task.domain.metrics is not None
-    return recording, task.domain.metrics(task, recording)
+    return recording, {".".join(key): value for key, value in task.domain.metrics(task, recording).items()}
 
 
 def agrees(measured: Mapping[str, float], name: str, unit: str, tolerance: float) -> None:

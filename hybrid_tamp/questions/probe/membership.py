@@ -141,7 +141,7 @@ class Prober:
         measured = dict(task.domain.metrics(task, recording)) if task.domain.metrics else {}
         faults = list(_faults(recipe, recording, measured))
         _logger.info("%s: %s", task.name, "; ".join(faults) or "succeeded")
-        return Trial(not faults, "; ".join(faults), measured)
+        return Trial(not faults, "; ".join(faults), {".".join(key): value for key, value in measured.items()})
 
     def _watch(self, simulated: float, expected: float) -> None:
         if simulated > self.most_seconds:
@@ -207,12 +207,14 @@ def _draws(seed: int, count: int) -> Iterator[np.random.Generator]:
     yield from (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(count))
 
 
-def _faults(recipe: TrialRecipe[Task], recording: Recording, measured: Mapping[str, float]) -> Iterator[str]:
+def _faults(
+    recipe: TrialRecipe[Task], recording: Recording, measured: Mapping[tuple[str, str], float]
+) -> Iterator[str]:
     """Yield what was wrong with a trial."""
     if recording.failure is not None:
         yield f"{recording.failure.instance}: {recording.failure.reason}"
     for key, (low, high) in recipe.bounds.items():
-        values = [value for name, value in measured.items() if name.partition(".")[2] == key]
+        values = [value for (_, name), value in measured.items() if name == key]
         if not values:
             yield f"{key} was not measured"
         yield from (

@@ -1,0 +1,152 @@
+"""Everything of a recording that is not an array, as it is stored; atoms are text there."""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveInt
+
+from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
+from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
+from hybrid_tamp.model.state import StateLayout
+from hybrid_tamp.motion.arrays import FloatArray
+
+_STRICT = ConfigDict(extra="forbid", strict=True, ser_json_inf_nan="constants")
+_Entry = tuple[str, str, PositiveInt]
+
+
+class _Margin(BaseModel):
+    """A margin with its atom as text."""
+
+    model_config = _STRICT
+
+    atom: str = Field(pattern=r"(?s)^[^(]+\(.*\)$")
+    measured: float | None
+    predicted: float | None = None
+
+    @classmethod
+    def of(cls, margin: AtomMargin) -> "_Margin":
+        return cls(atom=margin.atom.text, measured=margin.measured, predicted=margin.predicted)
+
+    def read(self) -> AtomMargin:
+        predicate, _, rest = self.atom.removeprefix("not ").partition("(")
+        arguments = tuple(rest[:-1].split(", ")) if rest != ")" else ()
+        atom = Atom(predicate, arguments, positive=not self.atom.startswith("not "))
+        return AtomMargin(atom, self.measured, self.predicted)
+
+
+class _Failure(BaseModel):
+    """A failure with its atoms as text."""
+
+    model_config = _STRICT
+
+    step: int
+    instance: str
+    reason: str
+    margins: tuple[_Margin, ...] = ()
+
+    @classmethod
+    def of(cls, failure: Failure) -> "_Failure":
+        margins = tuple(map(_Margin.of, failure.margins))
+        return cls(step=failure.step, instance=failure.instance, reason=failure.reason, margins=margins)
+
+    def read(self) -> Failure:
+        return Failure(self.step, self.instance, self.reason, tuple(margin.read() for margin in self.margins))
+
+
+class RecordingDocument(BaseModel):
+    """Everything of a recording that is not an array."""
+
+    model_config = _STRICT
+
+    version: Literal["hybrid-tamp/recording/1"]
+    layout: tuple[_Entry, ...]
+    commands_layout: tuple[_Entry, ...]
+    instances: tuple[BlockInstance, ...]
+    exits: dict[str, tuple[_Margin, ...]]
+    goal: tuple[_Margin, ...]
+    backend: str
+    timestep: Annotated[FiniteFloat, Field(gt=0)]
+    failure: _Failure | None
+    warnings: tuple[str, ...]
+    contacts: tuple[Contact, ...] = ()
+
+    @classmethod
+    def of(cls, recording: Recording) -> "RecordingDocument":
+        """Return the document of a recording."""
+        return cls(
+            version="hybrid-tamp/recording/1",
+            layout=recording.layout.entries,
+            commands_layout=recording.commands_layout,
+            instances=recording.instances,
+            exits={instance: tuple(map(_Margin.of, margins)) for instance, margins in recording.exits.items()},
+            goal=tuple(map(_Margin.of, recording.goal)),
+            backend=recording.backend,
+            timestep=recording.timestep,
+            failure=None if recording.failure is None else _Failure.of(recording.failure),
+            warnings=recording.warnings,
+            contacts=recording.contacts,
+        )
+
+    def read(self, arrays: Mapping[str, FloatArray]) -> Recording:
+        """Return the recording that the document and these arrays make."""
+        return Recording(
+            layout=StateLayout(self.layout),
+            commands_layout=self.commands_layout,
+            times=arrays["times"],
+            states=arrays["states"],
+            commands=arrays["commands"],
+            instances=self.instances,
+            exits={instance: tuple(each.read() for each in margins) for instance, margins in self.exits.items()},
+            goal=tuple(margin.read() for margin in self.goal),
+            backend=self.backend,
+            timestep=self.timestep,
+            failure=None if self.failure is None else self.failure.read(),
+            warnings=self.warnings,
+            contacts=self.contacts,
+        )
+
+
+def find_fault(recording: Recording) -> str:
+    """Return what contradicts what in a recording; empty if all is well."""
+    rows = len(recording.times)
+    width = sum(size for _, _, size in recording.commands_layout)
+    shapes = {
+        "states": (recording.states.shape, (rows, recording.layout.size)),
+        "commands": (recording.commands.shape, (rows - 1, width)),
+    }
+    if rows == 0:
+        return "it has no rows"
+    for name, (shape, wanted) in shapes.items():
+        if shape != wanted:
+            return f"its {name} have the shape {shape}, not {wanted}"
+    for name in ("times", "states", "commands"):
+        if not np.isfinite(getattr(recording, name)).all():
+            return f"its {name} are not all finite"
+    if not np.allclose(recording.times, np.arange(rows) * recording.timestep, rtol=1e-9, atol=TIME_TOLERANCE):
+        return "its times are not multiples of its control period"
+    return _find_instances_fault(recording)
+
+
+def _find_instances_fault(recording: Recording) -> str:
+    names = [instance.name for instance in recording.instances]
+    if len(set(names)) < len(names):
+        return "two of its instances have one name"
+    if set(recording.exits) - set(names):
+        return "it has exit conditions of an instance that did not run"
+    for contact in recording.contacts:
+        if not (math.isfinite(contact.force) and math.isfinite(contact.time)):
+            return f"the contact of {' and '.join(contact.tokens)} has numbers that are not finite"
+    for instance in recording.instances:
+        numbers = (instance.start, instance.end, *instance.hyperparameters.values())
+        if not all(map(math.isfinite, numbers)):
+            return f"{instance.name} has times or hyperparameters that are not finite"
+        if not -TIME_TOLERANCE <= instance.start <= instance.end <= recording.duration + TIME_TOLERANCE:
+            return f"{instance.name} runs from {instance.start} s to {instance.end} s, outside the run"
+    failure = () if recording.failure is None else recording.failure.margins
+    for margin in (*recording.goal, *failure, *(m for ms in recording.exits.values() for m in ms)):
+        if any(value is not None and math.isnan(value) for value in (margin.measured, margin.predicted)):
+            return f"the margin of {margin.atom.text} is not a number"
+    return ""

@@ -1,0 +1,149 @@
+"""The candidates of one instance, rolled out together: rows of one array.
+
+A candidate has come to its exit at the first control step at which its minimum duration has passed and all exit
+conditions hold, as in a real run. Else it ends at the block's bound, or where it and its commands have come to rest.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybrid_tamp.midlevel.instance_model import InstanceModel
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands
+from hybrid_tamp.model.forward_model import BoolArray
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
+
+IntArray = NDArray[np.int64]
+
+CHUNK = 48
+"""Control steps between two checks of the conditions: checking many states costs little more than checking one."""
+STILL = 1e-7
+"""What changes by less than this within a chunk has come to rest [SI units]."""
+_STEADY = 1e-3
+"""A command that changes by less than this within a chunk does not change [SI units]."""
+_AWAKE = 0.5
+"""How long nothing is taken to be at rest [s]: movements begin slowly."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """What one instance did to each candidate of a population, until its exit conditions held.
+
+    Attributes:
+        after: state of the instance's tokens then, shape ``(n, m)``.
+        steps: control periods until then, shape ``(n,)``.
+        exits: margins of its exit conditions then, each in its own unit, shape ``(n, e)``.
+        figures: figures of its performance measures, shape ``(n, p)``.
+        finite: whether all that was computed is finite, shape ``(n,)``; where not, `after` is the state at the start.
+    """
+
+    after: FloatArray
+    steps: IntArray
+    exits: FloatArray
+    figures: FloatArray
+    finite: BoolArray
+
+    def rows(self, index: IntArray) -> "Stretch":
+        """Return some candidates, in the order of the index."""
+        return Stretch(*(getattr(self, field.name)[index] for field in fields(self)))
+
+
+class Population:
+    """The candidates of one rollout: where each is, and what has come of those that are done.
+
+    Attributes:
+        pending: which candidates have not come to their end yet, shape ``(n,)``.
+    """
+
+    def __init__(self, model: InstanceModel, start: FloatArray, chosen: Mapping[str, FloatArray]) -> None:
+        self.model = model
+        self.measures = model.block.performance
+        self.start, self.chosen = start, chosen
+        count = len(start)
+        self.pending = np.ones(count, dtype=bool)
+        self.after = start.copy()
+        self.steps = np.zeros(count, dtype=np.int64)
+        self.finite = np.ones(count, dtype=bool)
+        self.exits = np.full((count, len(model.block.measured_exits)), np.nan)
+        self.figures = np.array([[-np.inf if m.peak else 0.0 for m in self.measures]] * count).reshape(count, -1)
+        self.done = 0  # control steps so far
+        self._restrict(np.arange(count))
+
+    def _restrict(self, rows: IntArray) -> None:
+        """Go on with these candidates only."""
+        self.rows = rows
+        mine = {name: value[rows] for name, value in self.chosen.items()}
+        self.running = self.model.start_from(self.start[rows], mine)
+        self.state = self.model.state(self.after[rows])
+
+    def advance(self) -> None:
+        """Take a chunk of steps, check every state of it, and retire the candidates that have come to an end."""
+        count = min(CHUNK, self.model.longest - self.done)
+        values, commanded = [self.state.values], []
+        finite = np.ones(len(self.rows), dtype=bool)
+        for step in range(self.done, self.done + count):
+            elapsed = np.float64(step * CONTROL_PERIOD)
+            self.state, commands, sound = self.running.step(elapsed, self.state)
+            finite &= sound
+            values.append(self.state.values)
+            commanded.append(commands)
+        chunk = np.stack(values[1:])  # (t, n, m)
+        run = self.model.state(chunk)
+        margins = self.model.exits(run)  # (t, n, e)
+        elapsed = (self.done + 1 + np.arange(count)) * CONTROL_PERIOD
+        reached = (margins >= 0).all(axis=-1) & (elapsed >= self.model.shortest)[:, None]
+        self.done += count
+        ends = self.done >= self.model.longest
+        still = (np.abs(chunk[-1] - values[0]).max(axis=-1) < STILL) & (self.done * CONTROL_PERIOD > _AWAKE)
+        if still.any():
+            still &= _steady(commanded)
+        last = np.where(reached.any(axis=0), reached.argmax(axis=0), count - 1)
+        over = np.asarray(reached.any(axis=0) | ~finite | still | ends)
+        self._measure(run, commanded, np.arange(count)[:, None] <= last)
+        retired = over & self.pending[self.rows]
+        index, local = self.rows[retired], np.flatnonzero(retired)
+        self.after[index] = np.where(finite[local, None], chunk[last[local], local], self.start[index])
+        self.exits[index] = margins[last[local], local]
+        self.steps[index] = self.done - count + 1 + last[local]
+        self.finite[index] = finite[local]
+        self.pending[index] = False
+        self._go_on(chunk[-1])
+
+    def _go_on(self, values: FloatArray) -> None:
+        """Drop candidates that are done once they are the most."""
+        left = self.pending[self.rows]
+        self.after[self.rows[left]] = values[left]
+        if left.any() and 2 * np.count_nonzero(left) <= len(left):
+            self._restrict(self.rows[left])
+
+    def _measure(self, run: State, commanded: list[Commands], counted: BoolArray) -> None:
+        """Add what the chunk ``(t, n)`` contributes to peaks and integrals, of the states that count."""
+        counted = counted & self.pending[self.rows]
+        binding = self.model.binding
+        for column, measure in enumerate(self.measures):
+            mine = self.figures[self.rows, column]
+            if measure.peak is not None:
+                figure = np.where(counted, measure.peak(binding, run), -np.inf).max(axis=0)
+                self.figures[self.rows, column] = np.maximum(mine, figure)
+            elif measure.rate is not None:
+                commands = {key: np.stack([each[key] for each in commanded]) for key in commanded[0]}
+                rate = np.where(counted, measure.rate(binding, run, commands), 0.0)
+                self.figures[self.rows, column] = mine + rate.sum(axis=0) * CONTROL_PERIOD
+
+    def stretch(self) -> Stretch:
+        """Return what came of all candidates."""
+        before, after = self.model.state(self.start), self.model.state(self.after)
+        for column, measure in enumerate(self.measures):
+            if measure.end is not None:
+                self.figures[:, column] = measure.end(self.model.binding, before, after, self.chosen)
+        finite = self.finite & np.isfinite(self.figures).all(axis=1) & np.isfinite(self.exits).all(axis=1)
+        return Stretch(self.after, self.steps, self.exits, self.figures, finite)
+
+
+def _steady(commanded: Sequence[Commands]) -> BoolArray:
+    """Return for which candidates a chunk's commands do not change; else a policy is about to do something."""
+    changes = [np.abs(commanded[-1][key] - first).max(axis=-1) for key, first in commanded[0].items()]
+    return np.asarray(np.logical_and.reduce([change < _STEADY for change in changes], initial=True), dtype=bool)
