@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.report.documents import Json, parse_document
 from hybrid_tamp.report.folder import NUMBERED_FILES, RUN_FILES, RunFolder
-from hybrid_tamp.report.refinement_tables import KEPT, efforts, given_up, number, values
+from hybrid_tamp.report.refinement_tables import KEPT, efforts, exclusion_text, number, values
 from hybrid_tamp.report.tables import allocation, allocations, margin, network_text, plan_footer, reasons
 
 PAGE = "report.html"
@@ -36,7 +36,7 @@ def _template() -> Any:
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    for function in (allocations, given_up, margin, number, reasons):
+    for function in (allocations, exclusion_text, margin, number, reasons):
         environment.filters[function.__name__] = function
     return environment.from_string(files("hybrid_tamp.report").joinpath("page.html").read_text(encoding="utf-8"))
 

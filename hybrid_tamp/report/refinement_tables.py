@@ -19,18 +19,18 @@ def refinement_tables(entry: Json, performance: Sequence[Json] | None = None) ->
         performance: the measures with what a run measured, or None before a run.
     """
     measures = entry["performance"] if performance is None else performance
-    parts: list[RenderableType] = [Text(given_up(each)) for each in entry["rounds"]]
+    shown: list[RenderableType] = [Text(exclusion_text(each)) for each in entry["rounds"]]
     if measures:
-        parts.append(_performance(measures))
+        shown.append(_performance(measures))
     if entry["optimiser"]:
         numbers = {f"{each['instance']}.{each['measure']}": number for number, each in enumerate(measures, start=1)}
-        parts += [_hyperparameters(entry["hyperparameters"], numbers), _values(entry), *map(Text, efforts(entry))]
+        shown += [_hyperparameters(entry["hyperparameters"], numbers), _values(entry), *map(Text, efforts(entry))]
     elif entry["hyperparameters"]:
-        parts.append(Text(KEPT))
-    return Group(*parts)
+        shown.append(Text(KEPT))
+    return Group(*shown)
 
 
-def given_up(entry: Json) -> str:
+def exclusion_text(entry: Json) -> str:
     """Say which plan was given up before this one, and why."""
     roles = ", ".join(f"{role}={name}" for role, name in entry["roles"].items())
     figure = with_unit(f"{-entry['margin']:.3g}", entry["unit"])

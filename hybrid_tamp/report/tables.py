@@ -16,7 +16,9 @@ _NAMED = 8
 """So many of the names that were left out are said; programs are told all."""
 
 _NO_SINGLE_CHANGE = "No single change gives it a plan: no token, class, edge, fact or property."
-_NONE_FOUND = "No single change was found in time that gives it a plan; 'hybrid-tamp explain --seconds N' looks longer."
+_NONE_FOUND = (
+    "No single change was found in time that gives it a plan; 'hybrid-tamp explain --seconds N' searches longer."
+)
 
 
 def plan_table(document: Json, resting: str) -> RenderableType:

@@ -275,6 +275,36 @@ def test_a_domain_of_ones_own_is_named_on_the_command_line_only(command: Command
     assert json.loads(done.stdout)["domain"] == "mine"
 
 
+IDLE = """
+from dataclasses import replace
+from hybrid_tamp.authoring import ReassignmentNetwork
+from hybrid_tamp_domains.rolling_tumbling import DOMAIN as BASE
+
+def idle(block):
+    return "IDLE" if block == BASE.resting else block
+
+edges = [[f"{idle(block)}.{slot}" for block, slot in edge] for edge in BASE.network.edges]
+blocks = tuple(replace(block, name=idle(block.name)) for block in BASE.blocks)
+DOMAIN = replace(BASE, name="mine", resting="IDLE", blocks=blocks, network=ReassignmentNetwork(edges))
+"""
+
+
+def test_what_rests_in_a_block_of_another_name_is_not_shown_as_busy(command: Command, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(IDLE)
+    words = (ROLL, "--domain", tmp_path / "mine.py")
+    done = command("plan", *words)
+    assert done.returncode == 0, done.stderr
+    assert "IDLE: drum" in done.stdout
+    assert "IDLE-" not in done.stdout, "neither in the table nor on the timeline"
+    folder = tmp_path / "out"
+    assert command("run", *words, "-o", folder, "--backend", "analytic").returncode == 0
+    page = (folder / "report.html").read_text()
+    assert '<div class="pale">IDLE: drum' in page
+    assert ">IDLE-" not in page, "no bar on the lanes"
+    assert command("report", folder, "--domain", tmp_path / "mine.py").returncode == 0
+    assert (folder / "report.html").read_text() == page
+
+
 def test_nothing_is_lost_to_a_run_that_cannot_begin(command: Command, ran: tuple[Path, object], tmp_path: Path) -> None:
     folder = tmp_path / "copy"
     shutil.copytree(ran[0], folder)

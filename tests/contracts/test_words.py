@@ -98,7 +98,11 @@ def texts() -> list[Path]:
     return [*source_files(), *pages, ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("hybrid_tamp/**/*.html")]
 
 
-KEYS = {"hybrid_tamp/report/documents.py": ("rounds",), "hybrid_tamp/report/refinement.py": ("rounds",)}
+KEYS = {
+    "hybrid_tamp/report/keys.py": ("rounds",),
+    "hybrid_tamp/report/refinement_tables.py": ("rounds",),
+    "hybrid_tamp/report/page.html": ("rounds",),
+}
 """Keys of documented JSON that are among the words, by the file that names them."""
 
 
