@@ -51,7 +51,7 @@ def predicate(name: str, *sorts: type[ObjectClass] | SymbolSort, holds: Callable
         return np.where(holds(*(value if isinstance(value, str) else value.name for value in values)), 1.0, -1.0)
 
     parameters = tuple(Parameter(f"x{index}", sort) for index, sort in enumerate(sorts))
-    return Predicate(name, parameters, margin, **named)
+    return Predicate(name, parameters, margin, by_name=True, **named)
 
 
 def changing(name: str, *sorts: type[ObjectClass] | SymbolSort, at_first: bool = False, **named: Any) -> Predicate:

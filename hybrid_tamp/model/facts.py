@@ -5,10 +5,10 @@ regions hold a thing, the one that the goal asks for, else the one with the larg
 never come from numbers: their atoms belong to running instances.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 
-from hybrid_tamp.model.bindings import enumerate_bindings, names_of
-from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort, Value
+from hybrid_tamp.model.bindings import enumerate_bindings
+from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token, different
@@ -27,7 +27,7 @@ def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[At
         if predicate.rows is not None:
             found.update(Atom(predicate.name, row) for row in predicate.rows)
         else:
-            found.update(atom for atom, values in _atoms(task, predicate) if known.holds(atom, values))
+            found.update(known.holding(predicate, _bindings(task, predicate)))
     return frozenset(found)
 
 
@@ -43,6 +43,14 @@ class StaticFacts:
         predicate = self._task.domain.predicate_by_name[atom.predicate]
         values = tuple(map(self._task.value, atom.arguments))
         return all(map(_fits, values, predicate.parameters)) and different(values) and self.holds(atom, values)
+
+    def holding(self, predicate: Predicate, bindings: Sequence[tuple[Value, ...]]) -> Iterator[Atom]:
+        """Yield the facts among well-typed bindings; those that nobody has asked for yet are decided at once."""
+        atoms = list(_atoms(predicate, bindings))
+        unknown = [place for place, atom in enumerate(atoms) if atom not in self._known]
+        margins = predicate.margins(self._task.state, [bindings[place] for place in unknown])
+        self._known |= {atoms[place]: bool(margin >= 0) for place, margin in zip(unknown, margins, strict=True)}
+        return (atom for atom in atoms if self._known[atom])
 
     def holds(self, atom: Atom, values: tuple[Value, ...]) -> bool:
         """Say whether the positive atom, which is well-typed and has these values, holds."""
@@ -81,15 +89,19 @@ def facts(task: Task, state: State | None = None, predicates: Iterable[Predicate
 
 
 def margins(task: Task, state: State, predicate: Predicate) -> Iterable[tuple[Atom, float]]:
-    """Yield every well-typed atom of the predicate over different tokens, with its margin."""
-    for atom, values in _atoms(task, predicate):
-        yield atom, float(predicate.evaluate(state, *values))
+    """Return every well-typed atom of the predicate over different tokens, with its margin."""
+    bindings = _bindings(task, predicate)
+    return zip(_atoms(predicate, bindings), predicate.margins(state, bindings).tolist(), strict=True)
 
 
-def _atoms(task: Task, predicate: Predicate) -> Iterable[tuple[Atom, tuple[Value, ...]]]:
-    """Yield every well-typed atom of the predicate over different tokens, with its arguments."""
-    for bound in enumerate_bindings({each.name: task.values_of(each.sort) for each in predicate.parameters}):
-        yield Atom(predicate.name, names_of(bound)), tuple(bound.values())
+def _bindings(task: Task, predicate: Predicate) -> list[tuple[Value, ...]]:
+    """Return every well-typed binding of the predicate's arguments to different tokens."""
+    sorts = {parameter.name: task.values_of(parameter.sort) for parameter in predicate.parameters}
+    return [tuple(bound.values()) for bound in enumerate_bindings(sorts)]
+
+
+def _atoms(predicate: Predicate, bindings: Iterable[tuple[Value, ...]]) -> Iterator[Atom]:
+    return (Atom(predicate.name, tuple(map(name_of, values))) for values in bindings)
 
 
 def _one_value_each(task: Task, holding: list[tuple[Atom, float]], index: int) -> Iterable[Atom]:

@@ -96,6 +96,7 @@ def _permitted(block: Block, roles: tuple[str, ...], forbidden: frozenset[tuple[
         parameters=tuple(Parameter(role, block.roles[role]) for role in roles),
         margin=_Permission(forbidden),
         kind=Kind.STATIC,
+        by_name=True,
         description=f"{said} is not forbidden",
         denial=f"{said} failed in the forward models",
     )

@@ -4,7 +4,7 @@ A margin is zero or positive where the predicate holds. The one function serves 
 tests during execution, the goal and the optimiser's constraint term, so that symbol and number cannot drift apart.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,6 +13,8 @@ import numpy as np
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.relation import Membership, order_rows, row_faults
+from hybrid_tamp.model.stacking import stack
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
@@ -44,16 +46,6 @@ class Parameter:
     sort: type[ObjectClass] | SymbolSort
 
 
-@dataclass(frozen=True)
-class _Membership:
-    """The margin of a relation over symbols: 0 if the row is in it, else -1."""
-
-    rows: frozenset[tuple[str, ...]]
-
-    def __call__(self, state: State, *symbols: Value) -> FloatArray:
-        return np.full(state.values.shape[:-1], 0.0 if symbols in self.rows else -1.0)
-
-
 @dataclass(frozen=True, eq=False)
 class Predicate:
     """A named signed margin over tokens and symbols.
@@ -69,6 +61,7 @@ class Predicate:
         value_of: of a functional predicate the parameter that has one value; None for others.
         rows: of a relation over symbols the arguments for which it holds, in the order of the sorts; None for others.
             `relation` sets them.
+        by_name: whether the margin asks which tokens they are, not for their properties and states alone.
         share: of a load that several tokens bear together, ``share(state, *values)`` to what the first value has to
             bear and what it can bear [unit], for one state; the margin is their difference. None for other predicates.
         description: what it says, as a sentence over the parameters' names in braces,
@@ -91,6 +84,7 @@ class Predicate:
     denial: str = ""
     share: Callable[..., tuple[float, float]] | None = None
     rows: tuple[tuple[str, ...], ...] | None = None
+    by_name: bool = False
 
     def __post_init__(self) -> None:
         faults = list(self._faults())
@@ -112,13 +106,9 @@ class Predicate:
         Raises:
             DomainError: a row does not consist of symbols of these sorts.
         """
-        held = frozenset(rows)
-        orders = [{symbol: index for index, symbol in enumerate(_symbols(parameter))} for parameter in parameters]
-
-        def place(row: tuple[str, ...]) -> list[int]:
-            return [order.get(symbol, -1) for order, symbol in zip(orders, row, strict=False)]
-
-        return cls(name, parameters, _Membership(held), kind=Kind.STATIC, rows=tuple(sorted(held, key=place)), **told)
+        ordered = order_rows(rows, list(map(_symbols, parameters)))
+        margin = Membership(frozenset(ordered))
+        return cls(name, parameters, margin, kind=Kind.STATIC, rows=ordered, **told)
 
     def _faults(self) -> Iterator[Issue]:
         names = tuple(parameter.name for parameter in self.parameters)
@@ -136,9 +126,7 @@ class Predicate:
         if not (self.static and over_symbols):
             yield Issue(self.name, "a predicate with rows is static and over symbols alone")
             return
-        for row in self.rows:
-            if len(row) != len(sorts) or any(symbol not in sort for symbol, sort in zip(row, sorts, strict=True)):
-                yield Issue(self.name, "a row of a relation has a symbol of each parameter's sort", repr(row))
+        yield from row_faults(self.name, self.rows, sorts)
 
     def __call__(self, *arguments: str) -> "Literal":
         """Return the positive literal over slots, targets, symbols or `ANY`."""
@@ -171,6 +159,13 @@ class Predicate:
     def evaluate(self, state: State, *values: Value) -> FloatArray:
         """Return the margin ``(...)`` of the atom over the values."""
         return self.margin(state, *values)
+
+    def margins(self, state: State, bindings: Sequence[tuple[Value, ...]]) -> FloatArray:
+        """Return the margins ``(n, ...)`` of many bindings at once: of each what `evaluate` returns."""
+        found = np.empty((len(bindings), *state.values.shape[:-1]))
+        for each in stack(state, bindings, apart=self.by_name):
+            found[each.places] = self.margin(each.state, *each.values)
+        return found
 
     def sentence(self, names: tuple[str, ...], positive: bool = True) -> str:
         """Say the atom in words, e.g. ``drum is within goal``."""

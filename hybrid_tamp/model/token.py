@@ -5,9 +5,9 @@ would merge conflicting fields silently by base order; `union_of` refuses them i
 the order of the classes.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from types import MappingProxyType
 from typing import Any
 
@@ -153,6 +153,16 @@ class Token:
     def may_be_member(self, object_class: type[ObjectClass]) -> bool:
         """Say whether it is unknown whether the token is a member of the class."""
         return not self.is_member(object_class) and any(issubclass(each, object_class) for each in self.unknown)
+
+    @cached_property
+    def fixed(self) -> Hashable:
+        """All that never varies of it but its name: equal for tokens that only their states tell apart."""
+        key = (self.classes, tuple(sorted(self.properties.items())), self.shape)
+        try:
+            hash(key)
+        except TypeError:
+            return self.name
+        return key
 
     @property
     def place(self) -> bool:

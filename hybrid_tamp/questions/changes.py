@@ -236,7 +236,7 @@ def _granted(predicate: Predicate, wanted: Granted, margin: float) -> Predicate:
         except KeyError:
             return np.full(state.values.shape[:-1], -1.0)
 
-    return replace(predicate, margin=decided)
+    return replace(predicate, margin=decided, by_name=True)
 
 
 def _extent(token: Token) -> float:

@@ -1,15 +1,25 @@
 """Predicates say what kind they are, and relations over symbols are declared by their rows."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_tasks.hammer import random_hammer
+from random_tasks.lifting import random_lifting
+from random_tasks.rolling import random_rolling
+from random_tasks.tumbling import random_tumbling
+from scenes import rolling_task
 from serial import COLOURS, Part
 
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.predicate import Parameter, Predicate
 from hybrid_tamp.model.state import State
+from hybrid_tamp.model.token import different
+from hybrid_tamp.questions.changes import with_copy
 from hybrid_tamp.taskfile.domains import find_domain
 
 PART, OLD, NEW = Parameter("part", Part), Parameter("old", COLOURS), Parameter("new", COLOURS)
@@ -63,3 +73,50 @@ def test_every_bundled_predicate_says_in_words_that_it_holds_and_that_it_does_no
         said, denied = predicate.sentence(names), predicate.sentence(names, positive=False)
         assert said != denied
         assert not denied.startswith(("not ", "it is not"))
+
+
+TASKS = {
+    "rolling": random_rolling,
+    "tumbling": random_tumbling,
+    "lifting": random_lifting,
+    "hammer": random_hammer,
+}
+
+
+@pytest.mark.parametrize("name", TASKS)
+@given(seed=st.integers(0, 10_000), copies=st.integers(1, 2), batch=st.sampled_from([(), (3,)]))
+@settings(max_examples=5, deadline=None)
+def test_many_bindings_at_once_have_the_margins_that_they_have_one_at_a_time(
+    name: str, seed: int, copies: int, batch: tuple[int, ...]
+) -> None:
+    """Tokens are there twice, so that some are told apart by their states alone."""
+    task, rng = TASKS[name](seed), np.random.default_rng(seed)
+    for token in list(task.assigned)[:copies]:
+        task = with_copy(task, token, task.state[token, "position"] + rng.uniform(0.0, 1.0, 3))
+    rows = np.broadcast_to(task.state.values, (*batch, len(task.state.values)))
+    state = State(task.state.layout, rows + rng.normal(0.0, 1e-3, rows.shape))
+    for predicate in task.domain.predicates:
+        if predicate.rows is not None:
+            continue
+        sorts = (task.values_of(parameter.sort) for parameter in predicate.parameters)
+        bindings = [values for values in product(*sorts) if different(values)]
+        together = predicate.margins(state, bindings[:60])
+        alone = [np.broadcast_to(predicate.evaluate(state, *values), batch) for values in bindings[:60]]
+        assert together.shape == (len(alone), *batch)
+        assert np.allclose(together, np.reshape(alone, together.shape), rtol=0.0, atol=1e-12), predicate.name
+
+
+def test_tokens_of_equal_properties_share_one_call_unless_the_margin_asks_for_names() -> None:
+    drums = rolling_task(drums=[(0, 0), (0, 1), (0, 2)], regions=[(0.7, 0)])
+    calls: list[tuple[object, ...]] = []
+    inside = drums.domain.predicate_by_name["inside"]
+
+    def counted(state: State, *values: object) -> np.ndarray:
+        calls.append(values)
+        return inside.evaluate(state, *values)
+
+    bindings = [(drums.token_by_name[f"drum {i}"], drums.token_by_name["region 0"]) for i in range(3)]
+    together = replace(inside, margin=counted).margins(drums.state, bindings)
+    assert len(calls) == 1
+    assert together.tolist() == replace(inside, margin=counted, by_name=True).margins(drums.state, bindings).tolist()
+    assert len(calls) == 4

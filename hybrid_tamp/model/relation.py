@@ -1,0 +1,40 @@
+"""Relations over symbols: rows of symbols, their order, and the margin that says whether a row is among them."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid_tamp.errors import Issue
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
+
+Row = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Membership:
+    """The margin of a relation over symbols: 0 if the row is in it, else -1."""
+
+    rows: frozenset[Row]
+
+    def __call__(self, state: State, *symbols: object) -> FloatArray:
+        """Return the margin ``(...)``."""
+        return np.full(state.values.shape[:-1], 0.0 if symbols in self.rows else -1.0)
+
+
+def order_rows(rows: Iterable[Row], sorts: Sequence[Row]) -> tuple[Row, ...]:
+    """Return each row once, in the order of the symbols of the sorts."""
+    orders = [{symbol: index for index, symbol in enumerate(symbols)} for symbols in sorts]
+
+    def place(row: Row) -> list[int]:
+        return [order.get(symbol, -1) for order, symbol in zip(orders, row, strict=False)]
+
+    return tuple(sorted(set(rows), key=place))
+
+
+def row_faults(name: str, rows: Iterable[Row], sorts: Sequence[Row]) -> Iterator[Issue]:
+    """Yield a fault for every row that does not consist of one symbol of each sort."""
+    for row in rows:
+        if len(row) != len(sorts) or any(symbol not in symbols for symbol, symbols in zip(row, sorts, strict=True)):
+            yield Issue(name, "a row of a relation has a symbol of each parameter's sort", repr(row))
