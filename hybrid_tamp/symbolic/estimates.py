@@ -74,10 +74,10 @@ class Estimates:
         poses = [state[name, p].round(_DIGITS).tobytes() for name in tokens for p in _properties(state, name)]
         key = (instance.block, tuple(roles.items()), *poses)
         if key not in self._known:
-            self._known[key] = self._made(self.task.domain.block_by_name[instance.block], roles, state)
+            self._known[key] = self._make(self.task.domain.block_by_name[instance.block], roles, state)
         return self._known[key]
 
-    def _made(self, block: Block, roles: Mapping[str, str], state: State) -> Estimate:
+    def _make(self, block: Block, roles: Mapping[str, str], state: State) -> Estimate:
         binding = self.task.bind(roles)
         initial = block.initial_values(binding, state)
         expected = block.duration.expected(binding, state, initial)
@@ -89,13 +89,13 @@ class Estimates:
 
     def _outcome(self, block: Block, roles: Mapping[str, str], binding: Binding, state: State) -> Poses:
         if block.outcome is None:
-            placed = [self._placed(literal, roles, state) for literal in block.exit]
+            placed = [self._place(literal, roles, state) for literal in block.exit]
             return {key: value for each in placed for key, value in each.items()}
         after = block.outcome(binding, state)
         tokens = [roles[slot.name] for slot in block.slots]
         return {(name, p): after[name, p].copy() for name in tokens for p in _properties(state, name)}
 
-    def _placed(self, literal: Literal, roles: Mapping[str, str], state: State) -> Poses:
+    def _place(self, literal: Literal, roles: Mapping[str, str], state: State) -> Poses:
         """Return the pose of a thing at the middle of the place where an exit condition says that it is."""
         index = literal.predicate.functional_index
         if not literal.positive or index is None or len(literal.arguments) != 2:

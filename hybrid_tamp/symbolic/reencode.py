@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, PlannedAction, TaskPlan, at
-from hybrid_tamp.symbolic.chaining.folding import folded
+from hybrid_tamp.symbolic.chaining.folding import fold_chains
 from hybrid_tamp.symbolic.chaining.series import undone_by
 from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.operator_maker import Meaning
@@ -28,7 +28,7 @@ def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
     """
     torn = [token.name for token in compilation.task.assigned if not _tiles(plan, token.name)]
     domain = compilation.encoded.vocabulary.domain
-    plan = folded(compilation.encoded.chains, plan)
+    plan = fold_chains(compilation.encoded.chains, plan)
     inside = [i for i in plan.instances if i.block not in domain.block_by_name]
     if inside:
         return [NO_ACTION for _ in inside]
@@ -179,10 +179,10 @@ def _known(compilation: Compilation, operator: Operator, meaning: Meaning, roles
 
 def _complete(operator: Operator, binding: dict[str, str], facts: set[Fact]) -> dict[str, str] | None:
     """Bind the remaining parameters so that every precondition is a fact; None if that cannot be."""
-    return matched(list(operator.precondition), binding, facts)
+    return match_conditions(list(operator.precondition), binding, facts)
 
 
-def matched(conditions: list[Fact], binding: dict[str, str], facts: set[Fact]) -> dict[str, str] | None:
+def match_conditions(conditions: list[Fact], binding: dict[str, str], facts: set[Fact]) -> dict[str, str] | None:
     """Return the binding extended so that every condition is a fact, or None if there is no such binding."""
     if not conditions:
         return binding
@@ -190,11 +190,11 @@ def matched(conditions: list[Fact], binding: dict[str, str], facts: set[Fact]) -
     conditions = sorted(conditions, key=lambda c: sum(a.startswith("?") and a not in binding for a in c[1:]))
     first, rest = ground(conditions[0], binding), conditions[1:]
     if not any(argument.startswith("?") for argument in first):
-        return matched(rest, binding, facts) if first in facts else None
+        return match_conditions(rest, binding, facts) if first in facts else None
     for fact in sorted(facts):
         extended = _unify(first, fact, binding)
         if extended is not None:
-            found = matched(rest, extended, facts)
+            found = match_conditions(rest, extended, facts)
             if found is not None:
                 return found
     return None

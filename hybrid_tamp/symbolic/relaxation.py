@@ -31,12 +31,12 @@ def reachable(problem: PlanningProblem) -> set[Fact]:
         for fact in conditions:
             waiting[fact[0]].append((operator, fact))
         if not conditions:
-            fresh += [fact for fact in operator.added(None, (), known) if known.add(fact)]
+            fresh += [fact for fact in operator.list_added(None, (), known) if known.add(fact)]
     wanted = set(problem.goal)
     while fresh and not known.facts.issuperset(wanted):
         fact = fresh.pop()
         for operator, condition in waiting[fact[0]]:
-            fresh += [more for more in operator.added(condition, fact, known) if known.add(more)]
+            fresh += [more for more in operator.list_added(condition, fact, known) if known.add(more)]
     return known.facts
 
 
@@ -91,36 +91,36 @@ class _Lifted:
         }
         self._added = {argument for fact in operator.add for argument in fact[1:] if argument[0] == "?"}
 
-    def added(self, condition: Fact | None, fact: Fact, known: _Known) -> list[Fact]:
+    def list_added(self, condition: Fact | None, fact: Fact, known: _Known) -> list[Fact]:
         """Return what is new of what the operator adds where a fact meets one of its conditions."""
-        bound = self._matched(condition, fact, {}) if condition else {}
+        bound = self._match(condition, fact, {}) if condition else {}
         if bound is None:
             return []
         rest = [each for each in self.conditions if each is not condition]
         found: set[Fact] = set()
-        for whole in self._joined(bound, rest, known, found):
+        for whole in self._join(bound, rest, known, found):
             found.update(ground(each, whole) for each in self._operator.add)
         return sorted(found - known.facts)
 
-    def _joined(self, bound: Binding, conditions: list[Fact], known: _Known, found: set[Fact]) -> Iterator[Binding]:
+    def _join(self, bound: Binding, conditions: list[Fact], known: _Known, found: set[Fact]) -> Iterator[Binding]:
         """Yield the bindings with which all conditions hold, but for such as add nothing new."""
         if self._added <= bound.keys():
             effects = {ground(each, bound) for each in self._operator.add}
             if all(effect in known.facts or effect in found for effect in effects):
                 return
         if not conditions:
-            yield from self._completed(bound)
+            yield from self._complete(bound)
             return
         rows, chosen = min(
             ((known.rows(ground(each, bound)), each) for each in conditions), key=lambda one: len(one[0])
         )
         rest = [each for each in conditions if each is not chosen]
         for row in tuple(rows):
-            more = self._matched(chosen, row, bound)
+            more = self._match(chosen, row, bound)
             if more is not None:
-                yield from self._joined(more, rest, known, found)
+                yield from self._join(more, rest, known, found)
 
-    def _matched(self, condition: Fact, row: Fact, bound: Binding) -> Binding | None:
+    def _match(self, condition: Fact, row: Fact, bound: Binding) -> Binding | None:
         """Return the binding, extended so that a condition becomes a fact, or None."""
         more = dict(bound)
         for argument, value in zip(condition[1:], row[1:], strict=True):
@@ -131,7 +131,7 @@ class _Lifted:
                 return None
         return more
 
-    def _completed(self, bound: Binding) -> Iterator[Binding]:
+    def _complete(self, bound: Binding) -> Iterator[Binding]:
         free = [variable for variable in self._fitting if variable not in bound]
         for values in product(*(sorted(self._fitting[variable]) for variable in free)):
             yield bound | dict(zip(free, values, strict=True))

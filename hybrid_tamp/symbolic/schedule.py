@@ -124,13 +124,13 @@ class _Network:
                     yield self._after(makers[-1], instance, atom)
                 for later in changing:
                     if later > index and self.instances[later].begin > instance.begin:
-                        reason = f"{self.instances[later].name} may change {atom}"
+                        reason = f"{self.instances[later].name} may change {atom.text}"
                         yield (instance.begin, self.instances[later].begin, 0.0, reason)
 
     def _after(self, maker: int, instance: OrderedInstance, atom: Atom) -> Constraint:
         """An instance begins after the end of what made its condition true, or while that holds it."""
         made = self.instances[maker]
-        reason = f"{instance.name} needs {atom} of {made.name}"
+        reason = f"{instance.name} needs {atom.text} of {made.name}"
         if self.ends[maker] <= instance.begin:
             return (self.ends[maker], instance.begin, 0.0, reason)
         return (made.begin, instance.begin, self.seconds[maker], reason)

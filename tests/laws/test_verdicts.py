@@ -21,7 +21,7 @@ from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.pddl.operators import Fact, Operator
-from hybrid_tamp.symbolic.reencode import matched, reencode
+from hybrid_tamp.symbolic.reencode import match_conditions, reencode
 from hybrid_tamp.symbolic.schedule import schedule
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
 from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
@@ -66,7 +66,7 @@ def applicable(operator: Operator, facts: set[Fact], rng: random.Random) -> tupl
         for condition in conditions:
             if condition[0] == seed[0]:
                 start = dict(zip(condition[1:], seed[1:], strict=True))
-                binding = matched(conditions, start, facts)
+                binding = match_conditions(conditions, start, facts)
                 if binding is not None:
                     return operator, binding
     return None

@@ -22,7 +22,8 @@ from validation import val_accepts
 from hybrid_tamp.errors import InputError, LimitReached
 from hybrid_tamp.model.task import Limits
 from hybrid_tamp.symbolic.engines import registry as engines
-from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess, check_engine, known_engines
+from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess
+from hybrid_tamp.symbolic.engines.registry import check_engine, known_engines
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 
 FIVE = ["fast-downward", "symk", "enhsp", "pyperplan", "aries"]

@@ -13,7 +13,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork, SlotName
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.chaining.composing import beginning, followed
+from hybrid_tamp.symbolic.chaining.composing import begin_series, extend_series
 from hybrid_tamp.symbolic.chaining.cuts import Cuts
 from hybrid_tamp.symbolic.chaining.series import Link, Series
 from hybrid_tamp.symbolic.pddl.naming import legal, unused
@@ -46,7 +46,7 @@ class Chains:
         return tuple(sorted((legal(name), blocks) for name, blocks in said.items()))
 
 
-def chained(task: Task) -> Chains:
+def chain_blocks(task: Task) -> Chains:
     """Return the task's domain with its chains."""
     followers = dict(_followers(task))
     if not followers:
@@ -98,9 +98,9 @@ def _cut(cuts: Cuts, run: list[str], followers: Mapping[str, Follower]) -> Itera
     blocks = [cuts.domain.block_by_name[name] for name in run]
     symbols = {a for b in blocks for literal in (*b.entry, *b.exit) for a in literal.arguments if a not in b.roles}
     while blocks:
-        grown: list[Series] = [beginning(blocks[0], symbols)]
+        grown: list[Series] = [begin_series(blocks[0], symbols)]
         for before, block in pairwise(blocks):
-            longer = followed(grown[-1], block, followers[before.name][1], symbols)
+            longer = extend_series(grown[-1], block, followers[before.name][1], symbols)
             if longer is None:
                 break
             grown.append(longer)

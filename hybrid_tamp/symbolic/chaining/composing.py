@@ -13,7 +13,7 @@ from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort
 from hybrid_tamp.symbolic.pddl.naming import unused
 
 
-def beginning(block: Block, taken: Iterable[str] = ()) -> Series:
+def begin_series(block: Block, taken: Iterable[str] = ()) -> Series:
     """Return the series of one block.
 
     Args:
@@ -39,7 +39,7 @@ def _lasting(literal: Literal) -> bool:
     return literal.positive and literal.predicate.measured
 
 
-def followed(series: Series, block: Block, slots: Mapping[str, str], taken: Iterable[str] = ()) -> Series | None:
+def extend_series(series: Series, block: Block, slots: Mapping[str, str], taken: Iterable[str] = ()) -> Series | None:
     """Return the series with one more block, or None where the two cannot be one step.
 
     What the last block's exit does not bring about, the next one's entry must not ask for, except feasibility, and

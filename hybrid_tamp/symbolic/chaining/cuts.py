@@ -18,7 +18,7 @@ from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.chaining.composing import key, within
-from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort, renamed, undone_by
+from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort, rename_roles, undone_by
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
 from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
@@ -73,7 +73,7 @@ class Cuts:
         """Say whether the token in a slot of the last block may go and rest, whatever else is so."""
         block, resting = series.last.block, self.domain.resting_block
         role = series.last.roles[slot]
-        wanted = [renamed(literal, {resting.anchor: role}) for literal in resting.entry]
+        wanted = [rename_roles(literal, {resting.anchor: role}) for literal in resting.entry]
         return (
             self.domain.network.allows((block.name, slot), (resting.name, resting.anchor))
             and within(series.sorts[role], resting.slot(resting.anchor).object_class)

@@ -9,7 +9,7 @@ from hybrid_tamp.symbolic.chaining.chains import Chains
 from hybrid_tamp.symbolic.chaining.series import Link
 
 
-def folded(chains: Chains, plan: TaskPlan) -> TaskPlan:
+def fold_chains(chains: Chains, plan: TaskPlan) -> TaskPlan:
     """Return the timeline with every chain that is gone through as a whole as one instance."""
     instances = list(plan.instances)
     for name, links in chains.links.items():

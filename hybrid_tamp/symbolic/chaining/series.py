@@ -28,12 +28,12 @@ class Link:
     @property
     def entry(self) -> tuple[Literal, ...]:
         """The block's entry conditions over roles of the whole."""
-        return tuple(renamed(literal, self.roles) for literal in self.block.entry)
+        return tuple(rename_roles(literal, self.roles) for literal in self.block.entry)
 
     @property
     def exit(self) -> tuple[Literal, ...]:
         """The block's exit conditions over roles of the whole."""
-        return tuple(renamed(literal, self.roles) for literal in self.block.exit)
+        return tuple(rename_roles(literal, self.roles) for literal in self.block.exit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,7 @@ def _united(names: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for some in names for name in some))
 
 
-def renamed(literal: Literal, roles: Mapping[str, str]) -> Literal:
+def rename_roles(literal: Literal, roles: Mapping[str, str]) -> Literal:
     """Return the literal over other roles; symbols and `ANY` stay."""
     return replace(literal, arguments=tuple(roles.get(argument, argument) for argument in literal.arguments))
 

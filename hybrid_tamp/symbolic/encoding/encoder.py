@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.chaining.chains import Chains, chained
+from hybrid_tamp.symbolic.chaining.chains import Chains, chain_blocks
 from hybrid_tamp.symbolic.encoding.begin_operators import BeginOperators
 from hybrid_tamp.symbolic.encoding.fill_operators import FillOperators
 from hybrid_tamp.symbolic.encoding.leave_operators import LeaveOperators
@@ -45,15 +45,15 @@ class EncodedDomain:
 
 def encode_task(task: Task) -> EncodedDomain:
     """Compile the domain of a task with its chains; they depend on the goal and the initial assignment, if at all."""
-    return _encoded(chained(task))
+    return _encode(chain_blocks(task))
 
 
 def encode_domain(domain: Domain) -> EncodedDomain:
     """Compile a domain's blocks and network, without chains; the result depends on nothing else."""
-    return _encoded(Chains(domain))
+    return _encode(Chains(domain))
 
 
-def _encoded(chains: Chains) -> EncodedDomain:
+def _encode(chains: Chains) -> EncodedDomain:
     vocabulary = Vocabulary(chains.domain)
     built = list(_operators(vocabulary))
     names = name_apart({number: operator.name for number, (operator, _) in enumerate(built)})
@@ -62,14 +62,14 @@ def _encoded(chains: Chains) -> EncodedDomain:
         name=legal(chains.domain.name),
         types=vocabulary.types,
         constants=vocabulary.constants,
-        predicates=_used(vocabulary, [operator for operator, _ in built]),
+        predicates=_list_predicates(vocabulary, [operator for operator, _ in built]),
         operators=tuple(operator for operator, _ in built),
         comments=(*vocabulary.names.changed, *chains.comments),
     )
     return EncodedDomain(vocabulary, planning, {operator.name: meaning for operator, meaning in built}, chains)
 
 
-def _used(vocabulary: Vocabulary, operators: list[Operator]) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
+def _list_predicates(vocabulary: Vocabulary, operators: list[Operator]) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
     """Return the user's predicates and those of the compiler's own that an operator mentions, or a goal."""
     mentioned = {"idle", "unclaimed", "completed"}
     mentioned |= {fact[0] for o in operators for facts in (o.precondition, o.add, o.delete) for fact in facts}

@@ -166,20 +166,20 @@ class Vocabulary:
     def predicates(self) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
         """The user's predicates, with those that stand for classes, each with its typed parameters."""
         guards = [
-            self._declared(self.names.pddl(("class", c.name)), [("thing", ROOT if is_place(c) else TOKEN)])
+            self._declare(self.names.pddl(("class", c.name)), [("thing", ROOT if is_place(c) else TOKEN)])
             for c in self.classes
             if c not in self.typed
         ]
         users = [(self.predicate(p.name), p) for p in self.domain.predicates]
         users += [(self.predicate(p.name, positive=False), p) for p in self.denied]
-        return (*guards, *(self._declared(name, [(q.name, q.sort) for q in p.parameters]) for name, p in users))
+        return (*guards, *(self._declare(name, [(q.name, q.sort) for q in p.parameters]) for name, p in users))
 
     @property
     def assignment_predicates(self) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
         """The compiler's own predicates, each with its typed parameters."""
         declared = assignment_predicates(self.domain)
-        return tuple(self._declared(self._state_names[state], parameters) for state, parameters in declared)
+        return tuple(self._declare(self._state_names[state], parameters) for state, parameters in declared)
 
-    def _declared(self, name: str, parameters: Sequence[tuple[str, Sort]]) -> tuple[str, tuple[Typed, ...]]:
+    def _declare(self, name: str, parameters: Sequence[tuple[str, Sort]]) -> tuple[str, tuple[Typed, ...]]:
         variables = name_variables(parameter for parameter, _ in parameters)
         return name, tuple((v, self.type_of(sort)) for v, (_, sort) in zip(variables, parameters, strict=True))

@@ -109,7 +109,7 @@ class PlainProblem:
         self._parents = dict(domain.types)
         self._constants = dict(domain.constants)
         self._fixed = _Fixed(source)
-        possible = [self._shortened(operator) for operator in domain.operators if self._fixed.allow(operator)]
+        possible = [self._shorten(operator) for operator in domain.operators if self._fixed.allow(operator)]
         self._cases = {each.name: _Case(each, each.name, tuple(dict(each.parameters))) for each in possible}
         for case in tuple(self._cases.values()):
             self._separate(case)
@@ -122,7 +122,7 @@ class PlainProblem:
         values = case.operator.bind(action)
         return PlannedAction(case.origin, tuple(values.get(argument, argument) for argument in case.arguments))
 
-    def _shortened(self, operator: Operator) -> Operator:
+    def _shorten(self, operator: Operator) -> Operator:
         """Return a possible operator without the conditions that hold for ever."""
         return replace(operator, precondition=tuple(f for f in operator.precondition if not self._fixed.settle(f)))
 
@@ -133,22 +133,22 @@ class PlainProblem:
         while unexplored:
             case = unexplored.pop()
             for substitution in self._meetings(case.operator):
-                narrower = self._narrowed(case, substitution)
+                narrower = self._narrow(case, substitution)
                 if narrower.arguments not in found and self._fixed.allow(narrower.operator):
                     found.add(narrower.arguments)
                     unexplored.append(narrower)
-                    shortened = self._shortened(narrower.operator)
+                    shortened = self._shorten(narrower.operator)
                     self._cases[shortened.name] = replace(narrower, operator=shortened)
 
     def _meetings(self, operator: Operator) -> Iterator[Substitution]:
         """Yield the substitutions that make two effects of an operator effects on one fact."""
         types = {**self._constants, **dict(operator.parameters)}
         for one, other in combinations(dict.fromkeys((*operator.add, *operator.delete)), 2):
-            substitution = self._unified(one, other, types) if one[0] == other[0] else None
+            substitution = self._unify(one, other, types) if one[0] == other[0] else None
             if substitution is not None:
                 yield substitution
 
-    def _unified(self, one: Fact, other: Fact, types: Mapping[str, str]) -> Substitution | None:
+    def _unify(self, one: Fact, other: Fact, types: Mapping[str, str]) -> Substitution | None:
         """Return the substitution that makes two facts of one predicate equal, if there is one."""
         substitution: dict[str, str] = {}
         for pair in zip(one[1:], other[1:], strict=True):
@@ -171,7 +171,7 @@ class PlainProblem:
         """Whether a type is another or one of its descendants."""
         return wide in lineage(narrow, self._parents)
 
-    def _narrowed(self, case: _Case, substitution: Substitution) -> _Case:
+    def _narrow(self, case: _Case, substitution: Substitution) -> _Case:
         """Return the case in which a substitution holds, too."""
         operator = case.operator
         parts = (operator.precondition, operator.add, operator.delete)

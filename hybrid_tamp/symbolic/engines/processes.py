@@ -24,7 +24,7 @@ _PATIENCE = 5.0  # For killed processes to vanish [s].
 _PAUSE = 0.002  # Between two looks at them [s].
 
 
-def marked_environment(mark: str, temporary: Path) -> dict[str, str]:
+def make_environment(mark: str, temporary: Path) -> dict[str, str]:
     """Return the environment of a planner's process.
 
     It finds the modules that this process finds. It gives equal answers to equal requests, which sets of

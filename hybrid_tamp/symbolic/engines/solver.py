@@ -74,7 +74,7 @@ class Solver:
             result = planner.solve(given)
         if result.plan is None:
             return _without_plan(name, result)
-        actions = problem.planned(original_plan(result.plan, compiled))
+        actions = problem.read_plan(original_plan(result.plan, compiled))
         if plain:
             actions = tuple(map(plain.original, actions))
         # Engines change the problem that they are given: its explicit initial values.

@@ -28,7 +28,7 @@ class UnifiedProblem:
     actions: Mapping[str, Any]
     objects: Mapping[str, Any]
 
-    def planned(self, plan: Any) -> tuple[PlannedAction, ...]:
+    def read_plan(self, plan: Any) -> tuple[PlannedAction, ...]:
         """Return a plan of unified_planning as actions in our names.
 
         Raises:

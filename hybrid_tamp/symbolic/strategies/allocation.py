@@ -83,7 +83,7 @@ class Allocation:
             if not wave:
                 return None
             waves.append(wave)
-        return _with_returns(waves)
+        return _mark_returns(waves)
 
     def _wave(self, demands: Sequence[Demand]) -> tuple[list[Share], list[Demand]]:
         """Return the shares of as many of the demands as can be met at once, and the other demands."""
@@ -91,14 +91,14 @@ class Allocation:
         at_once = min(len(demands), len(names) // max(1, len(demands[0].kinds)))
         shares: list[Share] = []
         for near in (True, False):
-            shares = self._matched([(demand, self._costs(demand, names, near)) for demand in demands], names)
+            shares = self._match([(demand, self._costs(demand, names, near)) for demand in demands], names)
             if len(shares) >= at_once:
                 break
         met = {share.group for share in shares}
         return shares, [demand for demand in demands if demand.group not in met]
 
     @staticmethod
-    def _matched(demands: Sequence[tuple[Demand, FloatArray]], names: Sequence[str]) -> list[Share]:
+    def _match(demands: Sequence[tuple[Demand, FloatArray]], names: Sequence[str]) -> list[Share]:
         """Return the shares of as many of the demands, with their costs, as can be met, in their order."""
         met: list[tuple[Demand, FloatArray]] = []
         columns: list[int] = []
@@ -126,7 +126,7 @@ def _near(count: int) -> int:
     return max(_NEAR, 2 * count)
 
 
-def _with_returns(waves: list[list[Share]]) -> list[list[Share]]:
+def _mark_returns(waves: list[list[Share]]) -> list[list[Share]]:
     """Mark the shares whose helpers a later wave needs."""
     marked: list[list[Share]] = []
     needed: set[str] = set()

@@ -155,10 +155,10 @@ class Helpers:
     def signature(self, name: str) -> Signature:
         """Return what can be known of a helper: its classes, its block, and its facts with the group's tokens."""
         if name not in self._signatures:
-            self._signatures[name] = self._made(self._task.token_by_name[name])
+            self._signatures[name] = self._describe(self._task.token_by_name[name])
         return self._signatures[name]
 
-    def _made(self, helper: Token) -> Signature:
+    def _describe(self, helper: Token) -> Signature:
         own = own_task(self._task, self._group, (helper.name,), self._group.places)
         labels = {name: f"#{i}" for i, name in enumerate((*self._group.tokens, *self._group.places))}
         labels[helper.name] = "#helper"

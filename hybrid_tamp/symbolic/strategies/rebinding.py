@@ -70,7 +70,7 @@ def rebind_tokens(
         for candidate in _neighbours(compilation, best.actions):
             if time.monotonic() > until:
                 return best
-            shorter = _scheduled(compilation, candidate, estimates)
+            shorter = _schedule(compilation, candidate, estimates)
             if shorter is not None and shorter.makespan < best.makespan - 1e-6:
                 best, improved = shorter, True
                 break
@@ -80,7 +80,7 @@ def rebind_tokens(
 def _neighbours(compilation: Compilation, actions: Sequence[PlannedAction]) -> Iterator[list[PlannedAction]]:
     """Yield the actions with one episode given to another token, and with two tokens in each other's place."""
     for episode in _episodes(compilation, actions):
-        yield from _rebound(compilation, actions, episode)
+        yield from _rebind(compilation, actions, episode)
     for group in interchangeable(compilation.task):
         for one, other in combinations(map(compilation.name, group), 2):
             swap = {one: other, other: one}
@@ -107,7 +107,7 @@ def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> lis
     return found
 
 
-def _rebound(
+def _rebind(
     compilation: Compilation, actions: Sequence[PlannedAction], episode: Episode
 ) -> Iterator[list[PlannedAction]]:
     """Yield the actions with one episode given to each other token of its group."""
@@ -124,7 +124,7 @@ def _rebound(
                 yield changed
 
 
-def _scheduled(compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates) -> TaskPlan | None:
+def _schedule(compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates) -> TaskPlan | None:
     """Return the schedule of actions that can be applied one after the other and reach the goal, else None."""
     if not applicable(compilation, actions):
         return None

@@ -24,7 +24,7 @@ _LOG = logging.getLogger(__name__)
 
 
 class Planner(Protocol):
-    """Whatever answers a planning problem; `symbolic.planner.PlannerProcess` does."""
+    """Whatever answers a planning problem; `engines.planner_process.PlannerProcess` does."""
 
     def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
         """Return the engine's answer."""

@@ -48,7 +48,7 @@ class ActionMaker:
         self.changes: dict[Fact, int] = {}
         self.roles = {role: self._declare(role, sort) for role, sort in block.roles.items()}
 
-    def built(self) -> tuple[DurativeAction, Running]:
+    def build(self) -> tuple[DurativeAction, Running]:
         """Return the action with what it runs."""
         block = self.block
         self._distinct()

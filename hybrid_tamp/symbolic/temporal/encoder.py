@@ -137,7 +137,7 @@ class _Encoder:
             choices = [self._choices(block, slot.name) for slot in block.slots]
             for chosen in product(*choices):
                 along = frozenset(slot.name for slot, along in zip(block.slots, chosen, strict=True) if along)
-                yield ActionMaker(self.words, self.sources, block, along).built()
+                yield ActionMaker(self.words, self.sources, block, along).build()
 
     def _choices(self, block: Block, slot: str) -> list[bool]:
         """Return whether the token of a slot may come on its own, along with the anchor, or both."""

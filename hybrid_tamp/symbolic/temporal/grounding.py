@@ -122,7 +122,7 @@ class _Reaching:
         conditions = [literal for literal in block.entry if literal.positive]
         denied = [literal for literal in block.static_entry if not literal.positive]
         sorts = block.roles
-        for roles in self._joined(sorts, conditions, _Index(self.atoms), {}):
+        for roles in self._join(sorts, conditions, _Index(self.atoms), {}):
             if not any(self._holds(literal, roles) for literal in denied) and self._distinct(roles):
                 yield {role: roles[role] for role in sorts}
 
@@ -134,11 +134,11 @@ class _Reaching:
         tokens = [name for name in roles.values() if name in self.task.token_by_name]
         return len(set(tokens)) == len(tokens)
 
-    def _joined(
+    def _join(
         self, sorts: Mapping[str, Sort], conditions: list[Literal], index: "_Index", roles: dict[str, str]
     ) -> Iterator[dict[str, str]]:
         if not conditions:
-            yield from self._filled(sorts, roles)
+            yield from self._fill(sorts, roles)
             return
         patterns = [(_pattern(literal, sorts, roles), literal) for literal in conditions]
         # The most constrained first.
@@ -148,11 +148,11 @@ class _Reaching:
         )
         rest = [condition for condition in conditions if condition is not chosen]
         for row in rows:
-            extended = self._extended(sorts, chosen, row, roles)
+            extended = self._extend(sorts, chosen, row, roles)
             if extended is not None:
-                yield from self._joined(sorts, rest, index, extended)
+                yield from self._join(sorts, rest, index, extended)
 
-    def _extended(
+    def _extend(
         self, sorts: Mapping[str, Sort], literal: Literal, row: tuple[str, ...], roles: dict[str, str]
     ) -> dict[str, str] | None:
         extended = dict(roles)
@@ -166,14 +166,14 @@ class _Reaching:
     def _is_of(self, sort: Sort, name: str) -> bool:
         return isinstance(sort, SymbolSort) or self.task.token_by_name[name].is_member(sort)
 
-    def _filled(self, sorts: Mapping[str, Sort], roles: dict[str, str]) -> Iterator[dict[str, str]]:
+    def _fill(self, sorts: Mapping[str, Sort], roles: dict[str, str]) -> Iterator[dict[str, str]]:
         """Yield the binding with every value for the roles that no condition binds."""
         free = next((role for role in sorts if role not in roles), None)
         if free is None:
             yield roles
             return
         for value in self.task.values_of(sorts[free]):
-            yield from self._filled(sorts, {**roles, free: name_of(value)})
+            yield from self._fill(sorts, {**roles, free: name_of(value)})
 
 
 def _pattern(literal: Literal, sorts: Mapping[str, Sort], roles: Mapping[str, str]) -> tuple[str | None, ...]:

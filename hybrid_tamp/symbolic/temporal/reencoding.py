@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
 from hybrid_tamp.symbolic.pddl.operators import Fact, ground
-from hybrid_tamp.symbolic.pddl.temporal_text import named
+from hybrid_tamp.symbolic.pddl.temporal_text import ask_for_old_values
 from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation
 from hybrid_tamp.symbolic.temporal.problem import DurativeAction, TemporalProblem, TimedAction, Value
 
@@ -61,7 +61,7 @@ class _Following:
     def __init__(self, compilation: TemporalCompilation, problem: TemporalProblem, plan: TaskPlan) -> None:
         self.compilation = compilation
         self.plan = plan
-        self.templates = {action.name: action for action in named(problem.domain).actions}
+        self.templates = {action.name: action for action in ask_for_old_values(problem.domain).actions}
         self.values: dict[Fact, Value] = dict(problem.init)
         self.running: list[_Begun] = []
 
