@@ -116,7 +116,7 @@ def _rounded(corners: FloatArray) -> FloatArray:
 
 
 def _shortened(leg: FloatArray) -> FloatArray:
-    """Return the part of a leg that the rounding of a corner may take: at most half of it."""
+    """Return the share of a leg that the rounding of a corner may take: at most half of it."""
     length = np.linalg.norm(leg, axis=-1, keepdims=True)
     return np.asarray(leg * np.minimum(0.5, _ROUNDING / np.maximum(length, 1e-9)))
 

@@ -115,7 +115,7 @@ def _height(member: Token, orientation: FloatArray) -> float:
 
 
 def _onto(state: State, hands: tuple[Token, ...], member: Token) -> str:
-    """Return the face that looks most to the right of the first hand; without hands the right one."""
+    """Return the face that turns most to the right of the first hand; without hands the right one."""
     if not hands:
         return "right"
     right = to_the_right(state, hands[0])

@@ -36,7 +36,7 @@ def _fit(state: State, thing: Token, posture: str) -> FloatArray:
     if len(faces) == 1:
         return np.asarray(FLAT_TOLERANCE - np.arccos(np.clip(-normal(state, thing, faces[0])[..., 2], -1.0, 1.0)))
     angle = tilt(state, thing, *faces) - nominal_tilt(thing, posture, *faces)
-    # Both faces beside the edge must look down: their common axis is level.
+    # Both faces beside the edge must face down: their common axis is level.
     level = np.cross(NORMALS[faces[0]], NORMALS[faces[1]])
     heights = np.abs(dot(in_body(state, thing, np.array([0.0, 0.0, 1.0])), level))
     twist = _TWIST_TOLERANCE - np.arcsin(np.clip(heights, 0.0, 1.0))

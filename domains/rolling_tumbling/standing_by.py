@@ -165,7 +165,7 @@ def reaching_away(primitive: DMP | None = None) -> Block:
         name="REACHING:away",
         slots=(Slot("hand", StaticEndEffector),),
         anchor="hand",
-        # It looks at the box only as it starts, so the box may move meanwhile.
+        # It reads where the box is only as it starts, so the box may move meanwhile.
         targets=(Target("object", Tumblable, reads=()),),
         entry=(WITHIN_REACH("hand", "object"),),
         exit=(AT_REST("hand"),),

@@ -131,10 +131,10 @@ def sides_across(state: State, hand: Token, thing: Token) -> tuple[str, ...]:
 
 
 def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> float:
-    """Return how far a face looks to the hand's right, -1 to 1, once the box stands in a posture (single state).
+    """Return how far a face turns to the hand's right, -1 to 1, once the box stands in a posture (single state).
 
     Boxes turn about the hand's axis only, so the posture and today's pose tell the direction. Right is the axis times
-    up. A face through which the axis goes looks nowhere: 0.
+    up. A face through which the axis goes turns to neither side: 0.
     """
     if face not in sides_across(state, hand, thing) or not set(faces_of(posture)) <= set(
         sides_across(state, hand, thing)

@@ -99,12 +99,12 @@ def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
-    """How far the face looks to the side of the box where the hand is; a hand above it may go to either side."""
+    """How far the face turns to the side of the box where the hand is; a hand above it may go to either side."""
     if (face, posture) not in EXPOSED_HOLD:
         return np.asarray(-1.0)
     offset = float((state[hand, "position"] - state[thing, "position"]) @ to_the_right(state, hand))
-    looks = outlook(state, hand, thing, face, posture)
-    return np.asarray((looks if offset > 0 else -looks) if abs(offset) > _ABOVE else abs(looks)) - _LEAST_OUTLOOK
+    facing = outlook(state, hand, thing, face, posture)
+    return np.asarray((facing if offset > 0 else -facing) if abs(offset) > _ABOVE else abs(facing)) - _LEAST_OUTLOOK
 
 
 def _one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:

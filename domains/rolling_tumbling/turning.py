@@ -53,7 +53,7 @@ _CATCHING_UP = 0.7
 _LEAD = 0.3
 """How much further at most [rad]."""
 _LOOSENING = (0.82, 0.94)
-"""In which part of a turn onto a face the hands loosen their grip: the box all but lies, and soon they let go."""
+"""During which share of a turn onto a face the hands loosen their grip: the box all but lies, and soon they let go."""
 _LYING = float(np.radians(0.7))
 """How close to lying on a face a box is when they begin to, if it comes down before the plan [rad]."""
 _TOUCHING_FORCE = 1.0

@@ -1,4 +1,4 @@
-"""The way of hand and tool in a strike: an arc about an elbow, from winding up to the blow."""
+"""The way of hand and tool in a strike: an arc about an elbow, from winding up to the impact."""
 
 from typing import cast
 

@@ -61,12 +61,12 @@ Goal = Callable[[Binding, State], Pose]
 _MEAN_SPEED = 0.5
 _SETTLING = 0.1
 _TURN = (0.3, 0.4)
-"""When the turn begins and how long it takes, as parts of the reach's duration: the hand is high meanwhile."""
+"""When the turn begins and how long it takes, as shares of the reach's duration: the hand is high meanwhile."""
 _BODY = ("position", "orientation", "velocity", "angular_velocity")
 
 
-def _looked_at(object_class: type[AffordanceClass]) -> Target:
-    """Return the object that the hand looks at as it starts: it may be taken up for use before the hand lets it be."""
+def _seen(object_class: type[AffordanceClass]) -> Target:
+    """Return the object whose place the hand reads only as it starts; afterwards other blocks may change it."""
     return Target("object", object_class, reads=())
 
 
@@ -193,7 +193,7 @@ CARRYING = (
         "push",
         _behind,
         Pusher,
-        (_looked_at(Pushable), Target("region", Region)),
+        (_seen(Pushable), Target("region", Region)),
         (
             ABLE_TO_PUSH("hand", "tool", "object"),
             SQUARE_TO("object", "region"),
@@ -207,7 +207,7 @@ CARRYING = (
         "strike",
         _above,
         Striker,
-        (_looked_at(Strikable),),
+        (_seen(Strikable),),
         (ABLE_TO_STRIKE("hand", "tool", "object"), AT_REST("object")),
         (IN_STRIKE_STANCE("hand", "tool", "object"), ~STANDS("tool")),
         "the hand raises the tool above what it is to strike",

@@ -60,11 +60,11 @@ def _push(hand: Token, tool: Token, thing: Token) -> float:
 
 
 def _strike(hand: Token, tool: Token, thing: Token) -> float:
-    """By how much the best blow of all grasps that the wrist can swing exceeds the one needed [N s]."""
+    """By how much the largest impulse of all grasps that the wrist can swing exceeds the one needed [N s]."""
     places = np.linspace(0.0, handle_length(tool), _GRASPS)
     swing = swing_of(hand, tool, tool["handle_to"][0] - places, 0.0)
     bearable = swing.torque(hand) + swing.weight_torque <= hand["maximal_torque"]
-    return float(np.max(np.where(bearable, swing.blow, 0.0)) - thing["impulse_needed"])
+    return float(np.max(np.where(bearable, swing.impulse, 0.0)) - thing["impulse_needed"])
 
 
 def _depth(hand: Token, *places: FloatArray) -> FloatArray:

@@ -79,7 +79,7 @@ def _strike_stance(state: State, hand: Token, tool: Token, thing: Token) -> Floa
     return _stance(off, swing_angle(state, tool) - RAISED)
 
 
-def _blow(state: State, thing: Token) -> FloatArray:
+def _impulse(state: State, thing: Token) -> FloatArray:
     return np.asarray(state[thing, "impulse"][..., 0] - thing["impulse_needed"])
 
 
@@ -152,7 +152,7 @@ IN_STRIKE_STANCE = Predicate(
 STRUCK = Predicate(
     "struck",
     (_STRUCK,),
-    _blow,
+    _impulse,
     unit="N s",
     scale=0.1,
     reads={"object": ("impulse",)},

@@ -58,7 +58,7 @@ _RETURNING = 15.0
 _LARGEST_TURN = 0.3
 """How far at most [rad]."""
 _MARGIN = 0.6
-"""Which part of its half width the tool pushes within."""
+"""Share of its half width within which the tool pushes."""
 _CREEP = 0.01
 """Speed from which on the full resistance is expected [m/s]."""
 _TOUCH = 1e-6

@@ -1,7 +1,7 @@
 """STRIKING (paper, D8): a hammering movement; the tool's impact point meets the top of a thing.
 
 The hand winds up, then a constant torque swings hand and tool about an elbow until the speed that its work gives, and
-the tool coasts at that speed until it meets its target. After the blow the hand holds the tool just above the thing.
+the tool coasts at that speed until it meets its target. After the impact the hand holds the tool just above the thing.
 """
 
 from typing import cast
@@ -55,7 +55,7 @@ from .holding import HeldTool, effective_mass, keeping
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
 
 _ABOVE = 0.15
-"""How much the tool is raised after the blow [rad]."""
+"""How much the tool is raised after the impact [rad]."""
 _RAISING_RATE = 20.0
 """Natural frequency of the servo that raises it [rad/s]."""
 _SETTLING = 0.5

@@ -20,14 +20,14 @@ class Swing:
         inertia: moment of inertia about the elbow [kg m^2].
         rate: angular speed omega at the end: the work of the torque, tau phi = I omega^2 / 2 [rad/s].
         lever: distance of the impact point from the elbow along the handle [m].
-        blow: impulse of an inelastic blow [N s].
+        impulse: impulse of an inelastic impact [N s].
         weight_torque: largest torque with which the wrist bears the tool's weight [N m].
     """
 
     inertia: FloatArray
     rate: FloatArray
     lever: FloatArray
-    blow: FloatArray
+    impulse: FloatArray
     weight_torque: FloatArray
 
     @property
@@ -56,7 +56,7 @@ class Swing:
         return np.asarray(LEVEL - self.rate * CONTROL_PERIOD * ((self.periods(hand) + 1.0) / 2.0 + _COASTING))
 
     def duration(self, hand: Token) -> FloatArray:
-        """Return how long it takes until the blow [s]."""
+        """Return how long it takes until the impact [s]."""
         return np.asarray((self.periods(hand) + _COASTING) * CONTROL_PERIOD)
 
 

@@ -44,7 +44,7 @@ class CommandLayout:
 
     @cached_property
     def slices(self) -> Mapping[Key, slice]:
-        """(token, basic action) to its part of a row."""
+        """(token, basic action) to its columns in a row."""
         found, start = {}, 0
         for token, action, size in self.entries:
             found[token, action] = slice(start, start + size)
@@ -58,7 +58,7 @@ class CommandLayout:
 
     def commands(self, row: FloatArray) -> Commands:
         """Return the commands that a row ``(size,)`` stands for."""
-        return {key: row[part] for key, part in self.slices.items()}
+        return {key: row[columns] for key, columns in self.slices.items()}
 
     def row(self, commands: Commands) -> FloatArray:
         """Return the commands as one row ``(size,)``, zero where nothing is commanded.
@@ -68,14 +68,14 @@ class CommandLayout:
         """
         row = np.zeros(self.size)
         for key, command in commands.items():
-            part = self.slices.get(key)
-            if part is None:
+            columns = self.slices.get(key)
+            if columns is None:
                 known = ", ".join(f"{action} on {token}" for token, action in self.slices)
                 raise CommandError(f"there is no {key[1]} on {key[0]} to command; there is {known or 'none'}")
-            if np.shape(command) != (part.stop - part.start,):
-                wanted = part.stop - part.start
+            if np.shape(command) != (columns.stop - columns.start,):
+                wanted = columns.stop - columns.start
                 raise CommandError(f"{key[1]} on {key[0]} has {wanted} components, got {np.shape(command)}")
-            row[part] = command
+            row[columns] = command
         return row
 
     def limited(self, row: FloatArray) -> tuple[FloatArray, tuple[Key, ...]]:
@@ -109,6 +109,6 @@ class CommandLayout:
 
     def _norms(self, row: FloatArray) -> list[tuple[Key, float, float]]:
         return [
-            (key, math.hypot(*row[part].tolist()), limit)
-            for (key, part), limit in zip(self.slices.items(), self.limits, strict=True)
+            (key, math.hypot(*row[columns].tolist()), limit)
+            for (key, columns), limit in zip(self.slices.items(), self.limits, strict=True)
         ]

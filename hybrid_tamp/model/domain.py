@@ -32,7 +32,7 @@ class Domain:
         network: allowed reassignments between their slots.
         sorts: symbol sorts beyond those that predicates and targets mention.
         disjoint: groups of classes that never share a token, pairwise.
-        reduced: whether it is a part of a domain that was checked as a whole; slots of it may lack ways in or out.
+        reduced: whether it was made from a domain that was checked; its slots may lack ways in or out.
         resting: name of the block that takes whatever nothing manipulates.
         metrics: measures of a finished run for ``result.json``, (instance, measure) to the figure; or None.
         description: one line.

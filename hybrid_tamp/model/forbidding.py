@@ -106,8 +106,8 @@ def _sentence(block: Block, roles: tuple[str, ...]) -> str:
     """Name block and roles, e.g. ``ROLLING of {object} by {hand} to {region}``."""
     others = [slot.name for slot in block.others]
     targets = [target.name for target in block.targets if target.name in roles]
-    parts = [f"{block.name} of {{{block.anchor}}}"]
+    phrases = [f"{block.name} of {{{block.anchor}}}"]
     for word, names in (("by", others), ("to", targets)):
         if names:
-            parts.append(f"{word} " + " and ".join(f"{{{name}}}" for name in names))
-    return " ".join(parts)
+            phrases.append(f"{word} " + " and ".join(f"{{{name}}}" for name in names))
+    return " ".join(phrases)
