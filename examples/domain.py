@@ -25,6 +25,7 @@ from hybrid_tamp.authoring import (
     FloatArray,
     Hyperparameter,
     Hyperparameters,
+    Kind,
     Parameter,
     Parameters,
     PlaceClass,
@@ -74,8 +75,10 @@ DOCKED = Predicate(
     unit="m",
     scale=0.05,
     reads={"cart": ("position",), "dock": ("position",)},
-    functional="dock",
+    kind=Kind.FUNCTIONAL,
+    value_of="dock",
     description="{cart} is at {dock}",
+    denial="{cart} is not at {dock}",
 )
 AT_REST = Predicate(
     "at_rest",
@@ -85,6 +88,7 @@ AT_REST = Predicate(
     scale=0.02,
     reads={"token": ("velocity",)},
     description="{token} is at rest",
+    denial="{token} is not at rest",
 )
 
 
