@@ -1,8 +1,9 @@
-"""Verbs that watch other agents: imitate."""
+"""The verb ``imitate``."""
 
+from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -10,8 +11,7 @@ from hybrid_tamp.cli.console import print_json, show
 from hybrid_tamp.cli.options import DomainOption, ForceOption, JsonOption, TaskArgument
 
 if TYPE_CHECKING:
-    from hybrid_tamp.questions.imitate.segmentation import Segmentation
-    from hybrid_tamp.verbs.imitate import Imitation, Shown
+    from hybrid_tamp.model.imitation import ImitationResult, Segmentation
 
 
 def imitate(
@@ -29,47 +29,45 @@ def imitate(
     force: ForceOption = False,
 ) -> None:
     """Do as another agent was seen to do, and say which blocks were seen."""
-    from hybrid_tamp.report.folder import RunFolder
+    from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.progress import progress_bar
-    from hybrid_tamp.verbs.imitate import imitate as imitated
-    from hybrid_tamp.verbs.imitate import read_shown, segmented
-    from hybrid_tamp.verbs.loading import Settings, domain_finder, load
+    from hybrid_tamp.verbs.imitate import imitate as imitate_agent
+    from hybrid_tamp.verbs.loading import Settings
 
-    settings, find_domain = Settings(domain=domain), domain_finder(domain)
-    loaded = load(task, settings)
-    seen = read_shown(shown, loaded, find_domain, None if actor is None else load(actor, settings))
-    with TemporaryDirectory() as temporary, progress_bar() as progress:
-        folder = RunFolder.create(output or Path(temporary) / "run", force=force)
-        progress(0.0, "segmenting")
-        segmentation = segmented(seen)
+    def show_segmentation(segmentation: "Segmentation") -> None:
+        from hybrid_tamp.report.tables import timetable
+
         if not as_json:
-            _show_segmentation(seen, segmentation)
-        result = imitated(
-            seen, segmentation, loaded, folder, backend=backend, progress=progress, find_domain=find_domain
+            show(timetable(f"What {shown.name} shows", segmentation.plan))
+            for movement in segmentation.unexplained:
+                typer.echo(f"not explained: {movement.text}", err=True)
+
+    with ExitStack() as stack:
+        folder = output or Path(stack.enter_context(TemporaryDirectory())) / "run"
+        progress = stack.enter_context(progress_bar())
+        result = imitate_agent(
+            shown,
+            task,
+            folder,
+            Settings(domain=domain),
+            actor=actor,
+            backend=backend,
+            force=force,
+            progress=progress,
+            on_segmentation=show_segmentation,
         )
-    _report(seen, segmentation, result, as_json)
-    if output and not as_json:
-        typer.echo(f"files: {output}")
-    run = result.result
-    if not run.success or run.law:
+    if as_json:
+        print_json(document(result))
+    else:
+        _show(result, output)
+    if not result.success:
         typer.echo("The imitation did not reach the goal.", err=True)
         raise typer.Exit(40)
     if not as_json:
-        typer.echo(f"The imitation reached the goal after {run.recording.duration:.2f} s of simulated time.")
+        typer.echo(f"The imitation reached the goal after {result.run.recording.duration:.2f} s of simulated time.")
 
 
-def _show_segmentation(seen: "Shown", segmentation: "Segmentation") -> None:
-    from hybrid_tamp.report.tables import timetable
-
-    show(timetable(f"What {seen.source} shows", segmentation.plan))
-    for movement in segmentation.unexplained:
-        typer.echo(f"not explained: {movement}", err=True)
-
-
-def _report(seen: "Shown", segmentation: "Segmentation", result: "Imitation", as_json: bool) -> None:
-    if as_json:
-        print_json(_document(seen, segmentation, result))
-        return
+def _show(result: "ImitationResult", output: Path | None) -> None:
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.tables import result_table
 
@@ -77,31 +75,6 @@ def _report(seen: "Shown", segmentation: "Segmentation", result: "Imitation", as
     typer.echo(f"roles: {roles}")
     if result.primitives:
         typer.echo(f"learnt: {', '.join(result.primitives)}")
-    show(result_table(document(result.result)))
-
-
-def _document(seen: "Shown", segmentation: "Segmentation", result: "Imitation") -> dict[str, Any]:
-    from hybrid_tamp.report.documents import document
-
-    instances = sorted(segmentation.plan.instances, key=lambda i: (i.start, i.end, i.name))
-    return {
-        "schema": "hybrid-tamp/imitate/1",
-        "shown": seen.source,
-        "instances": [
-            {
-                "instance": i.name,
-                "block": i.block,
-                "start": i.start,
-                "end": i.end,
-                "slots": dict(i.slots),
-                "targets": dict(i.targets),
-            }
-            for i in instances
-        ],
-        "unexplained": [
-            {"token": each.token, "start": each.start, "end": each.end} for each in segmentation.unexplained
-        ],
-        "roles": dict(result.roles),
-        "primitives": {name: {"rms": each.rms, "unit": each.unit} for name, each in result.primitives.items()},
-        "result": document(result.result),
-    }
+    show(result_table(document(result.run)))
+    if output:
+        typer.echo(f"files: {output}")

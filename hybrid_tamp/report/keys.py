@@ -6,6 +6,7 @@ from typing import Any
 
 from hybrid_tamp.model.affordances import AffordanceResult, Implication
 from hybrid_tamp.model.explanation import Explanation, Link, Reason, Suggestion, TaskExplanation
+from hybrid_tamp.model.imitation import ImitationResult
 from hybrid_tamp.model.membership import MembershipResult, Verdict
 from hybrid_tamp.model.outcome import Exclusion, PlannedNetwork, PlannerFigures, PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance, PlannedAction, Step
@@ -120,6 +121,32 @@ QUESTION_KEYS: Mapping[type, Keys] = {
 """The keys of the answers to questions."""
 
 
+RESULT_KEYS: Keys = (
+    Key("task", "task.name"),
+    "success",
+    Key("goal", "recording.goal", keys=GOAL_KEYS),
+    "blocks",
+    "replans",
+    "metrics",
+    Key("sim_seconds", "recording.duration"),
+    "wall_seconds",
+    Key("seed", "task.seed"),
+    Key("backend", "recording.backend"),
+    "versions",
+    Key("failure", "recording.failure"),
+    "performance",
+    Key("law", sources.breaches),
+)
+
+IMITATION_KEYS: Keys = (
+    "shown",
+    Key("instances", keys=(Key("instance", "name"), "block", "start", "end", "slots", "targets")),
+    Key("unexplained", "segmentation.unexplained"),
+    "roles",
+    "primitives",
+    Key("result", "run", keys=(Key("schema", sources.result_schema), *RESULT_KEYS)),
+)
+
 KEYS: Mapping[type, Keys] = {
     **QUESTION_KEYS,
     PlanOutcome: (
@@ -175,22 +202,8 @@ KEYS: Mapping[type, Keys] = {
         "stopped",
         "history",
     ),
-    RunResult: (
-        Key("task", "task.name"),
-        "success",
-        Key("goal", "recording.goal", keys=GOAL_KEYS),
-        "blocks",
-        "replans",
-        "metrics",
-        Key("sim_seconds", "recording.duration"),
-        "wall_seconds",
-        Key("seed", "task.seed"),
-        Key("backend", "recording.backend"),
-        "versions",
-        Key("failure", "recording.failure"),
-        "performance",
-        Key("law", sources.breaches),
-    ),
+    RunResult: RESULT_KEYS,
+    ImitationResult: IMITATION_KEYS,
     AtomMargin: ("atom", "predicted", "measured", "holds"),
     ExecutedInstance: (
         Key("instance", "instance.name"),
@@ -219,5 +232,6 @@ DOCUMENTS: Mapping[str, type] = {
     "explain-1": TaskExplanation,
     "affordances-1": AffordanceResult,
     "probe-1": MembershipResult,
+    "imitate-1": ImitationResult,
 }
 """File stem of a JSON Schema to the result that is shown."""

@@ -59,3 +59,8 @@ def best(retuning: Retuning) -> Value | None:
 def breaches(result: RunResult) -> tuple[str, ...]:
     """Breaches of the law of assignment by the recording; empty if there are none."""
     return tuple(map(str, result.law))
+
+
+def result_schema(result: RunResult) -> Literal["hybrid-tamp/result/1"]:
+    """The form of the result within another document."""
+    return "hybrid-tamp/result/1"

@@ -4,6 +4,7 @@ A primitive file is JSON. It is read as any task file is, so that every fault ha
 it is ever run.
 """
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -68,9 +69,10 @@ class PrimitiveFile(BaseModel):
         """The primitive itself."""
         return DMP(np.array(self.weights), self.alpha, self.beta, self.alpha_phase, self.soft_start)
 
-    def dump(self) -> dict[str, Any]:
-        """Return the JSON object."""
-        return self.model_dump(by_alias=True)
+    @property
+    def text(self) -> str:
+        """The file as JSON."""
+        return json.dumps(self.model_dump(by_alias=True), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def read_primitive(path: Path | str) -> PrimitiveFile:

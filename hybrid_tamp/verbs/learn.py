@@ -1,6 +1,5 @@
 """Learn a block's motor primitive from demonstrations: files of time and position or pose, or the folders of runs."""
 
-import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -85,8 +84,7 @@ def save_primitive(primitive: PrimitiveFile, path: Path, *, force: bool = False)
     if path.is_dir() or (path.exists() and not force):
         came = "a folder" if path.is_dir() else "a file that is there already"
         raise InputError([Issue(str(path), "a new file for the primitive", came, remedy="force=True replaces a file")])
-    text = json.dumps(primitive.dump(), indent=1, ensure_ascii=False, allow_nan=False)
-    RunFolder(path.parent).write_text(path.name, text + "\n")
+    RunFolder(path.parent).write_text(path.name, primitive.text)
 
 
 def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], Movement]:

@@ -14,15 +14,18 @@ import hybrid_tamp
 from hybrid_tamp.errors import InputError, NoPlan
 from hybrid_tamp.execution.loop import execute
 from hybrid_tamp.execution.storage import save
+from hybrid_tamp.model.imitation import Segmentation
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import open_backend
+from hybrid_tamp.questions.imitate.observation import Shown
+from hybrid_tamp.questions.imitate.segmentation import segment
 from hybrid_tamp.questions.imitate.transfer import transfer
 from hybrid_tamp.taskfile.loader import load_task, load_task_text
 from hybrid_tamp.taskfile.pose_tables import read_poses
-from hybrid_tamp.verbs.imitate import read_shown, segmented
+from hybrid_tamp.verbs.imitate import read_shown
 
 PROBLEMS = Path(__file__).resolve().parents[2] / "problems"
 OTHER = (PROBLEMS / "roll_by_another_agent.yaml").read_text(encoding="utf-8")
@@ -58,6 +61,10 @@ def poses(every: int = 4, noise: float = 0.0) -> list[str]:
     for part in range(4, rows.shape[1], 7):
         rows[:, part : part + 4] /= np.linalg.norm(rows[:, part : part + 4], axis=-1, keepdims=True)
     return [", ".join(names), *(", ".join(f"{value:.6f}" for value in row) for row in rows)]
+
+
+def segmented(shown: Shown) -> Segmentation:
+    return segment(shown.task, shown.observation)
 
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]

@@ -8,6 +8,7 @@ import pytest
 
 import hybrid_tamp
 from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.model.imitation import Segmentation
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import State
@@ -15,7 +16,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.questions.imitate.movement_check import pauses
 from hybrid_tamp.questions.imitate.observation import Observation
-from hybrid_tamp.questions.imitate.segmentation import Segmentation, segment
+from hybrid_tamp.questions.imitate.segmentation import segment
 from hybrid_tamp.taskfile.loader import load_task
 
 PROBLEMS = Path(__file__).resolve().parents[2] / "problems"

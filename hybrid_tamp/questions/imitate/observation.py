@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.predicate import Literal, Value
 from hybrid_tamp.model.state import State, StateLayout
+from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 Truth = NDArray[np.bool_]
@@ -151,6 +152,21 @@ class Observation:
         if key not in self._truths:
             self._truths[key] = np.broadcast_to(np.asarray(find(), dtype=bool), self.times.shape)
         return self._truths[key]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What an agent was seen to do.
+
+    Attributes:
+        source: name of the folder or file that it comes from.
+        task: the demonstrator's task, as it stood at first.
+        observation: the states over time.
+    """
+
+    source: str
+    task: Task
+    observation: Observation
 
 
 def _noise(trajectory: State, period: float) -> FloatArray:

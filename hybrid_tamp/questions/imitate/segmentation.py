@@ -4,50 +4,14 @@ An observer sees states over time only. The timeline obeys the law as far as blo
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
-from hybrid_tamp.model.conditions import Violation
+from hybrid_tamp.model.imitation import Segmentation, Unexplained
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.imitate.beam_search import Interpretation, find_best
 from hybrid_tamp.questions.imitate.hypotheses import Hypothesis
 from hybrid_tamp.questions.imitate.observation import Observation
-
-
-@dataclass(frozen=True)
-class Unexplained:
-    """A movement that no block of the domain explains.
-
-    Attributes:
-        token: what moved.
-        start: from when [s].
-        end: until when [s].
-    """
-
-    token: str
-    start: float
-    end: float
-
-    def __str__(self) -> str:
-        return f"{self.token} moves from {self.start:.2f} s to {self.end:.2f} s, which no block explains"
-
-
-@dataclass(frozen=True)
-class Segmentation:
-    """What was seen, in words of the domain.
-
-    Attributes:
-        plan: the timeline of instances; tokens are in none while a movement is not explained.
-        unexplained: the movements that no block explains, by time.
-        violations: how the timeline, judged by what was seen, breaks the law; the goal included.
-        cost: number of instances and how well they fit; the less, the better.
-    """
-
-    plan: TaskPlan
-    unexplained: tuple[Unexplained, ...]
-    violations: tuple[Violation, ...]
-    cost: float
 
 
 def segment(task: Task, observation: Observation) -> Segmentation:
