@@ -1,6 +1,7 @@
 """The verb ``imitate``."""
 
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
@@ -34,14 +35,6 @@ def imitate(
     from hybrid_tamp.verbs.imitate import imitate as imitate_agent
     from hybrid_tamp.verbs.loading import Settings
 
-    def show_segmentation(segmentation: "Segmentation") -> None:
-        from hybrid_tamp.report.tables import timetable
-
-        if not as_json:
-            show(timetable(f"What {shown.name} shows", segmentation.plan))
-            for movement in segmentation.unexplained:
-                typer.echo(f"not explained: {movement.text}", err=True)
-
     with ExitStack() as stack:
         folder = output or Path(stack.enter_context(TemporaryDirectory())) / "run"
         progress = stack.enter_context(progress_bar())
@@ -54,7 +47,7 @@ def imitate(
             backend=backend,
             force=force,
             progress=progress,
-            on_segmentation=show_segmentation,
+            on_segmentation=partial(_show_segmentation, shown.name, as_json),
         )
     if as_json:
         print_json(document(result))
@@ -63,8 +56,15 @@ def imitate(
     if not result.success:
         typer.echo("The imitation did not reach the goal.", err=True)
         raise typer.Exit(40)
+
+
+def _show_segmentation(name: str, as_json: bool, segmentation: "Segmentation") -> None:
+    from hybrid_tamp.report.tables import timetable
+
     if not as_json:
-        typer.echo(f"The imitation reached the goal after {result.run.recording.duration:.2f} s of simulated time.")
+        show(timetable(f"What {name} shows", segmentation.plan))
+        for movement in segmentation.unexplained:
+            typer.echo(f"not explained: {movement.text}", err=True)
 
 
 def _show(result: "ImitationResult", output: Path | None) -> None:
@@ -78,3 +78,5 @@ def _show(result: "ImitationResult", output: Path | None) -> None:
     show(result_table(document(result.run)))
     if output:
         typer.echo(f"files: {output}")
+    if result.success:
+        typer.echo(f"The imitation reached the goal after {result.run.recording.duration:.2f} s of simulated time.")
