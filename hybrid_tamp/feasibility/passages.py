@@ -20,15 +20,15 @@ _SHOWN = 4
 class Passages:
     """The slots to which each token of a task can come along edges, its classes permitting."""
 
-    def __init__(self, task: Task, usable: Collection[str] | None = None) -> None:
-        """Look at a task's network.
+    def __init__(self, task: Task, through: Collection[str] | None = None) -> None:
+        """Take the network of a task.
 
         Args:
             task: the task.
-            usable: the blocks through which tokens may go; all where it is None.
+            through: names of the blocks through which tokens may go; all if None.
         """
         self._task = task
-        self._usable = task.domain.block_by_name if usable is None else usable
+        self._through = task.domain.block_by_name if through is None else through
         self._known: dict[tuple[object, ...], frozenset[SlotName]] = {}
 
     @cached_property
@@ -46,7 +46,7 @@ class Passages:
         key = (token.classes, start := self.start(token))
         if key not in self._known:
             graph = self._task.domain.network.graph
-            mine = graph.subgraph(s for s in graph if s[0] in self._usable and token.is_member(self._classes[s]))
+            mine = graph.subgraph(s for s in graph if s[0] in self._through and token.is_member(self._classes[s]))
             self._known[key] = frozenset({start} | (nx.descendants(mine, start) if start in mine else set()))
         return self._known[key]
 

@@ -14,7 +14,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.questions.changes import task_root
 
 _STEPS = (0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 2.0, 5.0, 10.0, 100.0, 1000.0)
-"""Steps by which a property is changed, as parts of its value, or where that is 0 in its own unit."""
+"""Steps by which a property is changed, as multiples of its value, or if that is 0, in its own unit."""
 _HALVINGS = 40
 _DIGITS = 3
 
@@ -25,15 +25,15 @@ def property_changes(task: Task, atom: Atom) -> Iterator[SetProperty]:
         token = task.token_by_name.get(name)
         for key in sorted(token.properties) if token else ():
             assert token is not None
-            for part in _parts(token, key):
-                found = _least(task, token, key, part, atom)
+            for component in _components(token, key):
+                found = _least(task, token, key, component, atom)
                 if found is not None:
-                    yield _change(token, key, part, found, atom)
+                    yield _change(token, key, component, found, atom)
 
 
-def _change(token: Token, key: str, part: int | None, changed: Token, atom: Atom) -> SetProperty:
-    before, after = (_value(each, key, part) for each in (token, changed))
-    label = key if part is None else f"{key}.{'xyz'[part]}"
+def _change(token: Token, key: str, component: int | None, changed: Token, atom: Atom) -> SetProperty:
+    before, after = (_value(each, key, component) for each in (token, changed))
+    label = key if component is None else f"{key}.{'xyz'[component]}"
     return SetProperty(token.name, label, after, before, _unit(token, key), changed, atom)
 
 
@@ -45,7 +45,7 @@ def _unit(token: Token, key: str) -> str:
     return "1"
 
 
-def _parts(token: Token, key: str) -> tuple[int | None, ...]:
+def _components(token: Token, key: str) -> tuple[int | None, ...]:
     """Return which numbers of a property may change: itself, or each of three that are free of each other."""
     value = token[key]
     if isinstance(value, float):
@@ -56,29 +56,29 @@ def _parts(token: Token, key: str) -> tuple[int | None, ...]:
     return (0, 1, 2) if is_vector and not bound else ()
 
 
-def _value(token: Token, key: str, part: int | None) -> float:
-    return float(token[key] if part is None else token[key][part])
+def _value(token: Token, key: str, component: int | None) -> float:
+    return float(token[key] if component is None else token[key][component])
 
 
-def _least(task: Task, token: Token, key: str, part: int | None, atom: Atom) -> Token | None:
+def _least(task: Task, token: Token, key: str, component: int | None, atom: Atom) -> Token | None:
     """Return the token with the least change of a number that makes the fact hold, or None."""
-    value = _value(token, key, part)
+    value = _value(token, key, component)
     size = abs(value) or 1.0
     for step in _STEPS:
         for sign in (1.0, -1.0):
             far = value + sign * step * size
-            if _meets(task, token, key, part, far, atom) is not None:
-                return _meets(task, token, key, part, _nearest(task, token, key, part, far, atom), atom)
+            if _meets(task, token, key, component, far, atom) is not None:
+                return _meets(task, token, key, component, _nearest(task, token, key, component, far, atom), atom)
     return None
 
 
-def _nearest(task: Task, token: Token, key: str, part: int | None, far: float, atom: Atom) -> float:
+def _nearest(task: Task, token: Token, key: str, component: int | None, far: float, atom: Atom) -> float:
     """Return a number near the least change that does, rounded away from the number that there is."""
-    near = _value(token, key, part)
+    near = _value(token, key, component)
     enough = far
     for _ in range(_HALVINGS):
         middle = (near + enough) / 2.0
-        if _meets(task, token, key, part, middle, atom) is None:
+        if _meets(task, token, key, component, middle, atom) is None:
             near = middle
         else:
             enough = middle
@@ -86,14 +86,14 @@ def _nearest(task: Task, token: Token, key: str, part: int | None, far: float, a
     rounded = round(enough / unit) * unit
     for candidate in (rounded, rounded + unit, rounded - unit):
         tidy = float(f"{candidate:.{_DIGITS}g}")
-        if _meets(task, token, key, part, tidy, atom) is not None:
+        if _meets(task, token, key, component, tidy, atom) is not None:
             return tidy
     return enough
 
 
-def _meets(task: Task, token: Token, key: str, part: int | None, value: float, atom: Atom) -> Token | None:
+def _meets(task: Task, token: Token, key: str, component: int | None, value: float, atom: Atom) -> Token | None:
     """Return the token with another number, if it may have it and the fact holds then."""
-    changed = _with(task, token, key, part, value)
+    changed = _with(task, token, key, component, value)
     if changed is None:
         return None
     values = (changed if name == token.name else task.value(name) for name in atom.arguments)
@@ -102,10 +102,10 @@ def _meets(task: Task, token: Token, key: str, part: int | None, value: float, a
     return changed if isfinite(margin) and margin >= 0 else None
 
 
-def _with(task: Task, token: Token, key: str, part: int | None, value: float) -> Token | None:
+def _with(task: Task, token: Token, key: str, component: int | None, value: float) -> Token | None:
     number: Any = value
-    if part is not None:
-        number = tuple(value if place == part else each for place, each in enumerate(token[key]))
+    if component is not None:
+        number = tuple(value if place == component else each for place, each in enumerate(token[key]))
     own = [member for member in token.classes if member is not task_root(task)]
     try:
         made = Token.make(token.name, own, {**token.properties, key: number}, token.shape, token.unknown)
