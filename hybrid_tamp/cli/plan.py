@@ -47,15 +47,20 @@ def plan(
     if not optimise and (optimiser, evaluations, refine) != (None, None, None):
         wanted = "--optimiser, --evaluations and --refine say how to optimise: they go with --optimise"
         raise InputError([Issue("", wanted)])
-    from hybrid_tamp.report.progress import progress_bar
-    from hybrid_tamp.verbs.plan import plan as plan_task
+    from hybrid_tamp.verbs.planner import start_planner
 
-    settings = read_settings(
-        **{"domain": domain, "planner": planner, "objective": objective, "seed": seed, "time_limit": time_limit},
-        **{"memory_limit": memory_limit, "optimiser": optimiser, "evaluations": evaluations, "refine": refine},
-    )
-    with progress_bar(optimise) as progress:
-        outcome = plan_task(task, settings, folder=output, force=force, optimise=optimise, progress=progress)
+    with start_planner() as process:
+        from hybrid_tamp.report.progress import progress_bar
+        from hybrid_tamp.verbs.plan import plan as plan_task
+
+        settings = read_settings(
+            **{"domain": domain, "planner": planner, "objective": objective, "seed": seed, "time_limit": time_limit},
+            **{"memory_limit": memory_limit, "optimiser": optimiser, "evaluations": evaluations, "refine": refine},
+        )
+        with progress_bar(optimise) as tell:
+            outcome = plan_task(
+                task, settings, folder=output, force=force, optimise=optimise, planner=process, progress=tell
+            )
     _show(outcome, as_json)
     if outcome.error is not None:
         raise typer.Exit(outcome.error.exit_status)

@@ -44,15 +44,20 @@ def run(
     refine: RefineOption = None,
 ) -> None:
     """Plan a task, optimise its hyperparameters and carry the plan out in physics; record it and judge it."""
-    from hybrid_tamp.report.progress import progress_bar
-    from hybrid_tamp.verbs.run import run as run_task
+    from hybrid_tamp.verbs.planner import start_planner
 
-    settings = read_settings(
-        **{"domain": domain, "planner": planner, "objective": objective, "seed": seed, "time_limit": time_limit},
-        **{"memory_limit": memory_limit, "optimiser": optimiser, "evaluations": evaluations, "refine": refine},
-    )
-    with progress_bar() as progress:
-        result = run_task(task, output, settings, backend=backend, video=video, force=force, progress=progress)
+    with start_planner() as process:
+        from hybrid_tamp.report.progress import progress_bar
+        from hybrid_tamp.verbs.run import run as run_task
+
+        settings = read_settings(
+            **{"domain": domain, "planner": planner, "objective": objective, "seed": seed, "time_limit": time_limit},
+            **{"memory_limit": memory_limit, "optimiser": optimiser, "evaluations": evaluations, "refine": refine},
+        )
+        with progress_bar() as tell:
+            result = run_task(
+                task, output, settings, backend=backend, video=video, force=force, planner=process, progress=tell
+            )
     _show(result, as_json)
     if not as_json:
         typer.echo("\n".join([*([f"video: {video}"] if video else []), f"files: {output}"]))

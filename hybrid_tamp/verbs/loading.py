@@ -65,8 +65,9 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
 
 
 def _replaced(record: Record, **values: Any) -> Record:
-    """Return a record with those values that are not None."""
-    return replace(record, **{name: value for name, value in values.items() if value is not None})
+    """Return a record with those values that are not None, or the record itself if they change nothing."""
+    changed = {name: value for name, value in values.items() if value not in (None, getattr(record, name))}
+    return replace(record, **changed) if changed else record
 
 
 def domain_finder(name: str | None) -> Callable[[str], Domain]:
