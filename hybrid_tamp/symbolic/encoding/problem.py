@@ -3,9 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise, permutations
+from itertools import pairwise
 
-from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.facts import StaticFacts, facts, static_facts
 from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.task import Task
@@ -13,6 +12,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.encoding.assignment import COUNT, locked_targets
 from hybrid_tamp.symbolic.encoding.encoder import EncodedDomain, encode_domain, encode_task
 from hybrid_tamp.symbolic.encoding.goals import with_one_goal
+from hybrid_tamp.symbolic.encoding.task_words import TaskWords
 from hybrid_tamp.symbolic.pddl.naming import Naming, legal
 from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem
 
@@ -24,7 +24,7 @@ class Compilation:
     Attributes:
         task: the task.
         encoded: its domain, encoded.
-        tokens: names of its tokens.
+        words: names of its tokens and symbols.
         counts: how many instances could read one token at once.
         goal: what is wanted in the end.
         feasible: its facts of feasibility, or those of a larger task of which it is a part.
@@ -32,40 +32,40 @@ class Compilation:
 
     task: Task
     encoded: EncodedDomain
-    tokens: Naming[str]
+    words: TaskWords
     counts: int
     goal: tuple[Fact, ...]
     feasible: StaticFacts
 
     def name(self, user: str) -> str:
         """Return the PDDL name of a token or symbol."""
-        return self.tokens.pddl(user) if user in self.task.token_by_name else self.encoded.vocabulary.symbol(user)
+        return self.words.name(user)
 
     def user(self, pddl: str) -> str:
         """Return the user's name of a PDDL object."""
-        return self.tokens.user(pddl) if self.tokens.knows(pddl) else self.encoded.vocabulary.names.user(pddl)
+        return self.words.user(pddl)
 
     @cached_property
     def problem(self) -> PlanningProblem:
         """The planning problem: for many tokens it has very many facts of feasibility."""
-        vocabulary, writer = self.encoded.vocabulary, _Writer(self.task, self.encoded, self.tokens, self.counts)
+        vocabulary, writer = self.encoded.vocabulary, _Writer(self.encoded, self.words, self.counts)
         tokens = sorted(self.task.tokens, key=lambda token: token.name)
         return PlanningProblem(
             name=legal(self.task.name),
             domain=self.encoded.planning,
             objects=(
-                *((self.tokens.pddl(token.name), vocabulary.token_type(token)) for token in tokens),
+                *((self.words.name(token.name), vocabulary.token_type(token)) for token in tokens),
                 *((f"n{i}", vocabulary.type_of(COUNT)) for i in range(1, self.counts + 1)),
             ),
             init=tuple(sorted({*writer.changing(), *writer.lasting(self.feasible)})),
             goal=self.goal,
-            comments=self.tokens.changed,
+            comments=self.words.tokens.changed,
         )
 
     @cached_property
     def changing(self) -> frozenset[Fact]:
         """The initial facts but those of feasibility and difference, for which ask `always`."""
-        return frozenset(_Writer(self.task, self.encoded, self.tokens, self.counts).changing())
+        return frozenset(_Writer(self.encoded, self.words, self.counts).changing())
 
     def always(self, fact: Fact) -> bool:
         """Say whether a fact of feasibility or difference, which nothing ever changes, holds."""
@@ -103,8 +103,9 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
     counts = _counts(task)
     taken = encoded.vocabulary.names.all | own | {f"n{i}" for i in range(1, counts + 1)}
     tokens = Naming({token.name: token.name for token in task.tokens}, taken)
-    goal = tuple(sorted(set(_Writer(task, encoded, tokens, counts).goal())))
-    return Compilation(task, encoded, tokens, counts, goal, whole.feasible if whole else StaticFacts(task))
+    words = TaskWords(task, encoded.vocabulary, tokens)
+    goal = tuple(sorted(set(_Writer(encoded, words, counts).goal())))
+    return Compilation(task, encoded, words, counts, goal, whole.feasible if whole else StaticFacts(task))
 
 
 def _counts(task: Task) -> int:
@@ -121,24 +122,21 @@ def _counts(task: Task) -> int:
 class _Writer:
     """Writes initial facts and goal of one task in the words of its encoded domain."""
 
-    def __init__(self, task: Task, encoded: EncodedDomain, tokens: Naming[str], counts: int) -> None:
-        self.task = task
+    def __init__(self, encoded: EncodedDomain, words: TaskWords, counts: int) -> None:
+        self.task = words.task
         self.vocabulary = encoded.vocabulary
         self.used = {name for name, _ in encoded.planning.predicates}
-        self.tokens = tokens
+        self.words = words
         self.counts = counts
 
-    def name(self, user: str) -> str:
-        return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.symbol(user)
-
     def fact(self, atom: Atom) -> Fact:
-        return (self.vocabulary.predicate(atom.predicate), *map(self.name, atom.arguments))
+        return (self.vocabulary.predicate(atom.predicate), *map(self.words.name, atom.arguments))
 
     def changing(self) -> Iterator[Fact]:
         """Yield the initial facts but those of feasibility and difference, of those predicates that the domain has."""
         changing = facts(self.task)
         yield from map(self.fact, changing)
-        yield from self._guards()
+        yield from self.words.guards()
         yield from self._no_values(changing)
         yield from (fact for fact in self._assignment() if fact[0] in self.used)
 
@@ -146,14 +144,9 @@ class _Writer:
         """Yield the facts of feasibility and difference."""
         static = static_facts(self.task, feasible)
         yield from map(self.fact, static)
-        yield from self._denials(static)
-        yield from self._distinct()
-
-    def _guards(self) -> Iterator[Fact]:
-        for token in self.task.tokens:
-            for member in token.classes:
-                if member is not TOKEN:
-                    yield from self.vocabulary.guard(self.tokens.pddl(token.name), member)
+        yield from self.words.denials(static)
+        if "distinct" in self.used:
+            yield from self.words.differences()
 
     def _no_values(self, changing: frozenset[Atom]) -> Iterator[Fact]:
         """A functional predicate without a value has the value 'none'."""
@@ -162,43 +155,23 @@ class _Writer:
             if index is None:
                 continue
             valued = {a.arguments[:index] + a.arguments[index + 1 :] for a in changing if a.predicate == predicate.name}
-            for others in self._tuples(predicate, skip=index):
+            for others in self.words.combine(predicate, skip=index):
                 if others not in valued:
-                    names = list(map(self.name, others))
+                    names = list(map(self.words.name, others))
                     names.insert(index, self.vocabulary.no_value(predicate))
                     yield (self.vocabulary.predicate(predicate.name), *names)
-
-    def _denials(self, static: frozenset[Atom]) -> Iterator[Fact]:
-        for predicate in self.vocabulary.denied:
-            for names in self._tuples(predicate):
-                if Atom(predicate.name, names) not in static:
-                    yield (self.vocabulary.predicate(predicate.name, positive=False), *map(self.name, names))
-
-    def _tuples(self, predicate: Predicate, skip: int | None = None) -> Iterator[tuple[str, ...]]:
-        """Yield the names of every well-typed tuple of arguments, without the skipped one."""
-        tuples: list[tuple[str, ...]] = [()]
-        for index, parameter in enumerate(predicate.parameters):
-            if index != skip:
-                values = self.task.values_of(parameter.sort)
-                tuples = [(*t, v if isinstance(v, str) else v.name) for t in tuples for v in values]
-        return iter(tuples)
 
     def _assignment(self) -> Iterator[Fact]:
         none = self.vocabulary.none_reading
         yield ("idle",)
         for token in self.task.assigned:
-            name = self.tokens.pddl(token.name)
+            name = self.words.name(token.name)
             block = self.task.domain.block_by_name[self.task.assignment.get(token.name, self.task.domain.resting)]
             yield (self.vocabulary.state("in", block), name)
             yield from ((word, name) for word in ("settled", "unclaimed", "completed"))
             yield ("readers", name, none)
         steps = [none, *(f"n{i}" for i in range(1, self.counts + 1))]
         yield from (("next", one, more) for one, more in pairwise(steps))
-
-    def _distinct(self) -> Iterator[Fact]:
-        if "distinct" in self.used:
-            names = [self.tokens.pddl(token.name) for token in self.task.tokens]
-            yield from (("distinct", one, other) for one, other in permutations(names, 2))
 
     def goal(self) -> Iterator[Fact]:
         """Yield the goal: the user's atoms, and that no reassignment or bounded block is left half done."""
@@ -211,6 +184,6 @@ class _Writer:
         blocks = self.vocabulary.domain.blocks
         anchored = [block for block in blocks if token.is_member(block.slot(block.anchor).object_class)]
         if any(block.others for block in anchored):
-            yield ("unclaimed", self.tokens.pddl(token.name))
+            yield ("unclaimed", self.words.name(token.name))
         if any(not block.hold for block in anchored):
-            yield ("completed", self.tokens.pddl(token.name))
+            yield ("completed", self.words.name(token.name))

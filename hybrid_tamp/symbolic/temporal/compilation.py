@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import permutations, product
+from itertools import product
 
-from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.facts import facts, static_facts
-from hybrid_tamp.model.predicate import Atom, Predicate, name_of
+from hybrid_tamp.model.predicate import Atom, name_of
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.encoding.goals import with_one_goal
+from hybrid_tamp.symbolic.encoding.task_words import TaskWords
 from hybrid_tamp.symbolic.pddl.naming import Naming, legal
 from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.encoder import TemporalEncoding, encode_durative
@@ -24,18 +24,18 @@ class TemporalCompilation:
     Attributes:
         task: the task.
         encoding: its domain, encoded.
-        tokens: names of its tokens.
+        words: names of its tokens and symbols.
         problem: the temporal problem.
     """
 
     task: Task
     encoding: TemporalEncoding
-    tokens: Naming[str]
+    words: TaskWords
     problem: TemporalProblem
 
     def name(self, user: str) -> str:
         """Return the PDDL name of a token or symbol."""
-        return self.tokens.pddl(user) if user in self.task.token_by_name else self.encoding.vocabulary.symbol(user)
+        return self.words.name(user)
 
 
 def compile_durative(task: Task) -> TemporalCompilation:
@@ -50,7 +50,8 @@ def compile_durative(task: Task) -> TemporalCompilation:
     taken = encoding.vocabulary.names.all | encoding.names.all | fluents
     tokens = Naming({token.name: token.name for token in task.tokens}, taken)
     runs = reachable(task)
-    writer = _Writer(task, encoding, tokens, runs)
+    words = TaskWords(task, encoding.vocabulary, tokens)
+    writer = _Writer(encoding, words, runs)
     ordered = sorted(task.tokens, key=lambda token: token.name)
     problem = TemporalProblem(
         name=legal(task.name),
@@ -60,19 +61,16 @@ def compile_durative(task: Task) -> TemporalCompilation:
         goal=tuple(sorted(set(writer.goal()), key=str)),
         comments=tokens.changed,
     )
-    return TemporalCompilation(task, encoding, tokens, problem)
+    return TemporalCompilation(task, encoding, words, problem)
 
 
 class _Writer:
-    def __init__(self, task: Task, encoding: TemporalEncoding, tokens: Naming[str], runs: tuple[Run, ...]) -> None:
-        self.task = task
+    def __init__(self, encoding: TemporalEncoding, task_words: TaskWords, runs: tuple[Run, ...]) -> None:
+        self.task, self.task_words = task_words.task, task_words
         self.vocabulary, self.words = encoding.vocabulary, encoding.names
         self.used = {fluent.name: fluent for fluent in encoding.planning.fluents}
-        self.tokens = tokens
         self.runs = runs
-
-    def name(self, user: str) -> str:
-        return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.symbol(user)
+        self.name = task_words.name
 
     def stated(self, atom: Atom) -> tuple[Fact, Value]:
         """Return an atom as a fluent and its value."""
@@ -86,27 +84,21 @@ class _Writer:
         for token in self.task.assigned:
             bounded = [s for b in self.task.domain.blocks if not b.hold for s in b.slots]
             if any(token.is_member(slot.object_class) for slot in bounded):
-                yield (self.words("completed"), self.tokens.pddl(token.name)), True
+                yield (self.words("completed"), self.name(token.name)), True
 
     def init(self) -> Iterator[tuple[Fact, Value]]:
         """Yield the initial values of the fluents that the domain has."""
         static, changing = static_facts(self.task), facts(self.task)
         yield from map(self.stated, static | changing)
         yield from self._nothing(changing)
-        yield from ((fact, True) for fact in self._guards())
-        yield from ((fact, True) for fact in self._denials(static))
+        yield from ((fact, True) for fact in self.task_words.guards())
+        yield from ((fact, True) for fact in self.task_words.denials(static))
         yield from ((fact, value) for fact, value in self._assignment() if fact[0] in self.used)
         lasts: dict[tuple[str, ...], float] = {}
         for run in self.runs:
             words = (self.words("lasts", run.block), *(self.name(value) for _, value in run.roles))
             lasts[words] = min(run.seconds, lasts.get(words, run.seconds))
         yield from ((words, round(1e3 * seconds)) for words, seconds in lasts.items())
-
-    def _guards(self) -> Iterator[Fact]:
-        for token in self.task.tokens:
-            for member in token.classes:
-                if member is not TOKEN:
-                    yield from self.vocabulary.guard(self.tokens.pddl(token.name), member)
 
     def _nothing(self, changing: frozenset[Atom]) -> Iterator[tuple[Fact, Value]]:
         """What has no value has the value 'none'."""
@@ -122,32 +114,21 @@ class _Writer:
                 if names not in valued:
                     yield (word, *map(self.name, names)), self.words.none(predicate)
 
-    def _denials(self, static: frozenset[Atom]) -> Iterator[Fact]:
-        for predicate in self.vocabulary.denied:
-            for values in self._tuples(predicate):
-                if Atom(predicate.name, values) not in static:
-                    yield (self.vocabulary.predicate(predicate.name, positive=False), *map(self.name, values))
-
-    def _tuples(self, predicate: Predicate) -> Iterator[tuple[str, ...]]:
-        for values in product(*(self.task.values_of(parameter.sort) for parameter in predicate.parameters)):
-            yield tuple(map(name_of, values))
-
     def _assignment(self) -> Iterator[tuple[Fact, Value]]:
         nobody = self.words(NOBODY)
         for (old, before), (new, slot) in self.task.domain.network.edges:
             blocks = self.task.domain.block_by_name
             yield (self.words("passes"), self.words.slot(blocks[old], before), self.words.slot(blocks[new], slot)), True
         for token in self.task.assigned:
-            name = self.tokens.pddl(token.name)
+            name = self.name(token.name)
             block = self.task.domain.block_by_name[self.task.assignment.get(token.name, self.task.domain.resting)]
             yield (self.words("place"), name), (self.words.slot(block, block.anchor),)
             yield (self.words("partner"), name), (nobody,)
             yield (self.words("completed"), name), True
             for number in range(self.words.locks):
                 yield (self.words.reads(number), name), (nobody,)
-        for name in (nobody, *(self.tokens.pddl(token.name) for token in self.task.assigned)):
+        for name in (nobody, *(self.name(token.name) for token in self.task.assigned)):
             yield (self.words("let-go"), name), True
             yield (self.words("crew"), name), 0
             yield (self.words("readers"), name), 0
-        names = [self.tokens.pddl(token.name) for token in self.task.tokens]
-        yield from ((("distinct", one, other), True) for one, other in permutations(names, 2))
+        yield from ((fact, True) for fact in self.task_words.differences())

@@ -18,8 +18,6 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import OrderedInstance
 from hybrid_tamp.symbolic.estimates import Estimate, Estimates, Poses
 
-NEVER = float("inf")
-
 Sort = type[ObjectClass] | SymbolSort
 
 
