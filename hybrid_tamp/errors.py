@@ -37,18 +37,18 @@ class Issue:
     remedy: str = ""
 
     def __str__(self) -> str:
-        parts = [f"{self.where}: {self.wanted}" if self.where else self.wanted]
+        phrases = [f"{self.where}: {self.wanted}" if self.where else self.wanted]
         if self.came:
-            parts.append(f"got {self.came}")
+            phrases.append(f"got {self.came}")
         guess = did_you_mean(self.came.strip("'\""), self.available)
         if guess:
-            parts.append(f"did you mean {guess!r}?")
+            phrases.append(f"did you mean {guess!r}?")
         elif self.available:
             shown = ", ".join(self.available[:12]) + (", ..." if len(self.available) > 12 else "")
-            parts.append(f"available: {shown}")
+            phrases.append(f"available: {shown}")
         if self.remedy:
-            parts.append(self.remedy)
-        return "; ".join(parts)
+            phrases.append(self.remedy)
+        return "; ".join(phrases)
 
 
 def did_you_mean(word: str, available: Sequence[str]) -> str | None:
