@@ -6,11 +6,6 @@ from contracts.imports import ROOT, module_of, source_files
 
 PUBLIC = frozenset({"hybrid_tamp", "hybrid_tamp.authoring", "hybrid_tamp.skills", "hybrid_tamp.testing"})
 
-LEFT = frozenset(
-    line for line in (ROOT / "tests" / "contracts" / "reexports.txt").read_text(encoding="utf-8").splitlines() if line
-)
-"""What is still handed on, a module and a name a line. The list may only shrink."""
-
 
 def imported(tree: ast.Module) -> set[str]:
     """Return the names that a module imports, wherever it does."""
@@ -58,7 +53,7 @@ def reexports() -> set[str]:
 
 
 def test_no_module_hands_on_names_of_another() -> None:
-    assert reexports() <= LEFT
+    assert reexports() == set()
 
 
 def test_no_alias_of_an_old_name() -> None:

@@ -174,8 +174,8 @@ class PlainProblem:
     def _narrow(self, case: _Case, substitution: Substitution) -> _Case:
         """Return the case in which a substitution holds, too."""
         operator = case.operator
-        parts = (operator.precondition, operator.add, operator.delete)
-        facts = [tuple(dict.fromkeys(_put(fact, substitution) for fact in part)) for part in parts]
+        lists = (operator.precondition, operator.add, operator.delete)
+        facts = [tuple(dict.fromkeys(_put(fact, substitution) for fact in each)) for each in lists]
         parameters = tuple(parameter for parameter in operator.parameters if parameter[0] not in substitution)
         number = sum(other.origin == case.origin for other in self._cases.values())
         name = f"{case.origin}-case-{number}"
