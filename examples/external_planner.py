@@ -28,7 +28,7 @@ def solve(folder: Path) -> Path:
 def main(folder: Path) -> hybrid_tamp.TaskPlan:
     """Export a task, solve it, read the plan back and print it."""
     task = hybrid_tamp.load_task("tumble_two_hands")
-    hybrid_tamp.export(task, folder)
+    hybrid_tamp.pddl(task, folder)
     plan = hybrid_tamp.read_plan(task, solve(folder))
     print(plan)
     return plan

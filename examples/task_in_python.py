@@ -51,9 +51,8 @@ def main(folder: Path) -> hybrid_tamp.TaskPlan:
     """Save the task, load it again, plan it and print the plan."""
     path = folder / "two_drums.yaml"
     hybrid_tamp.save_task(make_task(), path)
-    plan = hybrid_tamp.plan(hybrid_tamp.load_task(path)).required()
-    for step in plan.steps:
-        print(f"{step.start:5.2f} s", *(instance.name for instance in step.instances))
+    plan = hybrid_tamp.plan(path).required()
+    print(plan)
     return plan
 
 

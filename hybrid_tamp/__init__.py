@@ -1,7 +1,8 @@
 """hybrid_tamp: task and motion planning with affordances as resources.
 
-The public names are imported from here; each is loaded when it is first asked for, so that
-``import hybrid_tamp`` stays cheap.
+Users import every public name from here: the verbs, what they take and the results that they return. Each name is
+loaded when it is first used, so that ``import hybrid_tamp`` stays cheap. Authors of domains import from
+`hybrid_tamp.authoring`.
 """
 
 from importlib import import_module
@@ -18,36 +19,35 @@ if TYPE_CHECKING:
         LimitReached,
         NoPlan,
     )
-    from hybrid_tamp.model.affordance import (
-        TOKEN,
-        AffordanceClass,
-        BasicAction,
-        CapabilityClass,
-        ObjectClass,
-        PlaceClass,
-        VaryingProperty,
-        quantity,
-    )
-    from hybrid_tamp.model.block import Block, Duration, Movement, Slot, Target
+    from hybrid_tamp.execution.replay import ReplayReport
+    from hybrid_tamp.execution.storage import load_recording
+    from hybrid_tamp.model.affordances import AffordanceResult
     from hybrid_tamp.model.conditions import Violation
-    from hybrid_tamp.model.control import Commands
     from hybrid_tamp.model.domain import Domain
+    from hybrid_tamp.model.explanation import Explanation, TaskExplanation
     from hybrid_tamp.model.law import check_law
-    from hybrid_tamp.model.network import ReassignmentNetwork
-    from hybrid_tamp.model.parameters import Hyperparameter
+    from hybrid_tamp.model.membership import MembershipResult
+    from hybrid_tamp.model.outcome import PlanOutcome
     from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-    from hybrid_tamp.model.predicate import ANY, Atom, Binding, Literal, Parameter, Predicate, SymbolSort
+    from hybrid_tamp.model.predicate import Atom
     from hybrid_tamp.model.recording import Recording
+    from hybrid_tamp.model.run_result import RunResult
     from hybrid_tamp.model.state import State
     from hybrid_tamp.model.task import Limits, MidLevel, Range, Task
     from hybrid_tamp.model.token import Token
+    from hybrid_tamp.symbolic.plan_text import read_plan
     from hybrid_tamp.taskfile.loader import load_task
     from hybrid_tamp.taskfile.making import make_task
     from hybrid_tamp.taskfile.saving import save_task
     from hybrid_tamp.testing import check_domain
+    from hybrid_tamp.verbs.affordances import affordances
+    from hybrid_tamp.verbs.explain import explain
+    from hybrid_tamp.verbs.imitate import imitate, read_shown
     from hybrid_tamp.verbs.learn import learn, save_primitive
+    from hybrid_tamp.verbs.loading import Settings
+    from hybrid_tamp.verbs.pddl import pddl
     from hybrid_tamp.verbs.plan import plan
-    from hybrid_tamp.verbs.probe import probe
+    from hybrid_tamp.verbs.probe import probe, save_members
     from hybrid_tamp.verbs.replay import replay
     from hybrid_tamp.verbs.run import run
 
@@ -62,92 +62,109 @@ _HOMES = {
         "LimitReached",
         "NoPlan",
     ),
-    "verbs.learn": ("learn", "save_primitive"),
-    "model.affordance": (
-        "TOKEN",
-        "AffordanceClass",
-        "BasicAction",
-        "CapabilityClass",
-        "ObjectClass",
-        "PlaceClass",
-        "VaryingProperty",
-        "quantity",
-    ),
-    "model.block": ("Binding", "Block", "Commands", "Duration", "Hyperparameter", "Movement", "Slot", "Target"),
+    "execution.replay": ("ReplayReport",),
+    "execution.storage": ("load_recording",),
+    "model.affordances": ("AffordanceResult",),
     "model.domain": ("Domain",),
-    "model.conditions": ("Violation",),
-    "model.law": ("check_law",),
-    "model.network": ("ReassignmentNetwork",),
-    "model.plan": ("BlockInstance", "TaskPlan"),
-    "model.predicate": ("ANY", "Atom", "Literal", "Parameter", "Predicate", "SymbolSort"),
+    "model.explanation": (
+        "Explanation",
+        "TaskExplanation",
+    ),
+    "model.law": (
+        "Violation",
+        "check_law",
+    ),
+    "model.membership": ("MembershipResult",),
+    "model.outcome": ("PlanOutcome",),
+    "model.plan": (
+        "BlockInstance",
+        "TaskPlan",
+    ),
+    "model.predicate": ("Atom",),
     "model.recording": ("Recording",),
+    "model.run_result": ("RunResult",),
     "model.state": ("State",),
-    "model.task": ("Limits", "MidLevel", "Range", "Task"),
+    "model.task": (
+        "Limits",
+        "MidLevel",
+        "Range",
+        "Task",
+    ),
     "model.token": ("Token",),
-    "verbs.plan": ("plan",),
-    "verbs.probe": ("probe",),
-    "verbs.replay": ("replay",),
-    "verbs.run": ("run",),
+    "symbolic.plan_text": ("read_plan",),
     "taskfile.loader": ("load_task",),
     "taskfile.making": ("make_task",),
     "taskfile.saving": ("save_task",),
     "testing": ("check_domain",),
+    "verbs.affordances": ("affordances",),
+    "verbs.explain": ("explain",),
+    "verbs.imitate": (
+        "imitate",
+        "read_shown",
+    ),
+    "verbs.learn": (
+        "learn",
+        "save_primitive",
+    ),
+    "verbs.loading": ("Settings",),
+    "verbs.pddl": ("pddl",),
+    "verbs.plan": ("plan",),
+    "verbs.probe": (
+        "probe",
+        "save_members",
+    ),
+    "verbs.replay": ("replay",),
+    "verbs.run": ("run",),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __version__ = "0.1.0"
 __all__ = [
-    "ANY",
-    "AffordanceClass",
+    "AffordanceResult",
     "Atom",
-    "BasicAction",
-    "Binding",
-    "Block",
     "BlockInstance",
-    "CapabilityClass",
-    "Commands",
     "Domain",
     "DomainError",
-    "Duration",
     "ExecutionFailed",
+    "Explanation",
     "HybridTampError",
-    "Hyperparameter",
     "InputError",
     "Issue",
     "LawBroken",
     "LimitReached",
     "Limits",
-    "Literal",
+    "MembershipResult",
     "MidLevel",
-    "Movement",
     "NoPlan",
-    "ObjectClass",
-    "Parameter",
-    "PlaceClass",
-    "Predicate",
+    "PlanOutcome",
     "Range",
-    "ReassignmentNetwork",
     "Recording",
-    "Slot",
+    "ReplayReport",
+    "RunResult",
+    "Settings",
     "State",
-    "SymbolSort",
-    "TOKEN",
-    "Target",
     "Task",
+    "TaskExplanation",
     "TaskPlan",
     "Token",
-    "VaryingProperty",
     "Violation",
+    "affordances",
     "check_domain",
     "check_law",
+    "explain",
+    "imitate",
     "learn",
+    "load_recording",
     "load_task",
     "make_task",
+    "pddl",
     "plan",
     "probe",
-    "quantity",
+    "read_plan",
+    "read_shown",
     "replay",
     "run",
+    "save_members",
     "save_primitive",
     "save_task",
 ]

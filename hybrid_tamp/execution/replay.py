@@ -11,6 +11,7 @@ from hybrid_tamp.model.commands import CommandError, CommandLayout
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import State, StateLayout
+from hybrid_tamp.model.tables import Rows, Tabular
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
 
@@ -33,7 +34,7 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class ReplayReport:
+class ReplayReport(Tabular):
     """What came of a replay.
 
     Attributes:
@@ -47,6 +48,18 @@ class ReplayReport:
     steps: int
     first_difference: Difference | None = None
     refusal: str = ""
+
+    @property
+    def rows(self) -> Rows:
+        """The comparison as a table."""
+        first = self.first_difference
+        where = first and f"{first.property} of {first.token} by {first.size:.3g} at {first.time:.3f} s"
+        return [
+            ("identical", self.identical),
+            ("steps", self.steps),
+            ("first difference", where),
+            ("refusal", self.refusal),
+        ]
 
 
 def replay(task: Task, recording: Recording, backend: Backend) -> ReplayReport:

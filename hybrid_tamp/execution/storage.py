@@ -68,12 +68,13 @@ def save(recording: Recording, path: Path) -> None:
         temporary.unlink(missing_ok=True)
 
 
-def load(path: Path) -> Recording:
+def load_recording(path: Path | str) -> Recording:
     """Read a recording.
 
     Raises:
         InputError: the file is not there, or is not a whole and consistent recording; names the file and the fault.
     """
+    path = Path(path)
     try:
         arrays = _arrays(path)
         document = RecordingDocument.model_validate_json(arrays["document"].tobytes())

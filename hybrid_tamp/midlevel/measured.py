@@ -110,9 +110,7 @@ def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Itera
 
 
 def _commands(recording: Recording, first: int, last: int) -> Commands:
-    found: Commands = {}
-    column = 0
-    for token, action, size in recording.commands_layout:
-        found[token, action] = recording.commands[first:last, column : column + size]
-        column += size
-    return found
+    return {
+        (token, action): recording.commanded(token, action)[first:last]
+        for token, action, _ in recording.commands_layout
+    }

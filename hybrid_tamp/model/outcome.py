@@ -9,6 +9,7 @@ from hybrid_tamp.model.explanation import Explanation
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.plan import BlockInstance, Step, TaskPlan
 from hybrid_tamp.model.refined import RefinedPlan, Shortfall
+from hybrid_tamp.model.tables import Rows, Tabular
 from hybrid_tamp.model.task import Task
 
 Status = Literal["solved", "unsolvable", "unknown", "limit"]
@@ -172,7 +173,7 @@ class Exclusion:
 
 
 @dataclass(frozen=True)
-class PlanOutcome:
+class PlanOutcome(Tabular):
     """The outcome of planning a task.
 
     Attributes:
@@ -196,6 +197,21 @@ class PlanOutcome:
     explanation: Explanation | None = None
     refinement: RefinedPlan | None = None
     excluded: tuple[Exclusion, ...] = ()
+
+    @property
+    def rows(self) -> Rows:
+        """The outcome as a table: the steps of the plan, or why there is none."""
+        found: Rows = [
+            ("task", self.task.name),
+            ("status", self.status),
+            ("planner", self.planner.name),
+            ("seconds", self.planner.seconds),
+        ]
+        if self.plan is not None:
+            return [*found, ("makespan", f"{self.plan.makespan:.2f} s"), *self.plan.rows]
+        if self.explanation is not None:
+            return [*found, *self.explanation.rows]
+        return [*found, ("no plan", self.failure and self.failure.message)]
 
     @property
     def status(self) -> Status:

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+from hybrid_tamp.model.tables import Rows, Tabular
+
 TIME_TOLERANCE = 1e-6
 """Instants closer than this are one instant [s]."""
 
@@ -46,6 +48,11 @@ class BlockInstance:
     def roles(self) -> dict[str, str]:
         """Slots and targets together."""
         return {**self.slots, **self.targets}
+
+    @property
+    def text(self) -> str:
+        """The name with the roles, e.g. ``ROLLING-1(hand=hand, object=drum, region=goal)``."""
+        return f"{self.name}({', '.join(f'{role}={name}' for role, name in self.roles.items())})"
 
     def during(self, start: float, end: float) -> "BlockInstance":
         """Return the instance at other times; it comes to its exit as long after its start as before."""
@@ -94,7 +101,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class TaskPlan:
+class TaskPlan(Tabular):
     """Which tokens are in which blocks, from when to when.
 
     Attributes:
@@ -106,6 +113,11 @@ class TaskPlan:
     instances: tuple[BlockInstance, ...]
     makespan: float
     actions: tuple[PlannedAction, ...] = ()
+
+    @property
+    def rows(self) -> Rows:
+        """The steps as a table."""
+        return [(f"{each.start:.2f} to {each.end:.2f} s", each.instances) for each in self.steps]
 
     @cached_property
     def instants(self) -> tuple[float, ...]:

@@ -122,6 +122,19 @@ class Recording:
         """All states at once, batch shape ``(t + 1,)``."""
         return State(self.layout, self.states)
 
+    def commanded(self, token: str, action: str) -> FloatArray:
+        """Return the commands of a basic action of a token, shape ``(t, size)``, in the action's unit.
+
+        Raises:
+            KeyError: the token has no such action.
+        """
+        start = 0
+        for own, name, size in self.commands_layout:
+            if (own, name) == (token, action):
+                return self.commands[:, start : start + size]
+            start += size
+        raise KeyError((token, action))
+
     def at(self, time: float) -> State:
         """Return the state measured nearest to an instant [s]."""
         return self.state(int(np.clip(round(time / self.timestep), 0, len(self.times) - 1)))

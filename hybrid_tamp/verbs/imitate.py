@@ -11,7 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from hybrid_tamp.errors import InputError, Issue
-from hybrid_tamp.execution.storage import load as load_recording
+from hybrid_tamp.execution.storage import load_recording
 from hybrid_tamp.model.demonstrated import demonstrated_movements
 from hybrid_tamp.model.imitation import FittedPrimitive, ImitationResult, Segmentation
 from hybrid_tamp.model.law import check_law

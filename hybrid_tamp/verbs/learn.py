@@ -109,9 +109,9 @@ def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], M
 
 def _read_run(path: Path, blocks: Sequence[Block], movement: Movement, token: str | None) -> list[ShownMovement]:
     """Return the movements of all instances of the blocks in a recording."""
-    from hybrid_tamp.execution.storage import load
+    from hybrid_tamp.execution.storage import load_recording
 
-    recording = load(path / "recording.npz")
+    recording = load_recording(path / "recording.npz")
     names = [block.name for block in blocks]
     instances = [one for one in recording.instances if one.block in names]
     there = sorted({one.slots[movement.slot] for one in instances})

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from hybrid_tamp.execution import replay as replaying
 from hybrid_tamp.execution.replay import ReplayReport
-from hybrid_tamp.execution.storage import load
+from hybrid_tamp.execution.storage import load_recording
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.taskfile.domains import installed_domain
@@ -23,7 +23,7 @@ def replay(directory: Path | str, find_domain: Callable[[str], Domain] = install
         InputError: the folder holds no run, or a broken one; the message says what is wrong with it.
     """
     folder = Path(directory)
-    recording = load(folder / "recording.npz")
+    recording = load_recording(folder / "recording.npz")
     task = load_task(folder / "task.yaml", find_domain)
     with open_backend(recording.backend) as physics:
         return replaying.replay(task, recording, physics)

@@ -16,7 +16,7 @@ from predicted_runs import predict
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.execution import storage
-from hybrid_tamp.execution.storage import load, save
+from hybrid_tamp.execution.storage import load_recording, save
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
@@ -92,7 +92,7 @@ def same(one: Recording, other: Recording) -> bool:
 def test_what_is_saved_is_loaded(tmp_path: Path, recording: Recording) -> None:
     path = tmp_path / "recording.npz"
     save(recording, path)
-    assert same(load(path), recording)
+    assert same(load_recording(path), recording)
     assert [file.name for file in tmp_path.iterdir()] == ["recording.npz"]
 
 
@@ -187,7 +187,7 @@ def endless_force(old: dict[str, Any]) -> None:
 
 def test_a_recording_from_before_contacts_were_measured_is_read(good: Path) -> None:
     written(good, document(lambda old: {name: old[name] for name in old if name != "contacts"})(members(good)))
-    assert load(good).contacts == ()
+    assert load_recording(good).contacts == ()
 
 
 @pytest.mark.parametrize(
@@ -251,7 +251,7 @@ def test_a_recording_from_before_contacts_were_measured_is_read(good: Path) -> N
 def test_broken_recording_is_refused_with_words(good: Path, change: Change, said: str) -> None:
     written(good, change(members(good)))
     with pytest.raises(InputError, match=said) as refused:
-        load(good)
+        load_recording(good)
     assert str(good) in str(refused.value)
 
 
@@ -259,16 +259,16 @@ def test_what_is_no_archive_is_refused(tmp_path: Path, good: Path, whole: bytes)
     for contents in (b"", b"states: [1, 2]", whole[: len(whole) // 2], whole[:-30], whole[50:]):
         good.write_bytes(contents)
         with pytest.raises(InputError, match=r"recording\.npz"):
-            load(good)
+            load_recording(good)
     for path in (tmp_path / "nowhere.npz", tmp_path):
         with pytest.raises(InputError):
-            load(path)
+            load_recording(path)
 
 
 def test_claimed_size_is_refused_before_it_is_read(good: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(storage, "MAXIMAL_SIZE", 100)
     with pytest.raises(InputError, match=r"claim \d+ bytes, more than the 100"):
-        load(good)
+        load_recording(good)
 
 
 @settings(deadline=None, max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -281,7 +281,7 @@ def test_flipped_bytes_never_raise_anything_else(good: Path, whole: bytes, data:
         broken[data.draw(st.sampled_from(places))] = data.draw(st.integers(0, 255))
     good.write_bytes(bytes(broken))
     try:
-        recording = load(good)
+        recording = load_recording(good)
     except InputError:
         return
     assert np.isfinite(recording.states).all()
@@ -289,7 +289,7 @@ def test_flipped_bytes_never_raise_anything_else(good: Path, whole: bytes, data:
 
 def test_a_failed_save_leaves_the_old_file_and_nothing_else(good: Path, toys: Any) -> None:
     before = good.read_bytes()
-    recording = load(good)
+    recording = load_recording(good)
     with pytest.raises(TypeError):
         save(replace(recording, states=np.array([object()])), good)
     assert good.read_bytes() == before

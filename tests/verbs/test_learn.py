@@ -169,11 +169,10 @@ def taught_run(command: Command, tmp_path_factory: pytest.TempPathFactory) -> Pa
 
 
 def test_a_run_uses_what_its_task_file_names(taught_run: Path, recorded: Path) -> None:
-    from hybrid_tamp.execution.storage import load
+    from hybrid_tamp.execution.storage import load_recording
 
-    highest = [
-        load(folder / "recording.npz").trajectory["hand", "position"][:, 2].max() for folder in (taught_run, recorded)
-    ]
+    runs = [load_recording(folder / "recording.npz") for folder in (taught_run, recorded)]
+    highest = [run.trajectory["hand", "position"][:, 2].max() for run in runs]
     assert highest[0] < highest[1] - 0.1
 
 
