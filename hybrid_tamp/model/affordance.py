@@ -22,6 +22,8 @@ def _has_length(vector: Vector3) -> Vector3:
     length = math.hypot(*vector)
     if length < 1e-9:
         raise ValueError("a direction must not have length zero")
+    if abs(length - 1.0) < 1e-15:
+        return vector  # Divided again, it would not be the same to the last bit when it is saved and loaded.
     x, y, z = (component / length for component in vector)
     return (x, y, z)
 

@@ -1,5 +1,6 @@
 """The tokens of a task file: their classes, properties, shapes and where they are."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -216,5 +217,6 @@ def _read_pose(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Fau
 
 def _orientation(pose: Pose) -> FloatArray | None:
     if pose.quaternion is not None:
-        return normalized(pose.quaternion)
+        unit = abs(math.hypot(*pose.quaternion) - 1.0) < 1e-15
+        return np.array(pose.quaternion) if unit else normalized(pose.quaternion)
     return None if pose.rpy is None else quaternion_from_rpy(pose.rpy)

@@ -38,6 +38,7 @@ def test_a_bundled_task_that_is_saved_loads_as_it_was(name: str, tmp_path: Path)
     again = load_task(tmp_path / "saved.yaml")
     assert differences(task, again) == []
     assert again.state.layout == task.state.layout
+    np.testing.assert_array_equal(again.state.values, task.state.values)
     for block, same in zip(task.domain.blocks, again.domain.blocks, strict=True):
         assert [(h.name, h.lower, h.upper) for h in block.hyperparameters] == [
             (h.name, h.lower, h.upper) for h in same.hyperparameters
@@ -116,7 +117,10 @@ def test_any_task_that_can_be_built_loads_as_it_was_saved(
         return
     path = tmp_path_factory.mktemp("saved") / "t.yaml"
     save_task(task, path)
-    assert differences(task, load_task(path, lambda _: toy)) == []
+    again = load_task(path, lambda _: toy)
+    assert differences(task, again) == []
+    np.testing.assert_array_equal(again.state.values, task.state.values)
+    assert again.token_by_name[name].properties == task.token_by_name[name].properties
 
 
 def test_bounds_weights_and_files_are_saved_too(tmp_path: Path) -> None:
