@@ -25,7 +25,7 @@ def make_task() -> hybrid_tamp.Task:
         },
         "pose": {"position": [0.25, -0.45, 0.30]},
     }
-    tokens = {"hand": hand}
+    tokens: dict[str, dict[str, object]] = {"hand": hand}
     for number, y in enumerate((-0.3, 0.3), start=1):
         tokens[f"drum {number}"] = {
             "classes": ["ROLLABLE"],

@@ -9,14 +9,8 @@ from dataclasses import replace
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.outcome import (
-    CLASS_UNKNOWN,
-    AddedToken,
-    PlannedNetwork,
-    PlannerFigures,
-    PlanningFailure,
-    PlanOutcome,
-)
+from hybrid_tamp.model.outcome import CLASS_UNKNOWN, PlannerFigures, PlanningFailure, PlanOutcome
+from hybrid_tamp.model.planned_network import AddedToken, PlannedNetwork
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.reduction import Reduction
 from hybrid_tamp.planning.widening import Widening, out_of_reach

@@ -8,8 +8,9 @@ from hybrid_tamp.model.affordances import AffordanceResult, Implication
 from hybrid_tamp.model.explanation import Explanation, Link, Reason, Suggestion, TaskExplanation
 from hybrid_tamp.model.imitation import ImitationResult
 from hybrid_tamp.model.membership import MembershipResult, Verdict
-from hybrid_tamp.model.outcome import Exclusion, PlannedNetwork, PlannerFigures, PlanOutcome
+from hybrid_tamp.model.outcome import Exclusion, PlannerFigures, PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance, PlannedAction, Step
+from hybrid_tamp.model.planned_network import PlannedNetwork
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.recording import AtomMargin
 from hybrid_tamp.model.refined import Milestone, Performance, Retuning, Tuned, Value

@@ -5,8 +5,9 @@ from typing import Literal
 
 from hybrid_tamp.model.explanation import Reason, Suggestion
 from hybrid_tamp.model.network import slot_text
-from hybrid_tamp.model.outcome import PlannedNetwork, PlanOutcome
+from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.model.planned_network import PlannedNetwork
 from hybrid_tamp.model.refined import Retuning, Tuned, Value
 from hybrid_tamp.model.run_result import RunResult
 

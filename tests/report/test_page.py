@@ -7,8 +7,9 @@ from scenes import rolling_task
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.explanation import Explanation, Reason
-from hybrid_tamp.model.outcome import PlannedNetwork, PlannerFigures, PlanningFailure, PlanOutcome
+from hybrid_tamp.model.outcome import PlannerFigures, PlanningFailure, PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.planned_network import PlannedNetwork
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.report.documents import Json, document
 from hybrid_tamp.report.folder import RunFolder

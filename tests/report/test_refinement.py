@@ -8,8 +8,9 @@ from PIL import Image
 from rich.console import Console
 from scenes import rolling_task
 
-from hybrid_tamp.model.outcome import Exclusion, PlannedNetwork, PlannerFigures, PlanOutcome
+from hybrid_tamp.model.outcome import Exclusion, PlannerFigures, PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.planned_network import PlannedNetwork
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.refined import Milestone, Performance, RefinedPlan, Shortfall, Tuned, Value
 from hybrid_tamp.report.convergence import convergence_picture
