@@ -6,6 +6,7 @@ Run it with ``python examples/task_in_python.py``; it writes ``two_drums.yaml``.
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import hybrid_tamp
 from hybrid_tamp.authoring import Cylinder
@@ -13,7 +14,7 @@ from hybrid_tamp.authoring import Cylinder
 
 def make_task() -> hybrid_tamp.Task:
     """Return a task in which one hand rolls two drums, each into a region of its own."""
-    hand = {
+    hand: dict[str, Any] = {
         "classes": ["STATIC END-EFFECTOR"],
         "properties": {
             "radius": 0.035,
@@ -25,7 +26,7 @@ def make_task() -> hybrid_tamp.Task:
         },
         "pose": {"position": [0.25, -0.45, 0.30]},
     }
-    tokens: dict[str, dict[str, object]] = {"hand": hand}
+    tokens = {"hand": hand}
     for number, y in enumerate((-0.3, 0.3), start=1):
         tokens[f"drum {number}"] = {
             "classes": ["ROLLABLE"],

@@ -25,8 +25,8 @@ MOST_BINDINGS = 10_000
 MOST_SHOWN = 5
 """At most this many of their bounds are shown."""
 
-Kind = Literal["weights", "hyperparameters"]
-_WORDS: Mapping[Kind, str] = {"weights": "measure", "hyperparameters": "hyperparameter"}
+Declared = Literal["weights", "hyperparameters"]
+_WORDS: Mapping[Declared, str] = {"weights": "measure", "hyperparameters": "hyperparameter"}
 
 
 @dataclass(frozen=True)
@@ -53,19 +53,18 @@ def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -
 def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
     """Note bounds that no tokens of the task can satisfy, e.g. a grasp beyond the end of every handle."""
     for (block, name), (path, _) in _said(data, "hyperparameters", faults, task.domain).items():
-        part = next(each for each in task.domain.block_by_name[block].hyperparameters if each.name == name)
-        if part.within is None:
+        own = next(each for each in task.domain.block_by_name[block].hyperparameters if each.name == name)
+        if own.within is None:
             continue
-        ranges = list(
-            map(part.within, islice(enumerate_bindings(task.choices(task.domain.block_by_name[block])), MOST_BINDINGS))
-        )
-        if ranges and all(high < part.lower or low > part.upper for low, high in ranges):
+        bindings = enumerate_bindings(task.choices(task.domain.block_by_name[block]))
+        ranges = list(map(own.within, islice(bindings, MOST_BINDINGS)))
+        if ranges and all(high < own.lower or low > own.upper for low, high in ranges):
             allowed = ", ".join(list(dict.fromkeys(f"{low:g} to {high:g}" for low, high in ranges))[:MOST_SHOWN])
             wanted = f"{path[-1]} is within what some tokens of the task allow: {allowed}"
-            faults.at(path, wanted, f"{part.lower:g} to {part.upper:g}")
+            faults.at(path, wanted, f"{own.lower:g} to {own.upper:g}")
 
 
-def names_of(domain: Domain, kind: Kind) -> dict[str, list[tuple[Block, str]]]:
+def names_of(domain: Domain, kind: Declared) -> dict[str, list[tuple[Block, str]]]:
     """Return every ``BLOCK.name`` that a task file may use, with its blocks and the name in each."""
     found: dict[str, list[tuple[Block, str]]] = {}
     for block in domain.blocks:
@@ -80,7 +79,7 @@ _Said = dict[tuple[str, str], tuple[KeyPath, Any]]
 """(Block, hyperparameter or measure) to the place in the file and the value there."""
 
 
-def _said(data: dict[str, Any], kind: Kind, faults: Faults, domain: Domain) -> _Said:
+def _said(data: dict[str, Any], kind: Declared, faults: Faults, domain: Domain) -> _Said:
     section = data.get("midlevel")
     given = section.get(kind) if isinstance(section, dict) else None
     entries = given if isinstance(given, dict) else {}
