@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from hybrid_tamp.model.conditions import Violation
     from hybrid_tamp.model.domain import Domain
     from hybrid_tamp.model.explanation import Explanation, TaskExplanation
+    from hybrid_tamp.model.imitation import ImitationResult
     from hybrid_tamp.model.law import check_law
     from hybrid_tamp.model.membership import MembershipResult
     from hybrid_tamp.model.outcome import PlanOutcome
@@ -65,31 +66,19 @@ _HOMES = {
     "execution.replay": ("ReplayReport",),
     "execution.storage": ("load_recording",),
     "model.affordances": ("AffordanceResult",),
+    "model.conditions": ("Violation",),
     "model.domain": ("Domain",),
-    "model.explanation": (
-        "Explanation",
-        "TaskExplanation",
-    ),
-    "model.law": (
-        "Violation",
-        "check_law",
-    ),
+    "model.explanation": ("Explanation", "TaskExplanation"),
+    "model.imitation": ("ImitationResult",),
+    "model.law": ("check_law",),
     "model.membership": ("MembershipResult",),
     "model.outcome": ("PlanOutcome",),
-    "model.plan": (
-        "BlockInstance",
-        "TaskPlan",
-    ),
+    "model.plan": ("BlockInstance", "TaskPlan"),
     "model.predicate": ("Atom",),
     "model.recording": ("Recording",),
     "model.run_result": ("RunResult",),
     "model.state": ("State",),
-    "model.task": (
-        "Limits",
-        "MidLevel",
-        "Range",
-        "Task",
-    ),
+    "model.task": ("Limits", "MidLevel", "Range", "Task"),
     "model.token": ("Token",),
     "symbolic.plan_text": ("read_plan",),
     "taskfile.loader": ("load_task",),
@@ -98,21 +87,12 @@ _HOMES = {
     "testing": ("check_domain",),
     "verbs.affordances": ("affordances",),
     "verbs.explain": ("explain",),
-    "verbs.imitate": (
-        "imitate",
-        "read_shown",
-    ),
-    "verbs.learn": (
-        "learn",
-        "save_primitive",
-    ),
+    "verbs.imitate": ("imitate", "read_shown"),
+    "verbs.learn": ("learn", "save_primitive"),
     "verbs.loading": ("Settings",),
     "verbs.pddl": ("pddl",),
     "verbs.plan": ("plan",),
-    "verbs.probe": (
-        "probe",
-        "save_members",
-    ),
+    "verbs.probe": ("probe", "save_members"),
     "verbs.replay": ("replay",),
     "verbs.run": ("run",),
 }
@@ -128,6 +108,7 @@ __all__ = [
     "ExecutionFailed",
     "Explanation",
     "HybridTampError",
+    "ImitationResult",
     "InputError",
     "Issue",
     "LawBroken",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from hybrid_tamp.model.conditions import Violation
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.run_result import RunResult
+from hybrid_tamp.model.tables import Rows, Tabular
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class FittedPrimitive:
 
 
 @dataclass(frozen=True)
-class ImitationResult:
+class ImitationResult(Tabular):
     """The result of an imitation.
 
     Attributes:
@@ -75,6 +76,12 @@ class ImitationResult:
     roles: Mapping[str, str]
     primitives: Mapping[str, FittedPrimitive]
     run: RunResult
+
+    @property
+    def rows(self) -> Rows:
+        """The imitation as a table."""
+        seen = [each.text for each in self.instances]
+        return [("seen", seen), ("roles", self.roles), ("taught", list(self.primitives)), *self.run.rows]
 
     @property
     def instances(self) -> tuple[BlockInstance, ...]:
