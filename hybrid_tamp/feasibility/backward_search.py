@@ -178,9 +178,9 @@ class Backwards:
         for slot, wanted, have in _short_slots(self.task, block):
             unable = failing(self._margins, block, literals, allowed, alike=True)
             message = (
-                f"slot {slot.name} of {BLOCK} can be filled by no token: {BLOCK} needs {wanted} of class "
+                f"no token can fill slot {slot.name} of {BLOCK}: {BLOCK} needs {wanted} of class "
                 f"{slot.object_class.name}, the task has {have}; {wanted - have} more "
-                f"{'like these would not do' if unable else 'would do'}"
+                f"{'like these would not be enough' if unable else 'would be enough'}"
             )
             kind: ReasonKind = "too_few_tokens" if have else "no_token"
             found += [reason_of(block, kind, message, lacks=slot.object_class), *unable]
@@ -194,8 +194,8 @@ class Backwards:
         atom = literal.ground(bound)
         said = literal.predicate.sentence(atom.arguments, not literal.positive)
         message = (
-            f"{BLOCK} cannot: no choice of tokens meets all its conditions at once; in the best one {said} "
-            f"({literal.predicate.name} fails by {amount(-margin, literal.predicate.unit)})"
+            f"{BLOCK} is impossible: no choice of tokens meets all its conditions at once; in the best one {said} "
+            f"(off by {amount(-margin, literal.predicate.unit)})"
         )
         return [reason_of(block, "not_feasible", message, atom, margin, literal.predicate.unit)]
 

@@ -101,8 +101,8 @@ def _reason(
     margin, bound = ranked[-1]
     *_, literal = _literals(shared, ranked)
     predicate, atom = literal.predicate, literal.ground(bound)
-    message = f"{BLOCK} cannot: {predicate.sentence(atom.arguments, not literal.positive)} "
-    message += f"({predicate.name} fails by {amount(-margin, predicate.unit)})"
+    message = f"{BLOCK} is impossible: {predicate.sentence(atom.arguments, not literal.positive)} "
+    message += f"(off by {amount(-margin, predicate.unit)})"
     meeting = [
         name_of(one[slot])
         for (met, one), slot in ((each, _slot(shared, each[1])) for each in ranked)

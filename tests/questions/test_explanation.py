@@ -16,14 +16,14 @@ def test_a_region_off_the_rolling_line() -> None:
     )
     assert reason.margin is not None
     assert abs(reason.margin + 0.078) < 1e-9
-    assert "fails by 0.078 m" in reason.message
+    assert "off by 0.078 m" in reason.message
 
 
 def test_no_hand() -> None:
     (reason,) = explain(rolling_task(hands=0))
     assert reason.kind == "no_token"
     assert "slot hand of ROLLING" in reason.message
-    assert "1 more would do" in reason.message
+    assert "1 more would be enough" in reason.message
 
 
 def test_the_best_hand_counts_where_none_reaches() -> None:

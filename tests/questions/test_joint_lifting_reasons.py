@@ -56,7 +56,7 @@ def test_too_heavy_for_two_and_two_more_would_do() -> None:
     assert "it takes 117.7 N from each of 2, 235.4 N together" in heavy.message
     assert "there is 77.3 N (left-hand), 77.3 N (right-hand), 154.6 N together" in heavy.message
     assert heavy.message.endswith("pooled, 4 like right-hand would bear it, 2 in each place")
-    assert few.message.endswith("needs 4 of class STATIC END-EFFECTOR, the task has 2; 2 more would do")
+    assert few.message.endswith("needs 4 of class STATIC END-EFFECTOR, the task has 2; 2 more would be enough")
 
 
 def test_one_more_hand_is_not_suggested_and_would_not_do_but_two_do() -> None:
@@ -77,7 +77,7 @@ def test_one_more_hand_is_not_suggested_and_would_not_do_but_two_do() -> None:
 def test_too_heavy_for_four_and_more_hands_would_not_do() -> None:
     found = reasons(crate(40))
     few, heavy = found["LIFTING:four too_few_tokens"], found["LIFTING:four not_feasible"]
-    assert few.message.endswith("the task has 2; 2 more like these would not do")
+    assert few.message.endswith("the task has 2; 2 more like these would not be enough")
     assert "it takes 98.1 N from each of 4" in heavy.message
     assert heavy.message.endswith("but no block of joint_lifting takes more than 4 at once")
     assert "no block of joint_lifting takes more than 4 at once" in found["LIFTING:two not_feasible"].message

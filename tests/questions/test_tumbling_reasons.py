@@ -40,8 +40,8 @@ def test_what_can_be_done_has_no_reason(name: str) -> None:
 def test_one_hand_too_few() -> None:
     reason = only(explain(task("tumble_one_hand")))
     assert (reason.kind, reason.block) == ("too_few_tokens", "TIPPING:lower")
-    assert "slot second of TIPPING:lower can be filled by no token" in reason.message
-    assert "needs 2 of class STATIC END-EFFECTOR, the task has 1; 1 more would do" in reason.message
+    assert "no token can fill slot second of TIPPING:lower" in reason.message
+    assert "needs 2 of class STATIC END-EFFECTOR, the task has 1; 1 more would be enough" in reason.message
 
 
 @pytest.mark.parametrize("name", ["tumble_two_hands", "tumble_four_hands"])
@@ -79,7 +79,7 @@ def test_strong_enough_but_too_far() -> None:
     reason = only(explain(task("tumble_two_hands", ("[0, 0, 0.18]", "[2.5, 0, 0.18]"))))
     assert reason.atom == Atom("within_reach", ("hand-2", "box"))
     assert reason.margin == pytest.approx(-0.697)
-    assert "(within_reach fails by 0.697 m)" in reason.message
+    assert "(off by 0.697 m)" in reason.message
     assert "box is too far for hand-2, whose workspace does not reach" in reason.message
 
 
