@@ -19,7 +19,6 @@ if TYPE_CHECKING:
         LimitReached,
         NoPlan,
     )
-    from hybrid_tamp.execution.replay import ReplayReport
     from hybrid_tamp.execution.storage import load_recording
     from hybrid_tamp.model.affordances import AffordanceResult
     from hybrid_tamp.model.conditions import Violation
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     from hybrid_tamp.model.plan import BlockInstance, TaskPlan
     from hybrid_tamp.model.predicate import Atom
     from hybrid_tamp.model.recording import Recording
+    from hybrid_tamp.model.replay_result import ReplayResult
     from hybrid_tamp.model.run_result import RunResult
     from hybrid_tamp.model.state import State
     from hybrid_tamp.model.task import Limits, MidLevel, Range, Task
@@ -63,7 +63,6 @@ _HOMES = {
         "LimitReached",
         "NoPlan",
     ),
-    "execution.replay": ("ReplayReport",),
     "execution.storage": ("load_recording",),
     "model.affordances": ("AffordanceResult",),
     "model.conditions": ("Violation",),
@@ -76,6 +75,7 @@ _HOMES = {
     "model.plan": ("BlockInstance", "TaskPlan"),
     "model.predicate": ("Atom",),
     "model.recording": ("Recording",),
+    "model.replay_result": ("ReplayResult",),
     "model.run_result": ("RunResult",),
     "model.state": ("State",),
     "model.task": ("Limits", "MidLevel", "Range", "Task"),
@@ -120,7 +120,7 @@ __all__ = [
     "PlanOutcome",
     "Range",
     "Recording",
-    "ReplayReport",
+    "ReplayResult",
     "RunResult",
     "Settings",
     "State",

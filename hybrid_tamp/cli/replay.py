@@ -18,25 +18,25 @@ def replay(
     from hybrid_tamp.verbs.loading import domain_finder
     from hybrid_tamp.verbs.replay import replay as replay_run
 
-    report = replay_run(directory, domain_finder(domain))
-    difference = report.first_difference
+    result = replay_run(directory, domain_finder(domain))
+    difference = result.first_difference
     document = {
         "schema": "hybrid-tamp/replay/1",
         "directory": str(directory),
-        "identical": report.identical,
-        "steps": report.steps,
+        "identical": result.identical,
+        "steps": result.steps,
         "first_difference": None if difference is None else dict(difference.__dict__),
-        "refusal": report.refusal,
+        "refusal": result.refusal,
     }
-    if report.identical:
-        said = f"{directory}: {report.steps} steps run again, bit-identical"
+    if result.identical:
+        said = f"{directory}: {result.steps} steps run again, bit-identical"
     elif difference is not None:
         said = (
             f"{directory}: not identical; first at {difference.time:.4f} s, {difference.property} of "
             f"{difference.token} differs by {difference.size:.3g}"
         )
     else:
-        said = f"{directory}: not identical; {report.refusal}"
+        said = f"{directory}: not identical; {result.refusal}"
     say(document, as_json, lambda: said)
-    if not report.identical:
+    if not result.identical:
         raise typer.Exit(40)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,59 +9,13 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.commands import CommandError, CommandLayout
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.replay_result import ReplayResult, StateDifference
 from hybrid_tamp.model.state import State, StateLayout
-from hybrid_tamp.model.tables import Rows, Tabular
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
 
 
-@dataclass(frozen=True)
-class Difference:
-    """Where the two runs part.
-
-    Attributes:
-        time: first instant at which a state differs [s].
-        token: a token that differs there.
-        property: its property that differs most.
-        size: largest absolute difference of its components, in the property's unit.
-    """
-
-    time: float
-    token: str
-    property: str
-    size: float
-
-
-@dataclass(frozen=True)
-class ReplayReport(Tabular):
-    """What came of a replay.
-
-    Attributes:
-        identical: whether every state is the same to the last bit.
-        steps: control periods that were simulated.
-        first_difference: where the runs part, or None.
-        refusal: why the backend refused a logged command; empty if it did not.
-    """
-
-    identical: bool
-    steps: int
-    first_difference: Difference | None = None
-    refusal: str = ""
-
-    @property
-    def rows(self) -> Rows:
-        """The comparison as a table."""
-        first = self.first_difference
-        where = first and f"{first.property} of {first.token} by {first.size:.3g} at {first.time:.3f} s"
-        return [
-            ("identical", self.identical),
-            ("steps", self.steps),
-            ("first difference", where),
-            ("refusal", self.refusal),
-        ]
-
-
-def replay(task: Task, recording: Recording, backend: Backend) -> ReplayReport:
+def replay(task: Task, recording: Recording, backend: Backend) -> ReplayResult:
     """Simulate the recorded commands from the recorded start.
 
     Args:
@@ -81,7 +34,7 @@ def replay(task: Task, recording: Recording, backend: Backend) -> ReplayReport:
     for index in range(rows + 1):
         difference = _difference(state, recording.state(index), float(recording.times[index]))
         if difference is not None or index == rows:
-            return ReplayReport(difference is None, index, difference)
+            return ReplayResult(difference is None, index, difference)
         running = tuple(_running(recording, float(recording.times[index])))
         if running != assigned:
             backend.assign(running)
@@ -89,7 +42,7 @@ def replay(task: Task, recording: Recording, backend: Backend) -> ReplayReport:
         try:
             state = backend.step(layout.commands(recording.commands[index]))
         except CommandError as error:
-            return ReplayReport(False, index, None, f"at {recording.times[index]:.3f} s: {error}")
+            return ReplayResult(False, index, None, f"at {recording.times[index]:.3f} s: {error}")
     raise AssertionError("the loop returns at its last row")
 
 
@@ -110,7 +63,7 @@ def _running(recording: Recording, time: float) -> Iterable[BlockInstance]:
             yield instance
 
 
-def _difference(mine: State, theirs: State, time: float) -> Difference | None:
+def _difference(mine: State, theirs: State, time: float) -> StateDifference | None:
     # Bytes, because two numbers can compare as equal and differ in a bit: 0.0 and -0.0.
     if mine.values.tobytes() == theirs.values.tobytes():
         return None
@@ -120,4 +73,4 @@ def _difference(mine: State, theirs: State, time: float) -> Difference | None:
         if mine.values[part].tobytes() != theirs.values[part].tobytes()
     }
     token, name = max(sizes, key=lambda key: math.inf if math.isnan(sizes[key]) else sizes[key])
-    return Difference(time, token, name, sizes[token, name])
+    return StateDifference(time, token, name, sizes[token, name])

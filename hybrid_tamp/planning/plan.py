@@ -13,7 +13,7 @@ from hybrid_tamp.model.outcome import CLASS_UNKNOWN, PlannerFigures, PlanningFai
 from hybrid_tamp.model.planned_network import AddedToken, PlannedNetwork
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.reduction import Reduction
-from hybrid_tamp.planning.widening import Widening, out_of_reach
+from hybrid_tamp.planning.widening import Widening, find_unreachable
 from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.strategies.search import Planner, SearchResult
 
@@ -76,7 +76,7 @@ class _TailoredNetwork:
         self._began = time.monotonic()
         self._widening = Widening(task)
         self._step = 1
-        self.reduction: Reduction = self._widening.reduced()
+        self.reduction: Reduction = self._widening.reduce()
         self.added: list[AddedToken] = []
         self.stages: defaultdict[str, float] = defaultdict(float)
 
@@ -88,12 +88,12 @@ class _TailoredNetwork:
     @property
     def can_widen(self) -> bool:
         """Whether there are objects left that could be brought in."""
-        return bool(self._widening.outside(self.reduction, self._names))
+        return bool(self._widening.find_outside(self.reduction, self._names))
 
     @property
     def unreachable(self) -> str:
         """Which goal atoms no block of the reduced network brings about, in words; empty if there are none."""
-        atoms = out_of_reach(self.reduction.task)
+        atoms = find_unreachable(self.reduction.task)
         return f"{UNREACHABLE} {' and '.join(atom.text for atom in atoms)}" if atoms else ""
 
     @property
@@ -107,11 +107,11 @@ class _TailoredNetwork:
 
     def widen(self, why: str) -> None:
         """Bring in the next objects, twice as many each time unless one suffices."""
-        for name in self._widening.step(self.reduction, self._names, self._step):
-            blocks = self._widening.fillable(self.reduction, self._names, name)
+        for name in self._widening.choose_next(self.reduction, self._names, self._step):
+            blocks = self._widening.newly_fillable(self.reduction, self._names, name)
             classes = tuple(c.name for c in self.task.token_by_name[name].classes if c is not TOKEN)
             self.added.append(AddedToken(name, classes, blocks, why))
-            self.reduction = self._widening.reduced(self._names)
+            self.reduction = self._widening.reduce(self._names)
             _LOG.info("%s is brought in: %s", name, why)
         self._step *= 2
 

@@ -102,7 +102,7 @@ class Reducer:
         names = self.needed | self.capable
         return tuple(token for token in self._task.tokens if token.name in names | self._places)
 
-    def reduced(self, brought: Collection[str] = (), among: Collection[Block] | None = None) -> Reduction:
+    def reduce(self, brought: Collection[str] = (), among: Collection[Block] | None = None) -> Reduction:
         """Reduce the task to what its goal's tokens, the agents' and those that are in a block already can do together.
 
         Blocks that are left out have a slot or a target that none of these can fill, no way in, or no way out where
@@ -116,13 +116,13 @@ class Reducer:
         domain = self._task.domain
         members = Members([*self._there, *(self._task.token_by_name[name] for name in brought)])
         fillable = [block for block in (domain.blocks if among is None else among) if members.can_fill(block)]
-        blocks = _passable(domain, fillable, {domain.resting, *self._begun.values()})
+        blocks = _keep_passable(domain, fillable, {domain.resting, *self._begun.values()})
         able = {block.name: members.able(block) for block in blocks if block.name != domain.resting}
-        related = self._related(able)
+        related = self._relate(able)
         kept = [block for block in blocks if block.name in related or block.name not in able]
         return Reduction(self._task, self.needed.union(*(able[name] for name in related)), tuple(kept), tuple(fillable))
 
-    def _related(self, able: Mapping[str, Set[str]]) -> list[str]:
+    def _relate(self, able: Mapping[str, Set[str]]) -> list[str]:
         """Return the blocks that have to do with the needed tokens, if only by way of others; places lead nowhere."""
         tokens, related = set(self.needed - self._places), list[str]()
         waiting = dict(able)
@@ -136,27 +136,27 @@ class Reducer:
         return frozenset(token.name for token in self._task.tokens if token.place)
 
 
-def reduced(task: Task, brought: Collection[str] = ()) -> Reduction:
-    """Reduce a task, with tokens brought in as tools (see `Reducer.reduced`)."""
-    return Reducer(task).reduced(brought)
+def reduce_task(task: Task, brought: Collection[str] = ()) -> Reduction:
+    """Reduce a task, with tokens brought in as tools (see `Reducer.reduce`)."""
+    return Reducer(task).reduce(brought)
 
 
-def _passable(domain: Domain, blocks: list[Block], started: Collection[str]) -> list[Block]:
+def _keep_passable(domain: Domain, blocks: list[Block], started: Collection[str]) -> list[Block]:
     """Keep the blocks that tokens can come to from where they start, and leave if they must."""
     kept = {block.name: block for block in blocks} | {name: domain.block_by_name[name] for name in started}
     size = -1
     while len(kept) != size:
         size = len(kept)
-        entered = _entered(domain, kept, started)
+        entered = _enterable_blocks(domain, kept, started)
         kept = {
             name: block
             for name, block in kept.items()
-            if name in started or (name in entered and (block.hold or _left(domain, block, kept)))
+            if name in started or (name in entered and (block.hold or _can_be_left(domain, block, kept)))
         }
     return list(kept.values())
 
 
-def _entered(domain: Domain, blocks: Mapping[str, Block], started: Collection[str]) -> set[str]:
+def _enterable_blocks(domain: Domain, blocks: Mapping[str, Block], started: Collection[str]) -> set[str]:
     """Return the blocks whose slots can all be come into, along edges from the blocks in which tokens start."""
     entered, size = set(started), -1
     while len(entered) != size:
@@ -170,5 +170,5 @@ def _entered(domain: Domain, blocks: Mapping[str, Block], started: Collection[st
     return entered
 
 
-def _left(domain: Domain, block: Block, blocks: Collection[str]) -> bool:
+def _can_be_left(domain: Domain, block: Block, blocks: Collection[str]) -> bool:
     return all(any(b in blocks for b, _ in domain.network.destinations((block.name, s.name))) for s in block.slots)

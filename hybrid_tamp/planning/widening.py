@@ -37,53 +37,54 @@ class Widening:
         self.task = task
         self._reducer = Reducer(task)
 
-    def reduced(self, brought: Collection[str] = ()) -> Reduction:
+    def reduce(self, brought: Collection[str] = ()) -> Reduction:
         """Return the task reduced, with objects brought in."""
-        return self._reducer.reduced(brought)
+        return self._reducer.reduce(brought)
 
     @cached_property
     def all(self) -> Reduction:
         """The relevant network with every object brought in: it has a plan if the full network has one."""
-        return self._reducer.reduced(self.task.token_by_name, relevant_blocks(self.task))
+        return self._reducer.reduce(self.task.token_by_name, relevant_blocks(self.task))
 
-    def outside(self, reduction: Reduction, brought: Collection[str]) -> list[Token]:
+    def find_outside(self, reduction: Reduction, brought: Collection[str]) -> list[Token]:
         """Return the objects that were not brought in yet and fit somewhere in the network, in the task's order."""
         # Agents' tokens are always there, and come in with the first block that they can fill.
         inside = reduction.tokens | self._reducer.capable | set(brought)
         outside = self.all.tokens - inside
         return [token for token in self.task.assigned if token.name in outside]
 
-    def step(self, reduction: Reduction, brought: Collection[str], most: int) -> list[str]:
+    def choose_next(self, reduction: Reduction, brought: Collection[str], most: int) -> list[str]:
         """Return the names of the objects to bring in next, in their order; none are left if there are none.
 
         One is enough if the goal comes within reach with it, as far as can be told without planning. Else it is the
         nearest ones: `most` of them, or all if even with all of them the goal stays out of reach.
         """
-        order = self.order(reduction, brought)
+        order = self.order_by_distance(reduction, brought)
         for name in order[:LOOKED_AT]:
-            if within_reach(self.reduced((*brought, name)).task):
+            if is_within_reach(self.reduce((*brought, name)).task):
                 return [name]
-        return order[:most] if len(order) <= most or within_reach(self.all.task) else order
+        return order[:most] if len(order) <= most or is_within_reach(self.all.task) else order
 
-    def order(self, reduction: Reduction, brought: Collection[str]) -> list[str]:
+    def order_by_distance(self, reduction: Reduction, brought: Collection[str]) -> list[str]:
         """Return the names of the objects that are left out and fit somewhere, the nearest first."""
         near = self._distances(reduction)
         kinds: dict[tuple[type, ...], float] = {}
-        for token in self.outside(reduction, brought):
+        for token in self.find_outside(reduction, brought):
             if token.classes not in kinds:
-                fillable = self.fillable(reduction, brought, token.name)
+                fillable = self.newly_fillable(reduction, brought, token.name)
                 kinds[token.classes] = min((near.get(block, math.inf) for block in fillable), default=math.inf)
         found = [
-            (kinds[token.classes], self._distance(token.name), token.name) for token in self.outside(reduction, brought)
+            (kinds[token.classes], self._distance(token.name), token.name)
+            for token in self.find_outside(reduction, brought)
         ]
         return [name for _, _, name in sorted(found)]
 
-    def fillable(self, reduction: Reduction, brought: Collection[str], name: str) -> tuple[str, ...]:
+    def newly_fillable(self, reduction: Reduction, brought: Collection[str], name: str) -> tuple[str, ...]:
         """Return the names of the blocks that an object makes fillable, sorted."""
         members = {above for member in self.task.token_by_name[name].classes for above in member.__mro__}
         roles = {block.name: block for each in members for block in self._asking.get(each, ())}
         roles |= {block.name: block for block in reduction.fillable}
-        wider = self._reducer.reduced((*brought, name), roles.values())
+        wider = self._reducer.reduce((*brought, name), roles.values())
         return tuple(sorted(wider.names - reduction.names))
 
     @cached_property
@@ -103,7 +104,7 @@ class Widening:
         edges = ((one, other) for (one, _), (other, _) in self.task.domain.network.graph.edges)
         graph.add_edges_from(edge for edge in edges if self.all.names.issuperset(edge))
         graph.remove_node(self.task.domain.resting)
-        bringing = {block.name for atom in self.task.goal for block in achievers(self.task, self.all.blocks, atom)}
+        bringing = {block.name for atom in self.task.goal for block in find_achievers(self.task, self.all.blocks, atom)}
         used = set(graph.nbunch_iter(reduction.names | bringing))
         return dict(nx.multi_source_dijkstra_path_length(graph, used, weight=None)) if used else {}
 
@@ -117,7 +118,7 @@ class Widening:
         return min(float(np.linalg.norm(state[name, "position"] - place)) for place in there)
 
 
-def achievers(task: Task, blocks: Iterable[Block], atom: Atom) -> Iterator[Block]:
+def find_achievers(task: Task, blocks: Iterable[Block], atom: Atom) -> Iterator[Block]:
     """Yield the blocks that bring an atom about, as far as classes and symbols tell."""
     for block in blocks:
         bringing = (each for each in block.exit if each.positive and each.predicate.name == atom.predicate)
@@ -139,14 +140,16 @@ def _may_be(task: Task, block: Block, literal: Literal, atom: Atom) -> bool:
     return True
 
 
-def out_of_reach(task: Task) -> list[Atom]:
+def find_unreachable(task: Task) -> list[Atom]:
     """Return the goal atoms that do not hold and that no block brings about: a glance, without a look further back."""
-    return [atom for atom in task.goal if task.margin(atom) < 0 and not any(achievers(task, task.domain.blocks, atom))]
+    return [
+        atom for atom in task.goal if task.margin(atom) < 0 and not any(find_achievers(task, task.domain.blocks, atom))
+    ]
 
 
-def within_reach(task: Task) -> bool:
+def is_within_reach(task: Task) -> bool:
     """Say whether the goal may be reached as far as can be told without planning (see `backwards`)."""
-    if out_of_reach(task):
+    if find_unreachable(task):
         return False
     search = Backwards(task)
     try:

@@ -91,7 +91,7 @@ def _read(file: Path, stem: str) -> Json:
     try:
         return parse_document(stem, file.read_bytes())
     except OSError as error:
-        wanted = f"{file.name} as `plan -o` and `run -o` leave it"
+        wanted = f"{file.name} as `plan` and `run` leave it in their folder"
         raise InputError([Issue(str(file), wanted, str(error.strerror))]) from error
     except ValidationError as error:
         first = error.errors()[0]

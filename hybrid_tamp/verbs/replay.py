@@ -4,15 +4,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hybrid_tamp.execution import replay as replaying
-from hybrid_tamp.execution.replay import ReplayReport
 from hybrid_tamp.execution.storage import load_recording
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.replay_result import ReplayResult
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import load_task
 
 
-def replay(directory: Path | str, find_domain: Callable[[str], Domain] = installed_domain) -> ReplayReport:
+def replay(directory: Path | str, find_domain: Callable[[str], Domain] = installed_domain) -> ReplayResult:
     """Run the commands of a recording again and compare, bit for bit.
 
     Args:

@@ -107,7 +107,7 @@ def test_no_plan_is_lost(seed: int) -> None:
 def test_nothing_irrelevant_is_brought_in() -> None:
     whole = task({f"odd {i}": [c] for i, c in enumerate(domain(3).classes[-3:])}, of=domain(3))
     widening = Widening(whole)
-    assert widening.outside(widening.reduced(), ()) == []
+    assert widening.find_outside(widening.reduce(), ()) == []
 
 
 def test_an_explanation_asks_nothing_about_what_is_irrelevant() -> None:

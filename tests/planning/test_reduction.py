@@ -24,7 +24,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.planning.plan import plan_task
-from hybrid_tamp.planning.reduction import reduced
+from hybrid_tamp.planning.reduction import reduce_task
 from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.tables import network_text
 from hybrid_tamp.symbolic.encoding.application import applicable
@@ -66,7 +66,7 @@ def shuffled(of: Task, seed: int) -> Task:
 
 
 def test_blocks_that_no_token_fills_are_left_out_with_what_only_they_mention() -> None:
-    reduction = reduced(task({"hammer": HAMMER, "ball": [Ball]}), ["hammer"])
+    reduction = reduce_task(task({"hammer": HAMMER, "ball": [Ball]}), ["hammer"])
     assert blocks(reduction.task) == {"RESTING", "GRASPING", "DRIVING"}
     assert reduction.tokens_left_out == ("ball",)
     assert reduction.blocks_left_out == ("LEVERING", "PUSHING")
@@ -98,21 +98,21 @@ def test_agents_that_have_nothing_to_do_with_the_goal_are_left_out_with_their_bl
     gripper = Token.make("gripper", [made], {})
     tokens = (*drums.tokens, gripper)
     given = {(t.name, v.name): drums.state[t, v.name] for t in drums.tokens for v in t.varying}
-    reduction = reduced(drums.replaced(domain=wider, tokens=tokens, state=State.of(tokens, given)))
+    reduction = reduce_task(drums.replaced(domain=wider, tokens=tokens, state=State.of(tokens, given)))
     assert reduction.tokens_left_out == ("gripper",)
     assert blocks(reduction.task) == {"RESTING", "REACHING:behind", "ROLLING"}
 
 
 def test_a_block_needs_a_different_token_for_each_slot_and_target() -> None:
     # One thing that strikes and is the lever and the lid is not two things.
-    both = reduced(task({"thing": [Graspable, Lever, Lid]}), ["thing"])
+    both = reduce_task(task({"thing": [Graspable, Lever, Lid]}), ["thing"])
     assert "LEVERING" not in blocks(both.task)
-    assert "LEVERING" in blocks(reduced(task({"lid": [Lid], "bar": CROWBAR}), ["lid", "bar"]).task)
+    assert "LEVERING" in blocks(reduce_task(task({"lid": [Lid], "bar": CROWBAR}), ["lid", "bar"]).task)
 
 
 def test_blocks_that_nothing_can_come_to_are_left_out() -> None:
     # A hammer that cannot be grasped drives nothing, though it fills the slot.
-    assert "DRIVING" not in blocks(reduced(task({"hammer": [Striker]}), ["hammer"]).task)
+    assert "DRIVING" not in blocks(reduce_task(task({"hammer": [Striker]}), ["hammer"]).task)
 
 
 @pytest.mark.parametrize(("hold", "kept"), [(False, {"RESTING"}), (True, {"RESTING", "A"})])
@@ -122,19 +122,19 @@ def test_blocks_that_one_must_leave_and_cannot_are_left_out(hold: bool, kept: se
     edges = [("RESTING.token", "A.part"), ("A.part", "B.part"), ("RESTING.token", "B.tool")]
     of = serial.domain([first, second], [done], [*edges, ("B.part", "RESTING.token"), ("B.tool", "RESTING.token")])
     whole = serial.task(of, [("done", "part 0")], parts=1, tools=1)
-    assert blocks(reduced(whole).task) == kept
-    assert blocks(reduced(whole, ["tool 0"]).task) == {"RESTING", "A", "B"}
+    assert blocks(reduce_task(whole).task) == kept
+    assert blocks(reduce_task(whole, ["tool 0"]).task) == {"RESTING", "A", "B"}
 
 
 def test_what_starts_in_a_block_is_kept_with_it() -> None:
     started = task({"hammer": HAMMER}).replaced(assignment={"hammer": "GRASPING"})
-    reduction = reduced(started)
+    reduction = reduce_task(started)
     assert reduction.task.assignment == {"hammer": "GRASPING"}
     assert "GRASPING" in blocks(reduction.task)
 
 
 def test_rolling_leaves_tumbling_out_and_places_that_no_block_asks_for() -> None:
-    reduction = reduced(rolling_task(regions=[(0.7, 0.0), (5.0, 0.0)]))
+    reduction = reduce_task(rolling_task(regions=[(0.7, 0.0), (5.0, 0.0)]))
     assert blocks(reduction.task) == {"RESTING", "REACHING:behind", "ROLLING"}
     assert reduction.tokens_left_out == ()  # any region can be rolled to
 
