@@ -167,7 +167,7 @@ def _earliest(constraints: Sequence[Constraint], count: int) -> list[float]:
         np.maximum.at(times, targets, times[sources] + ticks)
         if np.array_equal(times, before):
             return [round(float(time) * TICK, 6) for time in times]
-    raise InfeasibleScheduleError("these cannot all be so: " + "; ".join(_cycle(constraints)))
+    raise InfeasibleScheduleError("the durations contradict the order: " + "; ".join(_cycle(constraints)))
 
 
 def _cycle(constraints: Sequence[Constraint]) -> list[str]:

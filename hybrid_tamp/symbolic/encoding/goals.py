@@ -13,7 +13,7 @@ def with_one_goal(task: Task) -> Task:
     """
     for atom, token, sort in task.unsettled:
         wanted = f"'{atom.text}' asks for a member of {sort.name}, and whether {token.name} is one is not known"
-        raise InputError([Issue("goal", wanted, remedy="'hybrid-tamp probe' finds out")])
+        raise InputError([Issue("goal", wanted, remedy="probe the token")])
     first, *others = task.alternatives()
     if others:
         wanted = "a goal that names every token: the goal of a planning problem says that all of it holds"

@@ -1,6 +1,6 @@
 """The planning engines by name: what can be said of one without importing unified_planning.
 
-All of them take plain STRIPS with types as it is, some only if it is put plainly (`symbolic.plain`). What
+All of them take plain STRIPS with types as it is, some only if it is put plainly (`engines.plain`). What
 they answer where there is no plan was found out
 with tasks that are unsolvable by the translator's mutexes, by relaxed reachability, or only by an
 exhaustive search:
@@ -45,7 +45,7 @@ class Engine:
         module: the module whose presence shows that the engine is installed.
         install: what to install to get it, as pip takes it.
         java: whether it needs Java.
-        faithful: whether it follows PDDL where `symbolic.plain` has found that not all engines do.
+        faithful: whether it follows PDDL where `engines.plain` has found that not all engines do.
         sparse: whether it takes it that what the initial state does not name is false.
         proofs: sentences of its log, each of which proves that there is no plan; the empty sentence, if
             its returning without a plan is proof enough; None, if its UNSOLVABLE_PROVEN is to be believed.

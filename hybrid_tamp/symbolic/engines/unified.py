@@ -163,7 +163,7 @@ class _Builder:
         self._fluents: dict[str, Any] = {}
 
     def build(self) -> UnifiedProblem:
-        """Return the problem; parts that others refer to come first."""
+        """Return the problem; what others refer to comes first."""
         from unified_planning.model import Fluent, Object
 
         domain = self._source.domain

@@ -1,6 +1,6 @@
 """Lifted operators and ground problems in plain STRIPS with types: what the encoder makes and planners read.
 
-All names are PDDL names already (`symbolic.naming`); variables begin with a question mark.
+All names are PDDL names already (`pddl.naming`); variables begin with a question mark.
 """
 
 from collections.abc import Mapping

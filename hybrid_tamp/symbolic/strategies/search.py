@@ -94,7 +94,7 @@ class Search:
 
     @cached_property
     def compilation(self) -> Compilation:
-        """The whole task, compiled; parts of it are planned in the same words."""
+        """The whole task, compiled; its groups of goals are planned in the same words."""
         with self.stage("compiling"):
             return compile_task(self.task)
 

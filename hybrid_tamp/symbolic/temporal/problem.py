@@ -3,7 +3,7 @@
 A fluent has one value for its arguments: one or several objects, a number, or a truth value, which is no object at
 all: the fluent is then true of its arguments or is not. Conditions ask for a value, effects give one or add to a
 number, each at the start or at the end of an action; conditions also all the while in between. All names are PDDL
-names already (`symbolic.naming`); variables begin with a question mark.
+names already (`pddl.naming`); variables begin with a question mark.
 """
 
 from dataclasses import dataclass, field
