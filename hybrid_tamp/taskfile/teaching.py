@@ -9,7 +9,6 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.taskfile.loader import FindDomain, load_task
 from hybrid_tamp.taskfile.primitives import PrimitiveFile
-from hybrid_tamp.taskfile.yaml.nodes import parse
 
 _logger = logging.getLogger(__name__)
 
@@ -28,20 +27,22 @@ def teach_task(task: Task, primitives: Mapping[str, PrimitiveFile], folder: Path
     """
     if not primitives:
         return task
+    if task.primitives:
+        _logger.warning("the task %s names primitives itself: nothing is taught", task.name)
+        return task
+    names = {name: f"primitive-{number:02d}.json" for number, name in enumerate(primitives, start=1)}
+    for name, primitive in primitives.items():
+        (folder / names[name]).write_text(primitive.text, encoding="utf-8")
     if task.source is None:
         blocks = [task.domain.block_by_name[name] for name in primitives]
         taught = [block.taught(primitives[block.name].primitive) for block in blocks if block.taught is not None]
-        return task.replaced(domain=task.domain.with_blocks(taught))
-    text, files = portable(task)
-    if "primitives" in parse(text, str(task.source)).data:
-        _logger.warning("%s names primitives itself: nothing is taught", task.source)
-        return task
-    lines = []
-    for number, (name, primitive) in enumerate(primitives.items(), start=1):
-        files[f"primitive-{number:02d}.json"] = primitive.text
-        lines.append(f"  {name!r}: primitive-{number:02d}.json\n".replace("'", '"'))
-    for name, content in files.items():
+        files = {name: folder / file for name, file in names.items()}
+        return task.replaced(domain=task.domain.with_blocks(taught), primitives=files)
+    text, files_beside = portable(task)
+    for name, content in files_beside.items():
         (folder / name).write_text(content, encoding="utf-8")
+    lines = [f'  "{name}": {file}\n' for name, file in names.items()]
     path = folder / task.source.name
     path.write_text("".join([text.rstrip("\n"), "\n\nprimitives:\n", *lines]), encoding="utf-8")
-    return replace(task, domain=load_task(path, find_domain).domain, source=path)
+    loaded = load_task(path, find_domain)
+    return replace(task, domain=loaded.domain, primitives=loaded.primitives, source=path)

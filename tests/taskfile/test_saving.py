@@ -14,9 +14,11 @@ from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Limits, MidLevel, Range, Task
+from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.taskfile.domains import bundled_tasks
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.making import make_task
+from hybrid_tamp.taskfile.primitives import PrimitiveFile
 from hybrid_tamp.taskfile.saving import differences, save_task
 
 HAND = {"classes": ["HAND"], "properties": {"force": 300}, "pose": {"position": [0, 0, 0.3]}}
@@ -194,3 +196,33 @@ def test_what_a_task_file_cannot_say_is_not_saved(tmp_path: Path, toy: Domain) -
     with pytest.raises(InputError, match="a file that can be written"):
         save_task(task, tmp_path / "nowhere" / "t.yaml")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_primitives_are_saved_beside_the_task_file(tmp_path: Path) -> None:
+    primitive = PrimitiveFile.of(DMP(np.full((5, 3), 0.25)), "REACHING:behind", ["by hand"], 0.0, "m")
+    (tmp_path / "reach.json").write_text(primitive.text, encoding="utf-8")
+    task = load_task("roll_cylinder")
+    taught = make_task(
+        "rolling_tumbling",
+        {token.name: _entry(task, token.name) for token in task.tokens},
+        task.goal,
+        primitives={"REACHING:behind": tmp_path / "reach.json"},
+    )
+    assert taught.domain.block_by_name["REACHING:behind"] is not task.domain.block_by_name["REACHING:behind"]
+    (tmp_path / "elsewhere").mkdir()
+    save_task(taught, tmp_path / "elsewhere" / "t.yaml")
+    again = load_task(tmp_path / "elsewhere" / "t.yaml")
+    assert again.primitives == {"REACHING:behind": tmp_path / "elsewhere" / "reach.json"}
+    assert differences(taught, again) == []
+    (tmp_path / "reach.json").unlink()
+    with pytest.raises(InputError, match=r"reach\.json: a primitive file; got no file of this name"):
+        save_task(taught, tmp_path / "t.yaml")
+
+
+def test_a_mesh_file_that_has_changed_is_not_saved(tmp_path: Path) -> None:
+    save_task(load_task("unknown_box"), tmp_path / "t.yaml")
+    task = load_task(tmp_path / "t.yaml")
+    with (tmp_path / "p5.obj").open("a") as file:
+        file.write("# changed\n")
+    with pytest.raises(InputError, match="the mesh file that the task was made with; got another content"):
+        save_task(task, tmp_path / "again.yaml")
