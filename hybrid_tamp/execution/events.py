@@ -1,11 +1,10 @@
-"""What happens in a run, as it happens: one JSON document a line."""
+"""The events of a run as they happen, one JSON document a line."""
 
 import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Literal, TextIO
 
 from hybrid_tamp.model.plan import BlockInstance
@@ -17,13 +16,13 @@ class Event:
     """One thing that happened.
 
     Attributes:
-        time: when, in simulated time [s].
-        event: what.
-        instance: the instance that it happened to; None where it concerns the run.
+        time: simulated time [s].
+        event: what happened.
+        instance: the instance that it happened to; None if it concerns the whole run.
         ending: instances that end in a reassignment.
         starting: instances that start in a reassignment.
-        hyperparameters: those that the instance uses.
-        margins: entry conditions at a beginning, exit conditions at an end, what does not hold at a failure.
+        hyperparameters: hyperparameters that the instance uses.
+        margins: entry conditions at the beginning, exit conditions at the end, unmet conditions at a failure.
         reason: why a run failed; empty otherwise.
     """
 
@@ -66,7 +65,7 @@ def _finite(value: float | None) -> float | None:
 
 
 class EventLog:
-    """Appends events to a file, a line each, flushed, so that a run that dies leaves what happened until then."""
+    """Appends events to a file and flushes each line, so that a run that dies leaves a log."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -82,11 +81,6 @@ class EventLog:
         self._file = self._path.open("a", encoding="utf-8", newline="\n")
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         if self._file is not None:
             self._file.close()

@@ -1,4 +1,4 @@
-"""What a run writes down, step by step, until it becomes a recording."""
+"""What a run records at each step, until it becomes a recording."""
 
 import logging
 from collections import Counter
@@ -18,13 +18,13 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.physics.protocol import FLOOR, Backend
 
 NOTEWORTHY = 0.1
-"""Share of an instance's control steps from which on cutting its commands to their limit is worth a warning."""
+"""Share of an instance's control steps with commands cut to their limit that is worth a warning."""
 
 _logger = logging.getLogger(__name__)
 
 
 class Logbook:
-    """Rows of states and commands, and what ended when.
+    """Rows of states and commands, and when each instance ended.
 
     Attributes:
         last_event: instant of the last reassignment [s].
@@ -43,7 +43,7 @@ class Logbook:
         self._contacts: dict[tuple[tuple[str, str], tuple[str, str]], Contact] = {}
 
     def copy(self) -> "Logbook":
-        """Return a logbook that goes on from here."""
+        """Return a logbook that continues from here."""
         other = copy(self)
         for name in ("_states", "_commands", "_instances", "_exits", "_cuts", "_contacts"):
             setattr(other, name, copy(getattr(self, name)))
@@ -51,34 +51,34 @@ class Logbook:
 
     @property
     def started(self) -> bool:
-        """Whether the start has been written down."""
+        """Whether the start is recorded."""
         return bool(self._states)
 
     def has_ended(self, instance: str) -> bool:
-        """Say whether the end of an instance has been written down."""
+        """Say whether the end of an instance is recorded."""
         return instance in self._exits
 
     @property
     def steps(self) -> int:
-        """How many control periods have passed."""
+        """Number of control periods that have passed."""
         return len(self._commands)
 
     @property
     def time(self) -> float:
-        """Simulated time [s]; a product, not a sum, so that rounding does not add up."""
+        """Simulated time [s]; a product, so that rounding errors do not add up."""
         return self.steps * self._backend.timestep
 
     @property
     def step_index(self) -> int:
-        """Index of the step that runs now: one more than the instants of reassignment that have been."""
+        """Index of the current step: one more than the number of past instants of reassignment."""
         return 1 + len({instance.end for instance in self._instances})
 
     def start(self, state: State) -> None:
-        """Write down the start."""
+        """Record the start."""
         self._states.append(state.values)
 
-    def stepped(self, state: State, row: FloatArray, cut: tuple[Key, ...], running: Iterable[Running]) -> float:
-        """Write down one control period, in which these instances ran, and return the time after it [s]."""
+    def record_step(self, state: State, row: FloatArray, cut: tuple[Key, ...], running: Iterable[Running]) -> float:
+        """Record one control period, in which these instances ran, and return the time after it [s]."""
         self._states.append(state.values)
         self._commands.append(row)
         within = {token: one.instance.name for one in running for token in one.instance.slots.values()}
@@ -87,7 +87,7 @@ class Logbook:
         return self.time
 
     def _note_contacts(self, within: Mapping[str, str]) -> None:
-        """Keep the hardest contact of each pair of tokens in each pair of instances; the floor is no token."""
+        """Keep the hardest contact of each pair of tokens in each pair of instances, except with the floor."""
         for one, other, force in self._backend.contact_forces():
             if FLOOR in (one, other):
                 continue
@@ -96,8 +96,8 @@ class Logbook:
             if known is None or force > known.force:
                 self._contacts[tokens, instances] = Contact(tokens, instances, force, self.time)
 
-    def ended(self, running: Running, time: float, exits: tuple[AtomMargin, ...]) -> None:
-        """Write down the end of an instance, with the times and hyperparameters that were real."""
+    def record_end(self, running: Running, time: float, exits: tuple[AtomMargin, ...]) -> None:
+        """Record the end of an instance, with its actual times and hyperparameters."""
         done = replace(
             running.instance,
             start=running.begin,
@@ -109,7 +109,7 @@ class Logbook:
         self._exits[done.name] = exits
 
     def recording(self, goal: tuple[AtomMargin, ...], failure: Failure | None) -> Recording:
-        """Return everything that was written down."""
+        """Return everything that was recorded."""
         rows = len(self._states)
         return Recording(
             layout=self._task.state.layout,

@@ -1,4 +1,4 @@
-"""Closed-loop execution: a plan becomes a run, or several plans that begin alike become runs."""
+"""Closed-loop execution of a plan, or of several plans that begin alike."""
 
 from collections.abc import Iterator, Sequence
 
@@ -24,7 +24,7 @@ def execute(
         plan: what to run; hyperparameters that its instances do not give get their initial values when they begin.
         backend: who moves the tokens; it is reset to the task's initial state.
         progress: called now and then.
-        observer: called with every event, at once.
+        observer: called with every event as it happens.
 
     Returns:
         What was measured and commanded until the plan's end or the first failure.
@@ -41,15 +41,15 @@ def execute(
 def execute_variants(
     task: Task, plans: Sequence[TaskPlan], backend: Backend, until: str | None = None
 ) -> Iterator[Recording]:
-    """Run plans that differ in hyperparameters only, each to the bit as `execute` does.
+    """Run plans that differ in hyperparameters only, with the same results to the bit as `execute`.
 
-    What comes before the first instance in which they differ is run once, and each goes on from a snapshot.
+    The part before the first instance in which they differ is run once; each plan continues from a snapshot.
 
     Args:
         task: the task.
         plans: one or more plans.
         backend: who moves the tokens.
-        until: name of an instance with whose end the runs end; of what still runs then the recording tells nothing.
+        until: name of an instance; the runs end when it ends, and the recording omits instances that still run then.
 
     Yields:
         A recording for each plan, in their order.

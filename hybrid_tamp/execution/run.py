@@ -1,11 +1,11 @@
 """One run under way: its instances, its clock and its logbook.
 
-The plan gives an order of reassignments only. One happens at the first control step at which each of its ending
-instances has lasted its minimum and measures all its exit conditions as true, and each starting instance measures its
-entry conditions as true. Until then blocks go on.
+The plan only gives the order of reassignments. A reassignment happens at the first control step at which every ending
+instance has lasted its minimum and measures its exit conditions as true, and every starting instance measures its
+entry conditions as true. Until then the running blocks continue.
 
-How long a run may wait follows from the blocks: a reassignment is due `PATIENCE` after the events before it and after
-the bounds of its ending blocks have passed. So every run ends, by its plan's end or by a failure.
+The blocks bound the wait: a reassignment is due `PATIENCE` after the events before it, and after the bounds of its
+ending blocks. So every run ends, at the end of its plan or with a failure.
 """
 
 import logging
@@ -29,9 +29,9 @@ Progress = Callable[[float, float], None]
 """Called ten times a simulated second with the simulated time and the plan's expected end [s]."""
 
 PATIENCE = 5.0
-"""How long a reassignment that is due may wait for things to settle [s]."""
+"""How long a reassignment that is due may wait until things settle [s]."""
 SETTLING = 0.5
-"""How long the last instances run at least, so that rest is measured and not assumed [s]."""
+"""Minimum time of the last instances [s], so that rest is measured, not assumed."""
 _PROGRESS_STEPS = 24
 
 _logger = logging.getLogger(__name__)
@@ -58,18 +58,18 @@ class Run:
     def advance(
         self, *, before: Collection[str] = (), until: str | None = None, progress: Progress | None = None
     ) -> None:
-        """Run on to the plan's end or to a failure.
+        """Run until the end of the plan or a failure.
 
         Args:
-            before: names of instances; it stops earlier, at the first control step at which one of them might begin.
-            until: name of an instance; it stops earlier, as soon as that one has ended.
+            before: names of instances; the run stops at the first control step at which one of them might begin.
+            until: name of an instance; the run stops as soon as this instance has ended.
             progress: called now and then.
         """
         try:
             if not self._log.started:
                 self._start()
             while not (self._over or self._might_begin(before)):
-                self._happens()
+                self._carry_out_events()
                 if self._over or (until is not None and self._log.has_ended(until)):
                     return
                 self._step()
@@ -79,9 +79,9 @@ class Run:
             self._error = error
 
     def branch(self, plan: TaskPlan) -> "Run":
-        """Return a run that goes on from here with other hyperparameters of the instances that have not begun.
+        """Return a run that continues from here with other hyperparameters of the instances that have not begun.
 
-        The backend's state is its own business.
+        The caller restores the state of the backend.
         """
         other = copy(self)
         other._plan = plan
@@ -93,10 +93,10 @@ class Run:
         return other
 
     def recording(self) -> Recording:
-        """Return what has been measured and commanded; before the plan's end nothing is said of the goal."""
+        """Return what was measured and commanded; the goal is measured at the end of the plan only."""
         if self._error is not None:
-            return self._failed(self._error)
-        return self._finished() if self._ended else self._log.recording((), None)
+            return self._record_failure(self._error)
+        return self._record_end() if self._ended else self._log.recording((), None)
 
     @property
     def _over(self) -> bool:
@@ -120,10 +120,10 @@ class Run:
     def _are_ready(self, names: Iterable[str]) -> bool:
         return all(self._running[name].ready(self._time, self._state) for name in names)
 
-    def _happens(self) -> None:
-        """Carry out every event that can happen now."""
+    def _carry_out_events(self) -> None:
+        """Carry out every event that can happen at this step."""
         for running in self._running.values():
-            if running.reached is None:  # it is to be known when it came to its exit, whatever waits for it
+            if running.reached is None:  # this notes when it first reached its exit
                 running.ready(self._time, self._state)
         for index in sorted(self._enabled_at):
             event = self._pending[index]
@@ -154,18 +154,18 @@ class Run:
         self._ended = event.final
         self._log.last_event = self._time
         del self._pending[index], self._enabled_at[index]
-        # Only from the next step on: what the plan puts in order never happens at one instant.
+        # From the next step on: events that the plan orders never happen at one instant.
         for other, later in self._pending.items():
             if other not in self._enabled_at and not later.after & self._pending.keys():
                 self._enabled_at[other] = self._time
 
     def _check_wait(self, index: int, event: Reassignment) -> None:
-        """Refuse to wait for ever.
+        """Refuse to wait forever.
 
         Raises:
             RunError: the reassignment is overdue.
         """
-        if self._time <= self._enabled_at[index] + PATIENCE:  # it is due later than that, whatever it waits for
+        if self._time <= self._enabled_at[index] + PATIENCE:  # it is not due before that
             return
         due = max(self._enabled_at[index], *(self._running[name].latest for name in self._awaited(event))) + PATIENCE
         if self._time <= due:
@@ -179,7 +179,7 @@ class Run:
         raise RunError(first, reason, (margin for _, margin in missing))
 
     def _awaited(self, event: Reassignment) -> list[str]:
-        """Return the instances that it ends, and those that still change what its starting instances read (law 5)."""
+        """Return the instances that end, and those that still change what a starting instance reads (law 5)."""
         changing = [
             name
             for name, running in self._running.items()
@@ -200,7 +200,7 @@ class Run:
 
     def _end(self, running: Running) -> None:
         margins = tuple(running.exits(self._state))
-        self._log.ended(running, self._time, margins)
+        self._log.record_end(running, self._time, margins)
         chosen = running.hyperparameters
         self._observer(Event(self._time, "end", running.instance, hyperparameters=chosen, margins=margins))
 
@@ -219,9 +219,9 @@ class Run:
         if not np.isfinite(after.values).all():
             raise blame_state(after, self._running.values(), self._time)
         self._state = after
-        self._time = self._log.stepped(after, row, cut, self._running.values())
+        self._time = self._log.record_step(after, row, cut, self._running.values())
 
-    def _failed(self, error: RunError) -> Recording:
+    def _record_failure(self, error: RunError) -> Recording:
         step = self._log.step_index
         for running in list(self._running.values()):
             self._end(running)
@@ -229,16 +229,16 @@ class Run:
         instance = next((i for i in self._plan.instances if i.name == error.instance), None)
         self._observer(Event(self._time, "failure", instance, margins=error.margins, reason=error.reason))
         _logger.warning("step %d failed: %s", step, error.reason)
-        return self._log.recording(self._goal(), failure)
+        return self._log.recording(self._measure_goal(), failure)
 
-    def _finished(self) -> Recording:
-        goal = self._goal()
+    def _record_end(self) -> Recording:
+        goal = self._measure_goal()
         self._observer(Event(self._time, "goal", margins=goal))
         for margin in goal:
             if not margin.holds:
                 _logger.warning("the goal is not reached: %s", shortfall(margin))
         return self._log.recording(goal, None)
 
-    def _goal(self) -> tuple[AtomMargin, ...]:
+    def _measure_goal(self) -> tuple[AtomMargin, ...]:
         margins = [(atom, self._task.margin(atom, self._state)) for atom in self._task.goal]
         return tuple(AtomMargin(atom, None if np.isnan(margin) else margin) for atom, margin in margins)

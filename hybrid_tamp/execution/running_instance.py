@@ -1,4 +1,4 @@
-"""An instance while it runs: its policy, its conditions measured, its bounds."""
+"""A running instance: its policy, its measured conditions, its bounds."""
 
 import math
 from collections.abc import Iterable
@@ -17,7 +17,7 @@ from hybrid_tamp.model.task import Task
 
 
 class RunError(Exception):
-    """Ends a run as a failure of one instance; never leaves the package.
+    """Ends a run as the failure of one instance; it never leaves the package.
 
     Attributes:
         instance: name of the instance.
@@ -59,7 +59,7 @@ class Running:
         self._held = frozenset(instance.slots.values())
         self._binding = task.bind(instance.roles)
         self._exits = self.block.measured_exits
-        # What speaks of fewer roles is measured faster, e.g. whether the hand is at rest.
+        # Conditions over fewer roles are measured faster, e.g. whether the hand is at rest.
         self._in_turn = tuple(sorted(self._exits, key=lambda literal: len(literal.arguments)))
         self.hyperparameters = self._chosen(state)
         arrays = {name: np.asarray(value) for name, value in self.hyperparameters.items()}
@@ -71,7 +71,7 @@ class Running:
 
     @property
     def latest(self) -> float:
-        """By when its exit conditions must have held [s]; without conditions they hold from its minimum on."""
+        """Latest time at which its exit conditions must have held [s]; without conditions, its minimum."""
         bounds = self.block.duration
         return self.begin + (bounds.maximum if self._exits or not self.block.hold else bounds.minimum)
 
@@ -80,9 +80,9 @@ class Running:
         return measure(self._task, self._exits, self.instance, state)
 
     def ready(self, time: float, state: State) -> bool:
-        """Say whether it may end now: it has lasted its minimum, and all its exit conditions hold.
+        """Say whether it may end now: it has lasted its minimum and all its exit conditions hold.
 
-        Asked twice at one instant, it measures once.
+        It measures once at each instant.
         """
         if time - self.begin < self.block.duration.minimum - TIME_TOLERANCE:
             return False
@@ -96,7 +96,7 @@ class Running:
     def _all_hold(self, state: State) -> bool:
         for literal in self._in_turn:
             if not float(literal.margin(state, self._binding)) >= 0:
-                # It most likely does not hold at the next step either, and the others need not be looked at.
+                # It probably does not hold at the next step either, so it is measured first.
                 if literal is not self._in_turn[0]:
                     self._in_turn = (literal, *(other for other in self._in_turn if other is not literal))
                 return False
@@ -111,10 +111,10 @@ class Running:
         )
 
     def check_overdue(self, time: float, state: State) -> None:
-        """Refuse to go on beyond its maximum.
+        """Refuse to run beyond its maximum.
 
         Raises:
-            RunError: it has no hold and should have ended, or its exit conditions have not held yet.
+            RunError: it has no hold and should have ended, or its exit conditions have never held.
         """
         maximum = self.block.duration.maximum
         if time - self.begin <= maximum + TIME_TOLERANCE or (self.block.hold and self.reached is not None):
@@ -169,7 +169,7 @@ class Running:
 
 
 def shortfall(margin: AtomMargin) -> str:
-    """Say that a condition does not hold and by how much."""
+    """Say that a condition does not hold, and its margin."""
     if margin.measured is None:
-        return f"{margin.atom.text} has no margin: it is not a number"
+        return f"{margin.atom.text} has no margin: the figure is not a number"
     return f"{margin.atom.text} does not hold, its margin is {margin.measured:.4g}"

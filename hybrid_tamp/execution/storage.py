@@ -26,8 +26,8 @@ MAXIMAL_SIZE = 512 * 2**20
 """Largest uncompressed member that is read [bytes]: days of simulated time."""
 
 _MEMBERS = {"times": (1, "<f8"), "states": (2, "<f8"), "commands": (2, "<f8"), "document": (1, "|u1")}
-# What numpy writes in front of an array. Its own reader evaluates the header as Python, and thereby raises
-# whatever Python's tokenizer and parser raise; the few headers that we write need no more than a pattern.
+# The header that numpy writes before an array. Its reader evaluates the header as Python and so raises whatever
+# Python's tokenizer and parser raise; a pattern is enough for the few headers that we write.
 _HEADER = re.compile(
     rb"\x93NUMPY\x01\x00..\{'descr': '([^']*)', 'fortran_order': (False|True), 'shape': \(([0-9, ]*)\), \} *\n",
     re.DOTALL,

@@ -8,8 +8,6 @@ from hybrid_tamp.midlevel.candidates import Candidates
 from hybrid_tamp.midlevel.objective import Objective
 from hybrid_tamp.midlevel.physics_refinement import RefinedInPhysics
 from hybrid_tamp.midlevel.plan_search import Searched
-from hybrid_tamp.midlevel.rollout import Key
-from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.refined import Performance, RefinedPlan, Tuned
 from hybrid_tamp.motion.arrays import FloatArray
 
@@ -62,7 +60,7 @@ def _summarise(
     short = rollout.worst(chosen)
     margins = {(c.where, c.atom): float(c.margin[chosen]) for c in rollout.conditions}
     return RefinedPlan(
-        plan=_set_hyperparameters(objective.plan, values),
+        plan=objective.plan.set_hyperparameters(values),
         hyperparameters=tuned,
         performance=tuple(_expect_performance(objective, candidates)),
         best=candidates.value(chosen),
@@ -91,12 +89,3 @@ def _expect_performance(objective: Objective, candidates: Candidates) -> Iterato
         for m in objective.task.domain.block_by_name[instance.block].performance:
             figure = float(figures[instance.name, m.name][candidates.chosen])
             yield Performance(instance.name, m.name, m.unit, m.weight, m.scale, figure)
-
-
-def _set_hyperparameters(plan: TaskPlan, values: dict[Key, float]) -> TaskPlan:
-    """Return the plan with these hyperparameters."""
-    instances = []
-    for instance in plan.instances:
-        mine = {name: value for (owner, name), value in values.items() if owner == instance.name}
-        instances.append(replace(instance, hyperparameters={**instance.hyperparameters, **mine}))
-    return replace(plan, instances=tuple(instances))

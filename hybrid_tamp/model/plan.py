@@ -119,6 +119,17 @@ class TaskPlan(Tabular):
         """The steps as a table."""
         return [(f"{each.start:.2f} to {each.end:.2f} s", each.instances) for each in self.steps]
 
+    def set_hyperparameters(self, values: Mapping[tuple[str, str], float]) -> "TaskPlan":
+        """Return the plan with other values of some hyperparameters, by (instance, hyperparameter)."""
+        mine: dict[str, dict[str, float]] = {}
+        for (instance, name), value in values.items():
+            mine.setdefault(instance, {})[name] = value
+        instances = (
+            replace(each, hyperparameters={**each.hyperparameters, **mine.get(each.name, {})})
+            for each in self.instances
+        )
+        return replace(self, instances=tuple(instances))
+
     @cached_property
     def instants(self) -> tuple[float, ...]:
         """The instants of reassignment, the beginning and the end included, ascending [s]."""

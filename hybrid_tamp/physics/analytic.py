@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +19,7 @@ _Moving = tuple[ContinuousSystem, IntArray]
 
 
 class AnalyticBackend:
-    """Moves the tokens of each running instance by its block's continuous system, side by side."""
+    """Moves the tokens of each running instance by its block's continuous system, all at once."""
 
     name = "analytic"
     timestep = CONTROL_PERIOD
@@ -57,12 +56,12 @@ class AnalyticBackend:
         return self._state
 
     def contact_forces(self) -> list[ContactForce]:
-        """Return nothing: continuous systems have contacts inside them and do not tell."""
+        """Return nothing: continuous systems do not report contacts."""
         return []
 
     @contextmanager
     def snapshot(self) -> Iterator[Callable[[], None]]:
-        """Remember state and systems; states are never changed."""
+        """Save the state and the systems; states are immutable."""
         state, moving = self._state, self._moving
 
         def go_back() -> None:
@@ -71,17 +70,12 @@ class AnalyticBackend:
         yield go_back
 
     def close(self) -> None:
-        """Do nothing: there is nothing to free."""
+        """Do nothing: no resources are held."""
 
     def __enter__(self) -> "AnalyticBackend":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def _begin(self, instance: BlockInstance) -> _Moving:

@@ -1,10 +1,9 @@
-"""The backend protocol: who moves the tokens, one control period at a time; and how a backend is found by name."""
+"""The backend protocol: a backend moves the tokens, one control period at a time, and is found by its name."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
-from types import TracebackType
 from typing import Any, Protocol
 
 from hybrid_tamp.errors import InputError, Issue
@@ -30,11 +29,11 @@ _BUILT_IN = {
 
 
 class Backend(Protocol):
-    """A world that takes commands and is measured; a context manager that frees it."""
+    """A simulated world: it takes commands and is measured. As a context manager it frees its resources."""
 
     @property
     def name(self) -> str:
-        """Name under which it is found."""
+        """Name by which it is found."""
         ...
 
     @property
@@ -53,13 +52,13 @@ class Backend(Protocol):
         ...
 
     def assign(self, running: Sequence[BlockInstance]) -> None:
-        """Say which instances run from now on; a simulator of everything may ignore it."""
+        """Tell the backend which instances run from now on; a full simulator may ignore this."""
         ...
 
     def step(self, commands: Commands) -> State:
         """Hold the commands for one control period and return the state measured after it.
 
-        Tokens that are not named get the command zero.
+        Tokens without a command get zero.
 
         Raises:
             CommandError: a command is unknown, of a wrong size, not finite or above its token's limit.
@@ -67,30 +66,20 @@ class Backend(Protocol):
         ...
 
     def contact_forces(self) -> list[ContactForce]:
-        """Return who pressed on whom within the last period, and how hard at most."""
+        """Return the tokens that were in contact within the last period, with the largest force of each pair."""
         ...
 
     def snapshot(self) -> AbstractContextManager[Callable[[], None]]:
-        """Remember the present for a while: what is entered is a function that goes back to it, bit for bit."""
+        """Save the current state; the context gives a function that restores it, bit for bit."""
         ...
 
     def close(self) -> None:
-        """Free what the backend holds; it cannot be used afterwards."""
+        """Free the resources of the backend; it cannot be used afterwards."""
         ...
 
     def __enter__(self) -> "Backend": ...
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None: ...
-
-
-def available_backends() -> tuple[str, ...]:
-    """Return the names that `open_backend` takes, sorted."""
-    return tuple(sorted(_offers()))
+    def __exit__(self, *error: object) -> None: ...
 
 
 def open_backend(name: str) -> Backend:

@@ -1,4 +1,4 @@
-"""What physics needs to know of each token: body, mass, inertia, friction. No simulator in here."""
+"""The physical properties of each token, for any simulator: body, mass, inertia, friction."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -24,7 +24,7 @@ MASS = 1.0
 FRICTION = 0.5
 """Friction coefficient of a token without that property; Bullet multiplies those of two bodies in contact."""
 ROLLING_FRICTION = 0.005
-"""Rolling friction of a round thing without that property [m]; without any it would never stop."""
+"""Rolling friction of a round thing without that property [m]; with zero it would never stop."""
 FLOOR_FRICTION = 1.0
 
 _ACTIONS = {FORCE: 3, TORQUE: 3, GRIP: 1}

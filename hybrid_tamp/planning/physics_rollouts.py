@@ -1,7 +1,6 @@
 """Candidates of the mid-level planner run in physics, and scored as rollouts are."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -44,20 +43,12 @@ class PhysicsRollouts:
         Raises:
             InputError: the backend cannot simulate the task.
         """
-        plans = [_variant(self.plan, chosen, candidate) for candidate in range(count)]
+        values = [{key: float(each[candidate]) for key, each in chosen.items()} for candidate in range(count)]
+        plans = [self.plan.set_hyperparameters(each) for each in values]
         shares = [[plans[i] for i in share] for share in np.array_split(np.arange(count), self.processes) if len(share)]
         run = partial(_run, self.task, backend=self.backend, until=until)
         found = map_in_processes(run, shares, self.processes)
         return merge_rollouts([rollout for share in found for rollout in share])
-
-
-def _variant(plan: TaskPlan, chosen: Chosen, candidate: int) -> TaskPlan:
-    """Return the plan with the hyperparameters of one candidate."""
-    instances = []
-    for instance in plan.instances:
-        mine = {name: float(values[candidate]) for (owner, name), values in chosen.items() if owner == instance.name}
-        instances.append(replace(instance, hyperparameters={**instance.hyperparameters, **mine}))
-    return replace(plan, instances=tuple(instances))
 
 
 def _run(task: Task, plans: Sequence[TaskPlan], backend: str, until: str | None) -> list[Rollout]:

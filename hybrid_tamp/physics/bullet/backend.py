@@ -1,11 +1,11 @@
 """The PyBullet backend.
 
-The substeps are taken one by one: Bullet tells the contact forces of the last one only, and an impact is over in one.
+The backend takes substeps one by one, because Bullet reports the contact forces of the last substep only and an
+impact is over within one.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from types import TracebackType
 
 import numpy as np
 import pybullet
@@ -49,8 +49,8 @@ class BulletBackend:
     def reset(self, task: Task, state: State) -> State:
         """Build the scene anew and return the given state.
 
-        It is returned as given, not as read back: Bullet turns quaternions into matrices and back, and setting
-        what was read would start a run that differs in the last bit.
+        The state is not read back: Bullet turns quaternions into matrices and back, so a run from a state that was
+        read back would differ in the last bit.
 
         Raises:
             InputError: a token has no shape, or is moved by something that physics does not know.
@@ -81,7 +81,7 @@ class BulletBackend:
         return self._state
 
     def assign(self, running: Sequence[BlockInstance]) -> None:
-        """Do nothing: physics does not know what is intended."""
+        """Do nothing: physics does not depend on the running instances."""
 
     def step(self, commands: Commands) -> State:
         """Apply the forces and torques on the hands for one control period, move the fingers, and measure.
@@ -109,10 +109,10 @@ class BulletBackend:
 
     @contextmanager
     def snapshot(self) -> Iterator[Callable[[], None]]:
-        """Remember the present for a while; what is entered goes back to it.
+        """Save the current state; the context gives a function that restores it.
 
-        Bullet restores its state to the bit, but for shapes of several parts: their contacts come back mixed up. With
-        one in the scene the commands since the reset are repeated instead, which takes as long as the steps alone.
+        Bullet restores its state to the bit, except for compound shapes, whose contacts it mixes up. If the scene has
+        one, the commands since the reset are repeated instead, which takes as long as the steps took.
         """
         if any(isinstance(token.shape, Compound | MeshShape) for token in self._task.assigned):
             start, rows = self._start, tuple(self._rows)
@@ -169,7 +169,7 @@ class BulletBackend:
         return measured
 
     def close(self) -> None:
-        """Leave Bullet; a second time does nothing."""
+        """Disconnect from Bullet; a second call does nothing."""
         if self._client >= 0:
             pybullet.disconnect(self._client)
             self._client = -1
@@ -177,12 +177,7 @@ class BulletBackend:
     def __enter__(self) -> "BulletBackend":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def _place(self, handle: int, token: str, state: State) -> None:

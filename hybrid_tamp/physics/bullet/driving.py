@@ -13,7 +13,7 @@ from hybrid_tamp.physics.scene import FORCE, TORQUE, Body
 
 @dataclass
 class Drive:
-    """What the robot does to one hand.
+    """Force and torque on one hand.
 
     Attributes:
         client: PyBullet's client.
@@ -38,12 +38,12 @@ class Drive:
         return cls(client, handle, commands.slices[body.token, FORCE], torque, -body.mass * np.array(gravity))
 
     def command(self, row: FloatArray) -> None:
-        """Take over the commands of a control period, a row of all commands."""
+        """Set the commands of a control period from a row of all commands."""
         self._force = (row[self.force] + self.support).tolist()
         self._torque = [] if self.torque is None else row[self.torque].tolist()
 
     def apply(self) -> None:
-        """Act for the next substep; the force on where the centre is now, because a hand that turns would feel it."""
+        """Apply both for the next substep; the force acts at the current centre, so that it does not turn the hand."""
         centre, _ = pybullet.getBasePositionAndOrientation(self.handle, physicsClientId=self.client)
         frame = pybullet.WORLD_FRAME
         pybullet.applyExternalForce(self.handle, -1, self._force, centre, frame, physicsClientId=self.client)

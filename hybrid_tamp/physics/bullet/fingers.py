@@ -1,4 +1,4 @@
-"""Two virtual fingers: how far they are apart, what is between them, and the friction that holds it.
+"""Two virtual fingers: their aperture, what is between them, and the friction that holds it.
 
 The grasp is a joint whose force is limited, made with the relative pose in which the fingers meet the handle. Where the
 load is beyond the limit it gives way, and is made anew with what the relative pose has become; otherwise the force
@@ -37,7 +37,7 @@ TWIST = 0.02
 
 @dataclass
 class Grasp:
-    """What is held: a thing, PyBullet's handle of the joint, and the hand's pose in the thing's frame."""
+    """What is held: the thing, PyBullet's handle of the joint, and the pose of the hand in the frame of the thing."""
 
     thing: Token
     joint: int
@@ -69,7 +69,7 @@ class Fingers:
     def all_of(
         cls, task: Task, client: int, handles: Mapping[str, int], commands: CommandLayout
     ) -> "tuple[Fingers, ...]":
-        """Return the fingers of every hand that has some, and let them pass round what they can grip."""
+        """Return the fingers of every hand that has some; collisions with graspable things are switched off."""
         things = tuple(token for token in task.assigned if can_be_gripped(token))
         found = []
         for hand in filter(grips, task.assigned):
@@ -105,13 +105,13 @@ class Fingers:
             pybullet.changeConstraint(self.held.joint, maxForce=limit, physicsClientId=self.client)
 
     def let_go(self) -> None:
-        """Hold nothing any more."""
+        """Release what is held."""
         if self.held is not None:
             pybullet.removeConstraint(self.held.joint, physicsClientId=self.client)
             self.held = None
 
     def hold(self, grasp: Grasp | None) -> None:
-        """Hold again what was held before, as it was held."""
+        """Hold what was held before, in the same relative pose."""
         self.held = grasp and replace(grasp, joint=self._joint(grasp.thing, grasp.position, grasp.orientation))
 
     def _between(self, state: State, narrower: float, wider: float) -> Token | None:

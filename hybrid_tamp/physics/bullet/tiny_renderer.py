@@ -4,8 +4,6 @@ It works in a client of its own that holds what is seen and nothing that moves b
 disturbs a simulation.
 """
 
-from types import TracebackType
-
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
@@ -80,12 +78,7 @@ class TinyRenderer:
     def __enter__(self) -> "TinyRenderer":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def _matrices(self, camera: Camera) -> tuple[tuple[float, ...], tuple[float, ...]]:

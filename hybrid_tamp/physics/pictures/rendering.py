@@ -1,6 +1,5 @@
-"""Pictures of a recording, by whatever can draw; the drawing library is imported when it is first asked for."""
+"""Pictures of a recording; the drawing library is imported when a renderer is first opened."""
 
-from types import TracebackType
 from typing import Protocol
 
 import numpy as np
@@ -31,12 +30,7 @@ class Renderer(Protocol):
 
     def __enter__(self) -> "Renderer": ...
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None: ...
+    def __exit__(self, *error: object) -> None: ...
 
 
 def open_renderer(task: Task, recording: Recording, width: int = WIDTH, height: int = HEIGHT) -> Renderer:
