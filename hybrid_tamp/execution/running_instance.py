@@ -171,5 +171,5 @@ class Running:
 def shortfall(margin: AtomMargin) -> str:
     """Say that a condition does not hold, and its margin."""
     if margin.measured is None:
-        return f"{margin.atom.text} has no margin: the figure is not a number"
+        return f"{margin.atom.text} has no margin: it is not a number"
     return f"{margin.atom.text} does not hold, its margin is {margin.measured:.4g}"
