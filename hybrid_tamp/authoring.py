@@ -1,160 +1,89 @@
-"""What authors of domains write against: classes, predicates, blocks, shapes, rotations, motor primitives, constants.
+"""The names for authors of domains: classes, predicates, blocks, shapes, rotations, motor primitives, constants.
 
-Re-exports only. Domains import nothing else of the framework but `hybrid_tamp` and `hybrid_tamp.testing`.
+This module only re-exports. Domains import nothing else of the framework but `hybrid_tamp` and `hybrid_tamp.testing`.
 """
 
-from hybrid_tamp.geometry.features import (
-    across,
-    rolling_likelihood,
-    rolling_radius,
-    roundest_axis,
-    silhouette,
-    tumbling_likelihood,
-)
-from hybrid_tamp.geometry.meshes import MeshShape
-from hybrid_tamp.geometry.shapes import (
-    Box,
-    BoxPart,
-    Compound,
-    Cylinder,
-    CylinderPart,
-    MeshFile,
-    Part,
-    Shape,
-    Sphere,
-    SpherePart,
-    solids_of,
-)
-from hybrid_tamp.geometry.surfaces import points_of, volume_of
-from hybrid_tamp.model.affordance import (
-    BODY_STATE,
-    TOKEN,
-    AffordanceClass,
-    BasicAction,
-    CapabilityClass,
-    Direction,
-    ObjectClass,
-    PlaceClass,
-    VaryingProperty,
-    Vector3,
-    quantity,
-)
-from hybrid_tamp.model.block import Block, Duration, Movement, Slot, Target
-from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, ContinuousSystem, Policy, PolicyMaker
-from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED, GRIP_FRICTION, aperture_property
-from hybrid_tamp.model.kind import Kind
-from hybrid_tamp.model.measure import Measure
-from hybrid_tamp.model.network import ReassignmentNetwork
-from hybrid_tamp.model.parameters import Hyperparameter, Hyperparameters, Parameters
-from hybrid_tamp.model.plan import BlockInstance, split_mode
-from hybrid_tamp.model.predicate import ANY, Atom, Binding, Literal, Parameter, Predicate, SymbolSort, Value
-from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
-from hybrid_tamp.model.trial import Carry, Estimate, TrialRecipe
-from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.constants import GRAVITY
-from hybrid_tamp.motion.dmp import DMP
-from hybrid_tamp.motion.minimum_jerk import minimum_jerk
-from hybrid_tamp.motion.poses import (
-    angle_about,
-    cross,
-    integrate,
-    quaternion_conjugate,
-    quaternion_from_axis_angle,
-    quaternion_from_rotation_vector,
-    quaternion_from_rpy,
-    quaternion_multiply,
-    quaternion_of_rotation,
-    rotate,
-)
-from hybrid_tamp.motion.profile import Profile
-
-__all__ = [
-    "ANY",
-    "AffordanceClass",
-    "Atom",
-    "BODY_STATE",
-    "BasicAction",
-    "Binding",
-    "Block",
-    "BlockInstance",
-    "Box",
-    "BoxPart",
-    "CAPTURE",
-    "CONTROL_PERIOD",
-    "CapabilityClass",
-    "Carry",
-    "Commands",
-    "Compound",
-    "ContinuousSystem",
-    "Cylinder",
-    "CylinderPart",
-    "DMP",
-    "Direction",
-    "Domain",
-    "Duration",
-    "Estimate",
-    "FINGER_SPEED",
-    "FloatArray",
-    "GRAVITY",
-    "GRIP_FRICTION",
-    "Hyperparameter",
-    "Hyperparameters",
-    "Kind",
-    "Literal",
-    "Measure",
-    "MeshFile",
-    "MeshShape",
-    "Movement",
-    "ObjectClass",
-    "Parameter",
-    "Parameters",
-    "Part",
-    "PlaceClass",
-    "Policy",
-    "PolicyMaker",
-    "Predicate",
-    "Profile",
-    "ReassignmentNetwork",
-    "Recording",
-    "Shape",
-    "Slot",
-    "Sphere",
-    "SpherePart",
-    "State",
-    "SymbolSort",
-    "TOKEN",
-    "Target",
-    "Task",
-    "Token",
-    "TrialRecipe",
-    "Value",
-    "VaryingProperty",
-    "Vector3",
-    "across",
-    "angle_about",
-    "aperture_property",
-    "cross",
-    "integrate",
-    "minimum_jerk",
-    "solids_of",
-    "points_of",
-    "quantity",
-    "quaternion_conjugate",
-    "quaternion_from_axis_angle",
-    "quaternion_from_rotation_vector",
-    "quaternion_from_rpy",
-    "quaternion_multiply",
-    "quaternion_of_rotation",
-    "rolling_likelihood",
-    "rolling_radius",
-    "rotate",
-    "roundest_axis",
-    "silhouette",
-    "split_mode",
-    "tumbling_likelihood",
-    "volume_of",
-]
+from hybrid_tamp.geometry.features import across as across
+from hybrid_tamp.geometry.features import rolling_likelihood as rolling_likelihood
+from hybrid_tamp.geometry.features import rolling_radius as rolling_radius
+from hybrid_tamp.geometry.features import roundest_axis as roundest_axis
+from hybrid_tamp.geometry.features import silhouette as silhouette
+from hybrid_tamp.geometry.features import tumbling_likelihood as tumbling_likelihood
+from hybrid_tamp.geometry.meshes import MeshShape as MeshShape
+from hybrid_tamp.geometry.shapes import Box as Box
+from hybrid_tamp.geometry.shapes import BoxPart as BoxPart
+from hybrid_tamp.geometry.shapes import Compound as Compound
+from hybrid_tamp.geometry.shapes import Cylinder as Cylinder
+from hybrid_tamp.geometry.shapes import CylinderPart as CylinderPart
+from hybrid_tamp.geometry.shapes import MeshFile as MeshFile
+from hybrid_tamp.geometry.shapes import Part as Part
+from hybrid_tamp.geometry.shapes import Shape as Shape
+from hybrid_tamp.geometry.shapes import Sphere as Sphere
+from hybrid_tamp.geometry.shapes import SpherePart as SpherePart
+from hybrid_tamp.geometry.shapes import solids_of as solids_of
+from hybrid_tamp.geometry.surfaces import points_of as points_of
+from hybrid_tamp.geometry.surfaces import volume_of as volume_of
+from hybrid_tamp.model.affordance import BODY_STATE as BODY_STATE
+from hybrid_tamp.model.affordance import TOKEN as TOKEN
+from hybrid_tamp.model.affordance import AffordanceClass as AffordanceClass
+from hybrid_tamp.model.affordance import BasicAction as BasicAction
+from hybrid_tamp.model.affordance import CapabilityClass as CapabilityClass
+from hybrid_tamp.model.affordance import Direction as Direction
+from hybrid_tamp.model.affordance import ObjectClass as ObjectClass
+from hybrid_tamp.model.affordance import PlaceClass as PlaceClass
+from hybrid_tamp.model.affordance import VaryingProperty as VaryingProperty
+from hybrid_tamp.model.affordance import Vector3 as Vector3
+from hybrid_tamp.model.affordance import quantity as quantity
+from hybrid_tamp.model.block import Block as Block
+from hybrid_tamp.model.block import Duration as Duration
+from hybrid_tamp.model.block import Movement as Movement
+from hybrid_tamp.model.block import Slot as Slot
+from hybrid_tamp.model.block import Target as Target
+from hybrid_tamp.model.control import CONTROL_PERIOD as CONTROL_PERIOD
+from hybrid_tamp.model.control import Commands as Commands
+from hybrid_tamp.model.control import ContinuousSystem as ContinuousSystem
+from hybrid_tamp.model.control import Policy as Policy
+from hybrid_tamp.model.control import PolicyMaker as PolicyMaker
+from hybrid_tamp.model.domain import Domain as Domain
+from hybrid_tamp.model.grasp import CAPTURE as CAPTURE
+from hybrid_tamp.model.grasp import FINGER_SPEED as FINGER_SPEED
+from hybrid_tamp.model.grasp import GRIP_FRICTION as GRIP_FRICTION
+from hybrid_tamp.model.grasp import aperture_property as aperture_property
+from hybrid_tamp.model.kind import Kind as Kind
+from hybrid_tamp.model.measure import Measure as Measure
+from hybrid_tamp.model.network import ReassignmentNetwork as ReassignmentNetwork
+from hybrid_tamp.model.parameters import Hyperparameter as Hyperparameter
+from hybrid_tamp.model.parameters import Hyperparameters as Hyperparameters
+from hybrid_tamp.model.parameters import Parameters as Parameters
+from hybrid_tamp.model.plan import BlockInstance as BlockInstance
+from hybrid_tamp.model.plan import split_mode as split_mode
+from hybrid_tamp.model.predicate import ANY as ANY
+from hybrid_tamp.model.predicate import Atom as Atom
+from hybrid_tamp.model.predicate import Binding as Binding
+from hybrid_tamp.model.predicate import Literal as Literal
+from hybrid_tamp.model.predicate import Parameter as Parameter
+from hybrid_tamp.model.predicate import Predicate as Predicate
+from hybrid_tamp.model.predicate import SymbolSort as SymbolSort
+from hybrid_tamp.model.predicate import Value as Value
+from hybrid_tamp.model.recording import Recording as Recording
+from hybrid_tamp.model.state import State as State
+from hybrid_tamp.model.task import Task as Task
+from hybrid_tamp.model.token import Token as Token
+from hybrid_tamp.model.trial import Carry as Carry
+from hybrid_tamp.model.trial import Estimate as Estimate
+from hybrid_tamp.model.trial import TrialRecipe as TrialRecipe
+from hybrid_tamp.motion.arrays import FloatArray as FloatArray
+from hybrid_tamp.motion.constants import GRAVITY as GRAVITY
+from hybrid_tamp.motion.dmp import DMP as DMP
+from hybrid_tamp.motion.minimum_jerk import minimum_jerk as minimum_jerk
+from hybrid_tamp.motion.poses import angle_about as angle_about
+from hybrid_tamp.motion.poses import cross as cross
+from hybrid_tamp.motion.poses import integrate as integrate
+from hybrid_tamp.motion.poses import quaternion_conjugate as quaternion_conjugate
+from hybrid_tamp.motion.poses import quaternion_from_axis_angle as quaternion_from_axis_angle
+from hybrid_tamp.motion.poses import quaternion_from_rotation_vector as quaternion_from_rotation_vector
+from hybrid_tamp.motion.poses import quaternion_from_rpy as quaternion_from_rpy
+from hybrid_tamp.motion.poses import quaternion_multiply as quaternion_multiply
+from hybrid_tamp.motion.poses import quaternion_of_rotation as quaternion_of_rotation
+from hybrid_tamp.motion.poses import rotate as rotate
+from hybrid_tamp.motion.profile import Profile as Profile
