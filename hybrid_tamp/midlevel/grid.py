@@ -1,4 +1,4 @@
-"""Direct sampling on a grid, as the paper did: exhaustive, without refinement, to compare others with."""
+"""Direct sampling on a grid, as in the paper: exhaustive, without refinement; a baseline for other optimisers."""
 
 from dataclasses import dataclass
 from math import prod
@@ -6,18 +6,16 @@ from math import prod
 import numpy as np
 
 from hybrid_tamp.errors import InputError, Issue
-from hybrid_tamp.midlevel.optimiser import Budget, Evaluate, Optimum, Progress
-from hybrid_tamp.midlevel.search import Search
-from hybrid_tamp.midlevel.search_space import SearchSpace
+from hybrid_tamp.midlevel.optimiser import Optimiser, Search
 from hybrid_tamp.motion.arrays import FloatArray
 
 
 @dataclass(frozen=True)
-class Grid:
+class Grid(Optimiser):
     """The optimiser ``grid``: as many points on each axis as the budget of evaluations allows, both ends included.
 
     Attributes:
-        batch: candidates that are evaluated at once, at least 1.
+        batch: number of candidates that are evaluated at once, at least 1.
 
     Raises:
         InputError: the batch is below 1.
@@ -30,31 +28,23 @@ class Grid:
         if self.batch < 1:
             raise InputError([Issue("batch", "at least 1 candidate", str(self.batch))])
 
-    def __call__(
-        self,
-        evaluate: Evaluate,
-        space: SearchSpace,
-        budget: Budget,
-        rng: np.random.Generator,
-        progress: Progress | None = None,
-    ) -> Optimum:
-        """Return the best of the grid and the default point, as `Optimiser` says; nothing is random."""
-        search = Search(evaluate, space, budget, progress)
-        # One evaluation is the default point's.
-        counts = axis_counts(search.k, budget.evaluations - 1)
+    def sample(self, search: Search, rng: np.random.Generator) -> str:
+        """Evaluate the grid and the default point; nothing is random."""
+        # The default point takes one evaluation.
+        counts = axis_counts(search.k, search.budget.evaluations - 1)
         axes = [np.linspace(0.0, 1.0, n) if n > 1 else at[None] for n, at in zip(counts, search.start, strict=True)]
         size = prod(counts)
         for begin in range(0, size, self.batch):
             search.evaluate(_points(axes, np.arange(begin, min(begin + self.batch, size))))
             if search.spent == "seconds" and begin + self.batch < size:
-                return search.optimum("seconds")
-        return search.optimum("all sampled")
+                return "seconds"
+        return "all sampled"
 
 
 def axis_counts(k: int, evaluations: int) -> tuple[int, ...]:
-    """Return the number of points on each of k axes, whose product does not exceed the evaluations.
+    """Return the number of points on each of k axes; their product does not exceed the evaluations.
 
-    They differ by 1 at most, earlier axes having more; an axis of 1 point is not searched.
+    The counts differ by 1 at most, and earlier axes have more; an axis of 1 point is not searched.
     """
     least = 1
     while k > 0 and (least + 1) ** k <= evaluations:
@@ -67,7 +57,7 @@ def axis_counts(k: int, evaluations: int) -> tuple[int, ...]:
 
 
 def _points(axes: list[FloatArray], indices: np.ndarray) -> FloatArray:
-    """Return the grid's points of these indices in the unit cube, shape ``(n, k)``."""
+    """Return the points of the grid with these indices in the unit cube, shape ``(n, k)``."""
     if not axes:
         return np.empty((len(indices), 0))
     places = np.unravel_index(indices, [len(axis) for axis in axes])

@@ -308,7 +308,7 @@ def test_noise_is_averaged_out(noisy: bool) -> None:
     def distance(seed: int) -> float:
         noise = np.random.default_rng(seed)
         evaluate = valued(lambda points: -sphere(points) + noise.normal(scale=0.5, size=len(points)))
-        optimum = search(find_optimiser("cma", noisy=noisy), evaluate, box(3, 3.0), 1000, seed)
+        optimum = search(CMAES(noisy=noisy), evaluate, box(3, 3.0), 1000, seed)
         return float(np.linalg.norm(optimum.point))
 
     assert median(distance(seed) for seed in range(3000, 3005)) < 0.7
