@@ -1,6 +1,6 @@
-"""The command line: arguments, printing, exit codes. Nothing heavy is imported before it is needed.
+"""The command line: arguments, printing, exit statuses. Heavy modules are imported only when a verb needs them.
 
-Each module holds a group of verbs; `app` puts them together. A verb is a function of plain arguments.
+Each verb has a module, and `app` registers them all.
 """
 
 import sys
@@ -10,23 +10,20 @@ import typer
 
 from hybrid_tamp.cli.app import app
 from hybrid_tamp.cli.console import output_failed, report_error
-from hybrid_tamp.cli.flags import with_flags
 from hybrid_tamp.errors import HybridTampError, InputError, Issue
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status."""
-    words = sys.argv[1:] if arguments is None else arguments
-    # UsageError of whichever click typer brings.
+    words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
+    # UsageError of the click that typer comes with.
     usage_error = cast(type[Exception], typer.BadParameter.__mro__[1])
     try:
-        if not words:
-            words = ["--help"]
         status = app(args=words, prog_name="hybrid-tamp", standalone_mode=False)
-        if sys.stdout is not None:  # None where it was closed before we began
+        if sys.stdout is not None:  # None if it was closed before Python started
             sys.stdout.flush()
     except HybridTampError as error:
-        report_error(with_flags(error), "--json" in words)
+        report_error(error, "--json" in words)
         return error.exit_status
     except usage_error as error:
         message = error.format_message() if hasattr(error, "format_message") else str(error)
@@ -39,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:
         return output_failed(error)
     except SystemExit as end:
-        # That is what typer makes of a reader that went away, e.g. `| head`.
+        # typer raises it when the reader of standard output has gone, e.g. `| head`.
         if not isinstance(end.__context__, BrokenPipeError):
             raise
         return output_failed(end.__context__)

@@ -1,4 +1,4 @@
-"""The command itself and what is said before a verb."""
+"""The command with its verbs, and the options that stand before a verb."""
 
 import logging
 import sys
@@ -24,7 +24,7 @@ from hybrid_tamp.cli.schema import schema
 
 app = typer.Typer(
     name="hybrid-tamp",
-    help="Plan a manipulation task, export its PDDL, run it in physics, or learn why it cannot be done.",
+    help="Plan a manipulation task, export its PDDL, run it in physics, or find out why it has no plan.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -39,7 +39,7 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _options(
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log what is done to standard error")] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log progress to standard error")] = False,
     version: Annotated[
         bool, typer.Option("--version", help="print the version", is_eager=True, callback=_version)
     ] = False,
@@ -48,21 +48,6 @@ def _options(
     logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s", stream=sys.stderr)
 
 
-# In the order of the help.
-for verb in (
-    check,
-    plan,
-    pddl,
-    run,
-    replay,
-    report,
-    learn,
-    imitate,
-    explain,
-    affordances,
-    probe,
-    network,
-    domains,
-    schema,
-):
-    app.command()(verb)
+_QUESTIONS = (learn, imitate, explain, affordances, probe)
+for verb in (check, plan, pddl, run, replay, report, *_QUESTIONS, network, domains, schema):
+    app.command()(verb)  # in the order of the help

@@ -1,15 +1,15 @@
 """The verb ``check``."""
 
+from hybrid_tamp.cli import options
 from hybrid_tamp.cli.console import say
-from hybrid_tamp.cli.options import DomainOption, JsonOption, TaskArgument
 
 
-def check(task: TaskArgument, as_json: JsonOption = False, domain: DomainOption = None) -> None:
-    """Check a task file: every fault at once, each with its place and what would be right."""
+def check(task: options.Task, as_json: options.Json = False, domain: options.Domain = None) -> None:
+    """Check a task file; report every fault with its place and what is expected there."""
     from hybrid_tamp.verbs.check import check as check_task
     from hybrid_tamp.verbs.loading import Settings
 
-    checked = check_task(task, Settings(domain=domain))
+    checked = check_task(task, Settings(domain))
     summary = {
         "schema": "hybrid-tamp/check/1",
         "task": checked.name,

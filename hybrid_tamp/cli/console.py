@@ -4,92 +4,96 @@ import json
 import os
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from hybrid_tamp.cli.flags import with_flags
-from hybrid_tamp.errors import HybridTampError, InputError, Issue
+from hybrid_tamp.errors import HybridTampError, InputError, Issue, LimitReached
 
 if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
+    from rich.console import RenderableType
 
-    from hybrid_tamp.report.documents import Json
+_FLAGS = {
+    "agent": "--agent",
+    "backend": "--backend",
+    "block": "BLOCK",
+    "classes": "--class",
+    "questions": "--what-if",
+    "token": "--token",
+    "view": "--view",
+}
+"""Argument of a verb's function to the flag or argument of the command line."""
 
 
-def say(document: dict[str, Any], as_json: bool, sentence: Callable[[], str]) -> None:
-    """Print the document for programs, or the sentence for people."""
+def say(document: dict[str, Any], as_json: bool, *texts: "Callable[[], RenderableType]") -> None:
+    """Print the document for programs, or the texts and tables for people."""
     if as_json:
-        print_json(document)
-    else:
-        typer.echo(sentence())
+        typer.echo(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
+        return
+    for text in texts:
+        show(text())
 
 
-def print_json(document: dict[str, Any]) -> None:
-    """Print one JSON document."""
-    typer.echo(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
-
-
-def show(renderable: "RenderableType") -> None:
-    """Print a table or a text of rich."""
-    _console().print(renderable)
-
-
-def _console(stderr: bool = False) -> "Console":
+def show(renderable: "RenderableType", *, stderr: bool = False) -> None:
+    """Print a string as it is, if it is not empty, or a table or text of rich within the width of the terminal."""
+    if isinstance(renderable, str):
+        if renderable:
+            typer.echo(renderable, err=stderr)
+        return
     from rich.console import Console
 
     class Plain(Console):
         def on_broken_pipe(self) -> None:
-            # Rich would end the process with status 1; whoever reads only the head of a table did nothing wrong.
+            # Rich would end the process with status 1, but a reader may stop reading, e.g. `| head`.
             raise
 
-    return Plain(stderr=stderr, highlight=False, markup=False)
+    Plain(stderr=stderr, highlight=False, markup=False).print(renderable)
 
 
 def output_failed(error: OSError) -> int:
-    """Return the exit status after standard output could not be written.
+    """Return the exit status for a failure to write to standard output.
 
     Raises:
-        OSError: it was not about standard output.
+        OSError: the error is about a file.
     """
     if error.filename is not None:
         raise error
-    # Else the interpreter would try again as it ends.
+    # Otherwise the interpreter tries to write again when it exits.
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if isinstance(error, BrokenPipeError):
-        return 0  # the reader went away, e.g. `| head`
+        return 0  # the reader has gone, e.g. `| head`
     typer.echo(f"standard output cannot be written: {error.strerror}", err=True)
     return 1
 
 
-def explain(explanation: "Json") -> None:
-    """Say why there is no plan, on standard error."""
-    from hybrid_tamp.report.tables import explanation_text
-
-    _console(stderr=True).print(explanation_text(explanation))
-
-
-def tell_network(plan: "Json") -> None:
-    """Say what part of the network was planned on: on standard output with a plan, else on standard error."""
-    from hybrid_tamp.report.tables import network_text
-
-    said = network_text(plan["network"])
-    if said:
-        typer.echo(said, err=plan["status"] != "solved")
-
-
 def report_error(error: HybridTampError, as_json: bool) -> None:
-    """Print an error: for people on standard error, for programs as one JSON document as well."""
-    error = with_flags(error)
+    """Print an error on standard error, and for programs also as one JSON document on standard output."""
+    error = _with_flags(error)
     typer.echo(str(error), err=True)
-    if as_json:
-        issues: tuple[Issue, ...] = error.issues if isinstance(error, InputError) else ()
-        print_json(
-            {
-                "schema": "hybrid-tamp/error/1",
-                "error": type(error).__name__,
-                "status": error.exit_status,
-                "message": str(error),
-                "issues": [{**issue.__dict__, "message": str(issue)} for issue in issues],
-            }
+    issues: tuple[Issue, ...] = error.issues if isinstance(error, InputError) else ()
+    document = {
+        "schema": "hybrid-tamp/error/1",
+        "error": type(error).__name__,
+        "status": error.exit_status,
+        "message": str(error),
+        "issues": [{**issue.__dict__, "message": str(issue)} for issue in issues],
+    }
+    say(document, as_json)
+
+
+def _with_flags(error: HybridTampError) -> HybridTampError:
+    """Return the error with flags of the command line in place of the arguments that its issues name."""
+    if isinstance(error, LimitReached):
+        return LimitReached(str(error).replace("time_limit", "--time-limit"), limit=error.limit)
+    if not isinstance(error, InputError):
+        return error
+    issues = [
+        replace(
+            issue,
+            where=_FLAGS.get(issue.where, issue.where),
+            remedy=issue.remedy.replace("force=True", "--force").replace("classes=[...]", "--class"),
         )
+        for issue in error.issues
+    ]
+    return type(error)(issues)

@@ -1,19 +1,14 @@
-"""The verb that lists what is installed: domains."""
+"""The verb ``domains``."""
 
-from hybrid_tamp.cli.console import print_json, show
-from hybrid_tamp.cli.options import JsonOption
+from hybrid_tamp.cli import options
+from hybrid_tamp.cli.console import say
 
 
-def domains(as_json: JsonOption = False) -> None:
-    """List the domains that are installed."""
+def domains(as_json: options.Json = False) -> None:
+    """List the installed domains."""
+    from hybrid_tamp.report.domain_documents import domains_document
+    from hybrid_tamp.report.tables import domains_table
     from hybrid_tamp.verbs.domains import list_domains
 
     found = list_domains()
-    if as_json:
-        from hybrid_tamp.report.domain_documents import domains_document
-
-        print_json(domains_document(found))
-    else:
-        from hybrid_tamp.report.tables import domains_table
-
-        show(domains_table(found))
+    say(domains_document(found), as_json, lambda: domains_table(found))

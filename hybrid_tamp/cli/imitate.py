@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hybrid_tamp.cli.console import print_json, show
-from hybrid_tamp.cli.options import DomainOption, ForceOption, JsonOption, TaskArgument
+from hybrid_tamp.cli import options
+from hybrid_tamp.cli.console import say, show
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.imitation import ImitationResult, Segmentation
@@ -17,41 +17,38 @@ if TYPE_CHECKING:
 
 def imitate(
     shown: Annotated[
-        Path, typer.Argument(metavar="DIR|FILE", help="the folder that a run left, or a CSV file of tokens' poses")
+        Path, typer.Argument(metavar="DIR|FILE", help="the folder of a run, or a CSV file of poses of tokens")
     ],
-    task: TaskArgument,
+    task: options.Task,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for the files of the run")] = None,
-    as_json: JsonOption = False,
-    domain: DomainOption = None,
+    as_json: options.Json = False,
+    domain: options.Domain = None,
     actor: Annotated[
-        str | None, typer.Option("--actor", metavar="TASK", help="whose tokens a FILE shows; those of TASK by default")
+        str | None, typer.Option("--actor", metavar="TASK", help="task whose tokens a FILE shows; default: TASK")
     ] = None,
-    backend: Annotated[str, typer.Option("--backend", metavar="NAME", help="physics backend")] = "pybullet",
-    force: ForceOption = False,
+    backend: options.Backend = "pybullet",
+    force: options.Force = False,
 ) -> None:
-    """Do as another agent was seen to do, and say which blocks were seen."""
+    """Imitate another agent's run, and show which blocks it consisted of."""
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.verbs.imitate import imitate as imitate_agent
     from hybrid_tamp.verbs.loading import Settings
 
     with ExitStack() as stack:
-        folder = output or Path(stack.enter_context(TemporaryDirectory())) / "run"
-        progress = stack.enter_context(progress_bar())
         result = imitate_agent(
             shown,
             task,
-            folder,
-            Settings(domain=domain),
+            output or Path(stack.enter_context(TemporaryDirectory())) / "run",
+            Settings(domain),
             actor=actor,
             backend=backend,
             force=force,
-            progress=progress,
+            progress=stack.enter_context(progress_bar()),
             on_segmentation=partial(_show_segmentation, shown.name, as_json),
         )
-    if as_json:
-        print_json(document(result))
-    else:
+    say(document(result), as_json)
+    if not as_json:
         _show(result, output)
     if not result.success:
         typer.echo("The imitation did not reach the goal.", err=True)
@@ -71,8 +68,7 @@ def _show(result: "ImitationResult", output: Path | None) -> None:
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.tables import result_table
 
-    roles = ", ".join(f"{name} as {token}" for token, name in result.roles.items())
-    typer.echo(f"roles: {roles}")
+    typer.echo(f"roles: {', '.join(f'{name} as {token}' for token, name in result.roles.items())}")
     if result.primitives:
         typer.echo(f"learnt: {', '.join(result.primitives)}")
     show(result_table(document(result.run)))

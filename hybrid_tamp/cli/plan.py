@@ -5,22 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hybrid_tamp.cli.console import explain, print_json, show, tell_network
-from hybrid_tamp.cli.options import (
-    DomainOption,
-    EvaluationsOption,
-    ForceOption,
-    JsonOption,
-    MemoryOption,
-    ObjectiveOption,
-    OptimiserOption,
-    PlannerOption,
-    RefineOption,
-    SeedOption,
-    TaskArgument,
-    TimeOption,
-    read_settings,
-)
+from hybrid_tamp.cli import options
+from hybrid_tamp.cli.console import say, show
 from hybrid_tamp.errors import InputError, Issue
 
 if TYPE_CHECKING:
@@ -28,20 +14,20 @@ if TYPE_CHECKING:
 
 
 def plan(
-    task: TaskArgument,
-    as_json: JsonOption = False,
-    domain: DomainOption = None,
-    planner: PlannerOption = None,
-    objective: ObjectiveOption = None,
+    task: options.Task,
+    as_json: options.Json = False,
+    domain: options.Domain = None,
+    planner: options.Planner = None,
+    objective: options.Objective = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for plan.json and PDDL")] = None,
-    force: ForceOption = False,
-    seed: SeedOption = None,
-    time_limit: TimeOption = None,
-    memory_limit: MemoryOption = None,
-    optimise: Annotated[bool, typer.Option("--optimise", help="optimise the plan's hyperparameters, too")] = False,
-    optimiser: OptimiserOption = None,
-    evaluations: EvaluationsOption = None,
-    refine: RefineOption = None,
+    force: options.Force = False,
+    seed: options.Seed = None,
+    time_limit: options.Time = None,
+    memory_limit: options.Memory = None,
+    optimise: Annotated[bool, typer.Option("--optimise", help="also optimise the plan's hyperparameters")] = False,
+    optimiser: options.Optimiser = None,
+    evaluations: options.Evaluations = None,
+    refine: options.Refine = None,
 ) -> None:
     """Plan a task; show the checked plan, or why there is none."""
     if not optimise and (optimiser, evaluations, refine) != (None, None, None):
@@ -51,12 +37,11 @@ def plan(
 
     with start_planner() as process:
         from hybrid_tamp.report.progress import progress_bar
+        from hybrid_tamp.verbs.loading import Settings
         from hybrid_tamp.verbs.plan import plan as plan_task
 
-        settings = read_settings(
-            **{"domain": domain, "planner": planner, "objective": objective, "seed": seed, "time_limit": time_limit},
-            **{"memory_limit": memory_limit, "optimiser": optimiser, "evaluations": evaluations, "refine": refine},
-        )
+        limits = (time_limit, memory_limit)
+        settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine)
         with progress_bar(optimise) as tell:
             outcome = plan_task(
                 task, settings, folder=output, force=force, optimise=optimise, planner=process, progress=tell
@@ -68,21 +53,20 @@ def plan(
 
 def _show(outcome: "PlanOutcome", as_json: bool) -> None:
     from hybrid_tamp.report.documents import document
+    from hybrid_tamp.report.refinement_tables import refinement_tables
+    from hybrid_tamp.report.tables import explanation_text, network_text, plan_footer, plan_table, timeline
 
     shown = document(outcome)
+    say(shown, as_json)
     if as_json:
-        print_json(shown)
         return
     if outcome.plan is None:
-        explain(shown["explanation"])
+        show(explanation_text(shown["explanation"]), stderr=True)
     else:
-        from hybrid_tamp.report.refinement_tables import refinement_tables
-        from hybrid_tamp.report.tables import plan_footer, plan_table, timeline
-
         resting = outcome.task.domain.resting
         show(plan_table(shown, resting))
         show(timeline(outcome.plan, [token.name for token in outcome.task.assigned], resting))
         if outcome.refinement is not None:
             show(refinement_tables(shown["refinement"]))
-        typer.echo(plan_footer(shown))
-    tell_network(shown)
+        show(plan_footer(shown))
+    show(network_text(shown["network"]), stderr=outcome.plan is None)

@@ -5,16 +5,16 @@ from typing import Annotated
 
 import typer
 
+from hybrid_tamp.cli import options
 from hybrid_tamp.cli.console import say
-from hybrid_tamp.cli.options import DomainOption, JsonOption
 
 
 def replay(
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="the folder that a run left")],
-    as_json: JsonOption = False,
-    domain: DomainOption = None,
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="the folder of a run")],
+    as_json: options.Json = False,
+    domain: options.Domain = None,
 ) -> None:
-    """Run the recorded commands again and say whether the same happened, bit for bit."""
+    """Run the recorded commands again and report whether the states are the same, bit for bit."""
     from hybrid_tamp.verbs.loading import domain_finder
     from hybrid_tamp.verbs.replay import replay as replay_run
 
@@ -29,14 +29,12 @@ def replay(
         "refusal": result.refusal,
     }
     if result.identical:
-        said = f"{directory}: {result.steps} steps run again, bit-identical"
+        text = f"{result.steps} steps replayed, bit-identical"
     elif difference is not None:
-        said = (
-            f"{directory}: not identical; first at {difference.time:.4f} s, {difference.property} of "
-            f"{difference.token} differs by {difference.size:.3g}"
-        )
+        where = f"first at {difference.time:.4f} s, {difference.property} of {difference.token}"
+        text = f"not identical; {where} differs by {difference.size:.3g}"
     else:
-        said = f"{directory}: not identical; {result.refusal}"
-    say(document, as_json, lambda: said)
+        text = f"not identical; {result.refusal}"
+    say(document, as_json, lambda: f"{directory}: {text}")
     if not result.identical:
         raise typer.Exit(40)

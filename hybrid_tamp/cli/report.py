@@ -1,22 +1,22 @@
-"""The verb that writes the page of a run again: report."""
+"""The verb ``report``."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from hybrid_tamp.cli import options
 from hybrid_tamp.cli.console import say
-from hybrid_tamp.cli.options import DomainOption, JsonOption
 
 
 def report(
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="the folder that plan or run left")],
-    as_json: JsonOption = False,
-    domain: DomainOption = None,
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="the folder that plan or run wrote")],
+    as_json: options.Json = False,
+    domain: options.Domain = None,
 ) -> None:
-    """Write report.html again from the documents in the folder."""
+    """Write report.html again from the documents in a folder."""
     from hybrid_tamp.verbs.loading import Settings
     from hybrid_tamp.verbs.report import write_report
 
-    file = str(write_report(directory, Settings(domain=domain)))
+    file = str(write_report(directory, Settings(domain)))
     say({"schema": "hybrid-tamp/report/1", "directory": str(directory), "file": file}, as_json, lambda: file)

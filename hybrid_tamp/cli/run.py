@@ -5,55 +5,40 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hybrid_tamp.cli.console import print_json, show
-from hybrid_tamp.cli.options import (
-    DomainOption,
-    EvaluationsOption,
-    ForceOption,
-    JsonOption,
-    MemoryOption,
-    ObjectiveOption,
-    OptimiserOption,
-    PlannerOption,
-    RefineOption,
-    SeedOption,
-    TaskArgument,
-    TimeOption,
-    read_settings,
-)
+from hybrid_tamp.cli import options
+from hybrid_tamp.cli.console import say
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.run_result import RunResult
 
 
 def run(
-    task: TaskArgument,
+    task: options.Task,
     output: Annotated[Path, typer.Option("-o", "--output", help="folder for the files of the run")],
-    as_json: JsonOption = False,
-    domain: DomainOption = None,
-    planner: PlannerOption = None,
-    objective: ObjectiveOption = None,
-    backend: Annotated[str, typer.Option("--backend", metavar="NAME", help="physics backend")] = "pybullet",
-    video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="draw a video")] = None,
-    force: ForceOption = False,
-    seed: SeedOption = None,
-    time_limit: TimeOption = None,
-    memory_limit: MemoryOption = None,
-    optimiser: OptimiserOption = None,
-    evaluations: EvaluationsOption = None,
-    refine: RefineOption = None,
+    as_json: options.Json = False,
+    domain: options.Domain = None,
+    planner: options.Planner = None,
+    objective: options.Objective = None,
+    backend: options.Backend = "pybullet",
+    video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="file for a video")] = None,
+    force: options.Force = False,
+    seed: options.Seed = None,
+    time_limit: options.Time = None,
+    memory_limit: options.Memory = None,
+    optimiser: options.Optimiser = None,
+    evaluations: options.Evaluations = None,
+    refine: options.Refine = None,
 ) -> None:
-    """Plan a task, optimise its hyperparameters and carry the plan out in physics; record it and judge it."""
+    """Plan a task, optimise its hyperparameters, execute the plan in physics, record and judge it."""
     from hybrid_tamp.verbs.planner import start_planner
 
     with start_planner() as process:
         from hybrid_tamp.report.progress import progress_bar
+        from hybrid_tamp.verbs.loading import Settings
         from hybrid_tamp.verbs.run import run as run_task
 
-        settings = read_settings(
-            **{"domain": domain, "planner": planner, "objective": objective, "seed": seed, "time_limit": time_limit},
-            **{"memory_limit": memory_limit, "optimiser": optimiser, "evaluations": evaluations, "refine": refine},
-        )
+        limits = (time_limit, memory_limit)
+        settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine)
         with progress_bar() as tell:
             result = run_task(
                 task, output, settings, backend=backend, video=video, force=force, planner=process, progress=tell
@@ -65,10 +50,10 @@ def run(
 
 
 def _judge(result: "RunResult", as_json: bool) -> None:
-    """Say what was wrong, or that the goal was reached.
+    """Print what failed, or that the goal was reached.
 
     Raises:
-        Exit: the goal was not reached or the law was broken.
+        Exit: the goal was not reached or the recording breaks the law of assignment.
     """
     failure = result.recording.failure
     if failure is not None:
@@ -87,12 +72,11 @@ def _show(result: "RunResult", as_json: bool) -> None:
     from hybrid_tamp.report.refinement_tables import refinement_tables
     from hybrid_tamp.report.tables import plan_table, result_table
 
-    shown = document(result)
-    if as_json:
-        print_json(shown)
-        return
-    plan = document(result.outcome)
-    show(plan_table(plan, result.task.domain.resting))
-    if plan["refinement"] is not None:
-        show(refinement_tables(plan["refinement"], shown["performance"]))
-    show(result_table(shown))
+    shown, plan = document(result), document(result.outcome)
+    say(
+        shown,
+        as_json,
+        lambda: plan_table(plan, result.task.domain.resting),
+        lambda: refinement_tables(plan["refinement"], shown["performance"]) if plan["refinement"] else "",
+        lambda: result_table(shown),
+    )

@@ -1,31 +1,24 @@
-"""The verb that says what files look like: schema."""
+"""The verb ``schema``."""
 
-from enum import Enum
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from hybrid_tamp.cli.console import print_json
-
-
-class Document(str, Enum):
-    """Documents whose JSON Schema can be printed."""
-
-    task = "task"
-    plan = "plan"
-    result = "result"
-    explain = "explain"
-    affordances = "affordances"
+from hybrid_tamp.cli.console import say
 
 
 def schema(
-    document: Annotated[Document, typer.Argument(help="which document")] = Document.task,
-    reference: Annotated[bool, typer.Option("--reference", help="a reference page in Markdown instead")] = False,
+    document: Annotated[
+        Literal["task", "plan", "result", "explain", "affordances"], typer.Argument(help="the document")
+    ] = "task",
+    reference: Annotated[
+        bool, typer.Option("--reference", help="print the reference page of task files in Markdown instead")
+    ] = False,
 ) -> None:
-    """Print the JSON Schema of task files, or of the documents that are printed and written."""
+    """Print the JSON Schema of task files, or of a document that the verbs print and write."""
     from hybrid_tamp.verbs.schema import find_schema, write_reference
 
-    if reference and document is Document.task:
+    if reference and document == "task":
         typer.echo(write_reference(), nl=False)
     else:
-        print_json(find_schema(document.value))
+        say(find_schema(document), as_json=True)
