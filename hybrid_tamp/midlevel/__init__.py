@@ -1,8 +1,8 @@
-"""VERB 3: a task plan becomes a refined plan.
+"""The mid-level planner: it turns a task plan into a refined plan.
 
-A thing before and after it: before, a `TaskPlan` says that the hand is GRASPING the hammer and STRIKING the nail
-afterwards, each with its default hyperparameters; after, a `RefinedPlan` says that it grasps 0.11 m from the head,
-because of all places there this one suits the strike best that comes later (paper, Sec. II-D).
+For example, a `TaskPlan` says that the hand is GRASPING the hammer and then STRIKING the nail, each with default
+hyperparameters. The `RefinedPlan` says that the hand grasps 0.11 m from the head, because that place suits the later
+strike best (paper, Sec. II-D).
 
 ::
 
@@ -11,6 +11,6 @@ because of all places there this one suits the strike best that comes later (pap
                              └─ optimiser ──► the best candidate: CMA-ES (`cma`) or direct sampling (`grid`)
     best candidate ─► RefinedPlan
 
-The optimisers know nothing of plans: they take a `SearchSpace` and a function from points to `Scores`. Only `cma`
+The optimisers do not depend on plans: they take a `SearchSpace` and a function from points to `Scores`. Only `cma`
 imports cmaes.
 """

@@ -1,4 +1,4 @@
-"""Which performance measures each hyperparameter changes, and whether its own action feels it."""
+"""Which performance measures each hyperparameter changes, and whether it changes its own action."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,11 +15,11 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Influence:
-    """What the variables of a search change.
+    """The effects of the variables of a search.
 
     Attributes:
         moves: variable to the performance measures that it changes.
-        own: the variables that change a condition or a measure of the instance whose hyperparameter they are.
+        own: the variables that change a condition or a measure of their own instance.
     """
 
     moves: Mapping[str, tuple[MeasureKey, ...]] = field(default_factory=dict)
@@ -27,7 +27,7 @@ class Influence:
 
 
 def find_influence(objective: Objective, screening: Screening, sampled: Rollout) -> Influence:
-    """Return what each variable changes within the population that a screening rolled out."""
+    """Find the effects of each variable within the population that a screening rolled out."""
     moves: dict[str, tuple[MeasureKey, ...]] = {}
     for measure, figures in sampled.figures.items():
         for name in screening.find_moving(figures):
@@ -35,21 +35,21 @@ def find_influence(objective: Objective, screening: Screening, sampled: Rollout)
     names = dict(zip(objective.keys, objective.space.names, strict=True))
     own: set[str] = set()
     for instance in {instance for instance, _ in names}:
-        felt = [c.violation for c in sampled.conditions if c.where == instance]
-        felt += [figures for (owner, _), figures in sampled.figures.items() if owner == instance]
-        moving = {name for figures in felt for name in screening.find_moving(figures)}
+        mine = [c.violation for c in sampled.conditions if c.where == instance]
+        mine += [figures for (owner, _), figures in sampled.figures.items() if owner == instance]
+        moving = {name for figures in mine for name in screening.find_moving(figures)}
         own |= {name for (owner, _), name in names.items() if owner == instance and name in moving}
     return Influence(moves, frozenset(own))
 
 
 def find_moved_measures(rollouts: list[Rollout]) -> tuple[MeasureKey, ...]:
-    """Return the performance measures that differ between any candidates of some populations."""
+    """Return the performance measures that are not the same for all candidates of these populations."""
     figures = {key: np.concatenate([rollout.figures[key] for rollout in rollouts]) for key in rollouts[0].figures}
     return tuple(key for key, each in figures.items() if _spread(each) > SAME)
 
 
 def is_idle(rollouts: list[Rollout]) -> bool:
-    """Say whether neither a performance measure nor the violation differs between any candidates."""
+    """Say whether all performance measures and the violation are the same for all candidates."""
     violation = np.concatenate([rollout.violation for rollout in rollouts])
     return not find_moved_measures(rollouts) and _spread(violation) <= SAME
 

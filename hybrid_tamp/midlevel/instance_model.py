@@ -1,4 +1,4 @@
-"""One block instance of a plan as a model: its part of the state, its conditions, its policy and system."""
+"""The model of one block instance of a plan: its part of the state, its conditions, its policy and system."""
 
 from collections.abc import Mapping, Sequence
 from math import floor
@@ -24,10 +24,10 @@ class InstanceModel:
         instance: the instance.
         block: its block.
         binding: its roles.
-        columns: where the state of its roles' tokens lies in a row of the task's state, shape ``(m,)``.
-        held: which of these columns belong to tokens in its slots, shape ``(m,)``.
-        longest: control steps that it may take at most.
-        shortest: time before which it does not end [s].
+        columns: indices of the state of its roles' tokens in a row of the task's state, shape ``(m,)``.
+        held: whether each of these columns belongs to a token in a slot, shape ``(m,)``.
+        longest: maximum number of control steps.
+        shortest: minimum duration [s].
     """
 
     def __init__(self, task: Task, instance: BlockInstance) -> None:
@@ -62,5 +62,5 @@ class InstanceModel:
         return np.stack(margins, axis=-1) if margins else np.zeros((*batch, 0))
 
     def start_from(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> ForwardModel:
-        """Return its policy and system, for states ``(n, m)`` at its beginning."""
+        """Make its policy and system for states ``(n, m)`` at its beginning."""
         return ForwardModel(self.block, self.binding, self.state(start), Parameters(chosen))

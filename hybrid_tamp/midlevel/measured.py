@@ -1,4 +1,4 @@
-"""Runs in physics as rollouts: the same conditions and performance measures, from measured states."""
+"""Conversion of measured runs to rollouts, with the same conditions and performance measures."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -7,7 +7,6 @@ from typing import TypeVar
 import numpy as np
 
 from hybrid_tamp.midlevel.rollout import Condition, Key, Rollout
-from hybrid_tamp.model.control import Commands
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.refined import GOAL
@@ -19,14 +18,14 @@ _Name = TypeVar("_Name")
 
 
 def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout:
-    """Return a recording as the rollout of a population of one.
+    """Convert a recording to the rollout of a population of one.
 
-    What a run that failed never came to counts as not finite.
+    If the run failed, its violation is infinite.
 
     Args:
         task: the task.
-        recording: what was measured.
-        whole: whether it was to come to the plan's end; else nothing is said of the goal.
+        recording: the measured run.
+        whole: whether the run covers the whole plan; otherwise the goal is not measured.
     """
     conditions: list[Condition] = []
     figures: dict[Key, FloatArray] = {}
@@ -34,9 +33,8 @@ def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout
         conditions += _conditions(task, recording, instance)
         figures |= {(instance.name, name): figure for name, figure in _figures(task, recording, instance)}
     for atom in task.goal if whole else ():
-        predicate = task.domain.predicate_by_name[atom.predicate]
         margin = np.array([task.margin(atom, recording.state(-1))])
-        conditions.append(Condition(GOAL, atom, predicate.unit, predicate.scale, margin))
+        conditions.append(Condition(GOAL, atom, task.domain.predicate_by_name[atom.predicate], margin))
     weights = [
         measure.weight * figures[instance.name, measure.name] / measure.scale
         for instance in recording.instances
@@ -50,7 +48,7 @@ def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout
 
 
 def merge_rollouts(runs: Sequence[Rollout]) -> Rollout:
-    """Return rollouts of one candidate each as that of a population; what a run never came to is not a number."""
+    """Merge rollouts of one candidate each into that of a population; values that a run never reached are NaN."""
     margins = [{(c.where, c.atom): c.margin for c in run.conditions} for run in runs]
     longest = max(runs, key=lambda run: len(run.conditions))
     conditions = [replace(c, margin=_concatenate(margins, (c.where, c.atom))) for c in longest.conditions]
@@ -68,12 +66,12 @@ def merge_rollouts(runs: Sequence[Rollout]) -> Rollout:
 
 
 def _keys(tables: Iterable[Mapping[_Name, object]]) -> list[_Name]:
-    """Return the keys of all tables, each once, in order."""
+    """Return the keys of all tables without duplicates, in order."""
     return list(dict.fromkeys(key for table in tables for key in table))
 
 
 def _concatenate(tables: Sequence[Mapping[_Name, FloatArray]], key: _Name) -> FloatArray:
-    """Return an entry of all tables ``(1,)`` as one array; not a number where a table has none."""
+    """Concatenate an entry ``(1,)`` of all tables; NaN for each table without it."""
     return np.concatenate([table.get(key, np.array([np.nan])) for table in tables])
 
 
@@ -86,17 +84,19 @@ def _conditions(task: Task, recording: Recording, instance: BlockInstance) -> It
         state = recording.at(time)
         for literal in literals:
             margin = np.array([float(literal.margin(state, binding))])
-            atom, predicate = literal.ground(binding), literal.predicate
-            yield Condition(instance.name, atom, predicate.unit, predicate.scale, margin)
+            yield Condition(instance.name, literal.ground(binding), literal.predicate, margin)
 
 
 def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the figures of an instance's measures, from its beginning until its exit conditions held."""
+    """Yield the figures of an instance's measures, from its beginning until its exit conditions hold."""
     block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
     end = instance.end if instance.reached is None else min(instance.reached, instance.end)
     first, last = (round(time / recording.timestep) for time in (instance.start, end))
     run = State(recording.layout, recording.states[first + 1 : last + 1])
-    commands = _commands(recording, first, last)
+    commands = {
+        (token, action): recording.commanded(token, action)[first:last]
+        for token, action, _ in recording.commands_layout
+    }
     chosen = {name: np.asarray(value) for name, value in instance.hyperparameters.items()}
     for measure in block.performance:
         if measure.end is not None:
@@ -107,10 +107,3 @@ def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Itera
             assert measure.rate is not None, "a measure has one of the three"
             figure = float(np.sum(measure.rate(binding, run, commands))) * recording.timestep
         yield measure.name, np.array([figure])
-
-
-def _commands(recording: Recording, first: int, last: int) -> Commands:
-    return {
-        (token, action): recording.commanded(token, action)[first:last]
-        for token, action, _ in recording.commands_layout
-    }

@@ -1,6 +1,6 @@
 """The objective of the mid-level planner: violations first, then the weighted sum of performance measures.
 
-It is the same whether the blocks' forward models roll out a whole population at once, or physics runs each candidate.
+It is the same for rollouts of a whole population by the blocks' forward models and for single runs in physics.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -19,14 +19,14 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 RESERVE = 0.5
-"""Margin that searches keep of each goal atom, where it has as much by default [scales of its predicate]."""
+"""Largest margin that a search reserves for each goal atom [scales of its predicate]."""
 
 
 class RollOut(Protocol):
-    """A way to find out what comes of a population."""
+    """A way to roll out a population, such as `Rollouts`."""
 
     def __call__(self, chosen: Chosen, count: int, until: str | None = None) -> Rollout:
-        """Return what comes of it, until the exit of one instance at least; as `Rollouts` does."""
+        """Roll out at least until the exit of one instance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +36,9 @@ class Objective:
     Attributes:
         task: the task.
         plan: the plan.
-        roll_out: what rolls candidates out.
-        until: the instance after whose exit points are not rolled out any further, or None.
-        reserves: goal atom to the margin that a search keeps of it [its unit]; None until that is known.
+        roll_out: rolls out candidates.
+        until: the instance after whose exit rollouts for scores may stop, or None.
+        reserves: goal atom to the margin that a search reserves for it [its unit]; None until it is known.
     """
 
     task: Task
@@ -66,29 +66,29 @@ class Objective:
         return self.score(self.rollout(points, self.until))
 
     def rollout(self, points: FloatArray, until: str | None = None) -> Rollout:
-        """Roll out points ``(n, d)``, until the exit of one instance at least."""
+        """Roll out points ``(n, d)`` at least until the exit of one instance."""
         columns = dict(zip(self.keys, np.asarray(points, dtype=np.float64).T, strict=True))
         return self.roll_out(columns, len(points), until)
 
     def score(self, rollout: Rollout) -> Scores:
-        """Return the scores of a population that was rolled out."""
-        return Scores(self.missed(rollout), rollout.value)
+        """Return the scores of a rollout."""
+        return Scores(self.sum_violations(rollout), rollout.value)
 
-    def missed(self, rollout: Rollout) -> FloatArray:
-        """Return V, and how much of their reserves goal atoms lack where they are brought about, shape ``(n,)``."""
+    def sum_violations(self, rollout: Rollout) -> FloatArray:
+        """Return V plus the missing parts of the reserves of goal atoms, shape ``(n,)``."""
         return np.asarray(rollout.violation + _lacking(rollout.conditions, self.reserves or {}))
 
     def keep_reserves(self, rollout: Rollout) -> "Objective":
-        """Return the objective that keeps some of the margins which goal atoms have for the first of some candidates.
+        """Return the objective that reserves part of the margins of goal atoms, as the first candidate has them.
 
-        The value of a plan must not be bought with the last of a goal's margin: physics would miss it by a hair.
+        Without a reserve the search would trade the whole margin of the goal for value, and physics would just miss it.
         """
         goal = set(self.task.goal)
         found = [condition for condition in rollout.conditions if condition.atom in goal and condition.margin[0] > 0]
-        return replace(self, reserves={c.atom: min(RESERVE * c.scale, float(c.margin[0])) for c in found})
+        return replace(self, reserves={c.atom: min(RESERVE * c.predicate.scale, float(c.margin[0])) for c in found})
 
-    def own(self, instance: BlockInstance) -> Callable[[FloatArray], Scores]:
-        """Return the objective of one instance alone: its own conditions and its own measures."""
+    def restrict_to(self, instance: BlockInstance) -> Callable[[FloatArray], Scores]:
+        """Return the objective of one instance alone: its own conditions and measures."""
 
         def evaluate(points: FloatArray) -> Scores:
             rollout = self.rollout(points, instance.name)
@@ -106,12 +106,12 @@ class Objective:
 
 @dataclass
 class Evaluator:
-    """Scores candidates of a search and keeps what came of them.
+    """Scores the candidates of a search and keeps their rollouts.
 
     Attributes:
-        objective: the objective; where its reserves are not known yet, the first candidate sets them.
+        objective: the objective; if its reserves are unknown, the first candidate sets them.
         part: the part of the space that is searched.
-        batches: the points ``(n, d)`` of the whole space that were rolled out together, and what came of them.
+        batches: the points ``(n, d)`` of the whole space in each batch, with their rollout.
     """
 
     objective: Objective
@@ -129,14 +129,14 @@ class Evaluator:
 
     @property
     def rollouts(self) -> list[Rollout]:
-        """What came of each batch."""
+        """The rollout of each batch."""
         return [rollout for _, rollout in self.batches]
 
 
 def _lacking(conditions: Iterable[Condition], reserves: Mapping[Atom, float]) -> FloatArray:
-    """Return what margins lack of the reserves beyond what is missing anyway, in units of their scales."""
+    """Return the sum of the missing parts of reserves, without violations, in units of their scales."""
     lacking = [
-        np.maximum(reserves[c.atom] - np.maximum(c.margin, 0.0), 0.0) / c.scale
+        np.maximum(reserves[c.atom] - np.maximum(c.margin, 0.0), 0.0) / c.predicate.scale
         for c in conditions
         if c.atom in reserves
     ]
@@ -150,7 +150,7 @@ def find_last_measured(task: Task, plan: TaskPlan) -> str | None:
 
 
 def _variables(task: Task, plan: TaskPlan) -> Iterable[tuple[Key, Variable]]:
-    """Yield the hyperparameters of the plan; the default is the plan's value, else the initial value at the start."""
+    """Yield the hyperparameters of the plan; the default is the plan's value, else the initial value of the block."""
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
         block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
         for h in block.hyperparameters:

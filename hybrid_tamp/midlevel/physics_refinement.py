@@ -1,8 +1,8 @@
-"""The last refinement: from the optimum that the forward models expect on, with a truer and dearer way to roll out.
+"""The last refinement: a search near the optimum of the forward models, by rollouts that are more accurate and dearer.
 
-What the forward models leave out shifts an optimum a little, so it is looked for nearby: as far as the forward models
-see all conditions met, and not farther than a part of each range. The optimum itself is the first candidate, and of
-equal ones it wins.
+The forward models leave out effects that shift the optimum a little. The search therefore stays near their optimum:
+where they predict no further violation, and within a fraction of each range. Their optimum is the first candidate and
+wins over equally good ones.
 """
 
 import logging
@@ -23,20 +23,20 @@ from hybrid_tamp.motion.arrays import FloatArray
 _logger = logging.getLogger(__name__)
 
 _SHARE, _LEAST, _MOST = 50, 4, 40
-"""One of so many evaluations of the budget is made in physics; so many at least, and at most."""
+"""Evaluations of the budget for each run in physics; least and largest number of runs."""
 _REACH = 0.1
-"""How far from the optimum a value may go, as a part of its range."""
+"""Largest distance of a value from the optimum, as a fraction of its range."""
 _HALVINGS = 8
 
 
 @dataclass(frozen=True)
 class RefinedInPhysics:
-    """What going on in physics found.
+    """The result of refinement in physics.
 
     Attributes:
         point: the best point ``(d,)``.
-        shortfall: the first condition that is not met there, or None.
-        retuning: what was done.
+        shortfall: the first condition that it does not meet, or None.
+        retuning: the course of the search.
     """
 
     point: FloatArray
@@ -47,14 +47,13 @@ class RefinedInPhysics:
 def refine_in_physics(
     settings: SearchSettings, searched: Searched, point: FloatArray, measured: Objective
 ) -> RefinedInPhysics:
-    """Go on from a point by runs in physics.
+    """Search near a point by runs in physics.
 
     Args:
-        settings: whose optimiser and whose budgets: of evaluations a share, of time as much again.
-        searched: what was searched with the forward models.
+        settings: the optimiser and the budgets: physics gets a share of the evaluations and the same time again.
+        searched: the search with the forward models.
         point: its optimum, shape ``(d,)``.
-        measured: the objective by runs in physics. A run that is repeated scores the same, to the bit: to an optimiser
-            that is not noise.
+        measured: the objective by runs in physics. Repeated runs score the same to the bit, so there is no noise.
     """
     began, midlevel = time.monotonic(), settings.midlevel
     part = narrow_space(replace(searched.objective, until=None), point, searched.screening.relevant)
@@ -76,7 +75,7 @@ def refine_in_physics(
 
 
 def _look_up(runs: Evaluator, point: FloatArray) -> tuple[Value, Shortfall | None]:
-    """Return what came of a point that has been run."""
+    """Return the outcome of a point that has been run."""
     points, run = next((points, run) for points, run in runs.batches if (points == point).all(axis=1).any())
     row = int(np.argmax((points == point).all(axis=1)))
     short = run.worst(row)
@@ -84,12 +83,12 @@ def _look_up(runs: Evaluator, point: FloatArray) -> tuple[Value, Shortfall | Non
 
 
 def narrow_space(objective: Objective, point: FloatArray, names: Collection[str]) -> SearchSpace:
-    """Return a part of the space about a point, in which each variable alone does not add to the violation.
+    """Return the part of the space about a point in which each variable alone does not add to the violation.
 
     Args:
-        objective: of cheap rollouts.
-        point: the point ``(d,)``, in which it has its default.
-        names: the variables that vary in it.
+        objective: an objective with cheap rollouts.
+        point: the default point ``(d,)`` of the part.
+        names: the variables of the part.
     """
     space = objective.space
     columns = [index for index, name in enumerate(space.names) if name in names]

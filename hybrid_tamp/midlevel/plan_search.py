@@ -1,7 +1,7 @@
-"""The search for the hyperparameters of one plan: which of them matter, and where they are best.
+"""The search for the best hyperparameters of one plan.
 
-In a space of several variables a screening finds those that have an effect at all; the others keep their defaults,
-which shrinks the space that is searched. The search begins at the defaults, or where each action is best on its own.
+In a space of several variables, screening finds those that have an effect; the others keep their defaults, which
+shrinks the space. The search starts at the defaults, or at the point where each action is best on its own.
 """
 
 import time
@@ -22,32 +22,32 @@ from hybrid_tamp.model.task import MidLevel
 from hybrid_tamp.motion.arrays import FloatArray
 
 Progress = Callable[[float, Milestone], None]
-"""Called with the share of the budget that is spent, 0 to 1, and the best so far."""
+"""Called with the spent share of the budget, 0 to 1, and the best candidate so far."""
 
 _BATCHES = {"cma": 48}
-"""Candidates of a generation, by optimiser: rolled out together they cost little more than one."""
+"""Number of candidates in a batch, by optimiser: a batch costs little more than one candidate."""
 _SCREENING = 0.4
-"""Largest share of the budget that is spent on finding out what matters."""
+"""Largest share of the budget for screening."""
 _TOLERANCE = 1e-2
-"""Effects up to this part of what is at stake are not worth a dimension more of the search."""
+"""Largest effect, as a fraction of the spread, that does not justify another dimension of the search."""
 _BASES = (4, 6)
-"""How many base points, at least and at most, that takes."""
+"""Least and largest number of base points of a screening."""
 
 
 class NotFinite(DomainError):
-    """Every rollout of a plan failed: a block of the domain computes nothing finite; the message names the first."""
+    """Every rollout of a plan failed; the message names the first block that computed something not finite."""
 
 
 @dataclass(frozen=True)
 class SearchSettings:
-    """What is the same for all searches of one plan.
+    """The settings of all searches of one plan.
 
     Attributes:
-        midlevel: the task's optimiser and its budgets.
-        rng: source of everything random.
-        began: when the work began, by `time.monotonic` [s].
-        tell: told how far the work is.
-        compare: whether each action is optimised on its own as well.
+        midlevel: the optimiser and the budgets of the task.
+        rng: source of all randomness.
+        began: start of the work, by `time.monotonic` [s].
+        tell: called with the progress of the work.
+        compare: whether to optimise each action on its own as well.
     """
 
     midlevel: MidLevel
@@ -59,15 +59,15 @@ class SearchSettings:
 
 @dataclass(frozen=True)
 class Searched:
-    """What a search found.
+    """The result of a search.
 
     Attributes:
-        objective: what was searched, with the reserves that were kept.
+        objective: the objective, with its reserves.
         screening: which variables matter.
         influence: what they change.
-        apart: the point ``(d,)`` at which each action is best on its own; None if that was not asked.
+        apart: the point ``(d,)`` at which each action is best on its own; None if it was not computed.
         optimum: the best point.
-        spent: rollouts that were made so far.
+        spent: number of rollouts so far.
     """
 
     objective: Objective
@@ -79,12 +79,12 @@ class Searched:
 
 
 def search_plan(settings: SearchSettings, objective: Objective, spent: int = 0) -> Searched:
-    """Find out what matters, and search it.
+    """Search the hyperparameters that matter.
 
     Args:
         settings: the settings.
-        objective: of a plan of which at least one hyperparameter varies.
-        spent: rollouts that were made before.
+        objective: the objective of a plan with at least one hyperparameter that varies.
+        spent: number of rollouts before this search.
 
     Raises:
         NotFinite: every rollout failed.
@@ -94,7 +94,7 @@ def search_plan(settings: SearchSettings, objective: Objective, spent: int = 0) 
 
 
 def _search_space(settings: SearchSettings, objective: Objective, spent: int) -> Searched:
-    """Screen the variables, and search those that matter from the defaults or from each action's own best."""
+    """Screen the variables and search those that matter."""
     screened, screening = _screen(settings, objective)
     objective = screened.objective
     influence = find_influence(objective, screening, screened.rollouts[-1])
@@ -105,10 +105,10 @@ def _search_space(settings: SearchSettings, objective: Objective, spent: int) ->
 
 
 def _search_line(settings: SearchSettings, objective: Objective, spent: int) -> Searched:
-    """Search one variable: a space of one dimension cannot shrink, and the search itself shows what it moves."""
+    """Search one variable without screening; the search itself shows what the variable changes."""
     (name,) = objective.space.varying
     searched, optimum = _optimise(settings, objective, [name], objective.space.default, spent)
-    # Of all that was searched: the last generation alone may lie where all are as good as each other.
+    # Use all batches: in the last generation alone all candidates may be equally good.
     influence = Influence({name: find_moved_measures(searched.rollouts)}, frozenset([name]))
     effect = Effect(0.0, 0.0) if is_idle(searched.rollouts) else Effect(np.inf, np.inf)
     objective = searched.objective
@@ -129,7 +129,7 @@ def _screen(settings: SearchSettings, objective: Objective) -> tuple[Evaluator, 
 
 
 def _choose_start(objective: Objective, apart: FloatArray | None) -> FloatArray:
-    """Return the point from which to search: the defaults, or where each action is the best on its own."""
+    """Return the better start of the search: the defaults, or the point where each action is best on its own."""
     default = objective.space.default
     if apart is None or np.allclose(apart, default, rtol=1e-9):
         return default
@@ -140,7 +140,7 @@ def _choose_start(objective: Objective, apart: FloatArray | None) -> FloatArray:
 def _optimise(
     settings: SearchSettings, objective: Objective, names: Collection[str], start: FloatArray, spent: int
 ) -> tuple[Evaluator, Optimum]:
-    """Search some variables from a point; the optimum's point is one of the whole space."""
+    """Search some variables from a point; return the optimum as a point of the whole space."""
     midlevel = settings.midlevel
     part = objective.space.starting_at(start).only(names)
     left = max(1, midlevel.evaluations - spent)
@@ -160,7 +160,7 @@ def _optimise(
 
 
 def _blame_block(evaluated: Evaluator, error: NothingFinite) -> NotFinite:
-    """Name the block in which something first was not finite."""
+    """Name the block that first computed something not finite."""
     failed = evaluated.rollouts[-1].failed
     where = next((instance for instance in evaluated.objective.plan.instances if instance.name in failed), None)
     if where is None:

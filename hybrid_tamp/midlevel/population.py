@@ -1,7 +1,7 @@
-"""The candidates of one instance, rolled out together: rows of one array.
+"""The candidates of one instance, rolled out together as rows of one array.
 
-A candidate has come to its exit at the first control step at which its minimum duration has passed and all exit
-conditions hold, as in a real run. Else it ends at the block's bound, or where it and its commands have come to rest.
+As in a real run, a candidate reaches its exit at the first control step at which its minimum duration has passed and
+all exit conditions hold. Otherwise it ends at the block's maximum duration, or when it and its commands are at rest.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,25 +19,25 @@ from hybrid_tamp.motion.arrays import FloatArray
 IntArray = NDArray[np.int64]
 
 CHUNK = 48
-"""Control steps between two checks of the conditions: checking many states costs little more than checking one."""
+"""Number of control steps between checks of the conditions: many states cost little more than one."""
 STILL = 1e-7
-"""What changes by less than this within a chunk has come to rest [SI units]."""
+"""A state that changes by less than this within a chunk is at rest [SI units]."""
 _STEADY = 1e-3
-"""A command that changes by less than this within a chunk does not change [SI units]."""
+"""A command that changes by less than this within a chunk is constant [SI units]."""
 _AWAKE = 0.5
-"""How long nothing is taken to be at rest [s]: movements begin slowly."""
+"""Time before which nothing counts as at rest [s]: movements begin slowly."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """What one instance did to each candidate of a population, until its exit conditions held.
+    """The rollout of one instance for each candidate of a population, until its exit conditions hold.
 
     Attributes:
-        after: state of the instance's tokens then, shape ``(n, m)``.
-        steps: control periods until then, shape ``(n,)``.
-        exits: margins of its exit conditions then, each in its own unit, shape ``(n, e)``.
+        after: final state of the instance's tokens, shape ``(n, m)``; the initial state if the rollout failed.
+        steps: number of control periods, shape ``(n,)``.
+        exits: final margins of its exit conditions, each in its own unit, shape ``(n, e)``.
         figures: figures of its performance measures, shape ``(n, p)``.
-        finite: whether all that was computed is finite, shape ``(n,)``; where not, `after` is the state at the start.
+        finite: whether everything that was computed is finite, shape ``(n,)``.
     """
 
     after: FloatArray
@@ -47,15 +47,15 @@ class Stretch:
     finite: BoolArray
 
     def rows(self, index: IntArray) -> "Stretch":
-        """Return some candidates, in the order of the index."""
+        """Return the candidates with these indices."""
         return Stretch(*(getattr(self, field.name)[index] for field in fields(self)))
 
 
 class Population:
-    """The candidates of one rollout: where each is, and what has come of those that are done.
+    """The candidates of one rollout: their states, and the results of those that have ended.
 
     Attributes:
-        pending: which candidates have not come to their end yet, shape ``(n,)``.
+        pending: whether each candidate is still running, shape ``(n,)``.
     """
 
     def __init__(self, model: InstanceModel, start: FloatArray, chosen: Mapping[str, FloatArray]) -> None:
@@ -73,14 +73,14 @@ class Population:
         self._restrict(np.arange(count))
 
     def _restrict(self, rows: IntArray) -> None:
-        """Go on with these candidates only."""
+        """Continue with these candidates only."""
         self.rows = rows
         mine = {name: value[rows] for name, value in self.chosen.items()}
         self.running = self.model.start_from(self.start[rows], mine)
         self.state = self.model.state(self.after[rows])
 
     def advance(self) -> None:
-        """Take a chunk of steps, check every state of it, and retire the candidates that have come to an end."""
+        """Take a chunk of steps, check all its states, and retire the candidates that have ended."""
         count = min(CHUNK, self.model.longest - self.done)
         values, commanded = [self.state.values], []
         finite = np.ones(len(self.rows), dtype=bool)
@@ -110,17 +110,17 @@ class Population:
         self.steps[index] = self.done - count + 1 + last[local]
         self.finite[index] = finite[local]
         self.pending[index] = False
-        self._go_on(chunk[-1])
+        self._drop_retired(chunk[-1])
 
-    def _go_on(self, values: FloatArray) -> None:
-        """Drop candidates that are done once they are the most."""
+    def _drop_retired(self, values: FloatArray) -> None:
+        """Drop the candidates that have ended once they are half of those in the batch."""
         left = self.pending[self.rows]
         self.after[self.rows[left]] = values[left]
         if left.any() and 2 * np.count_nonzero(left) <= len(left):
             self._restrict(self.rows[left])
 
     def _measure(self, run: State, commanded: list[Commands], counted: BoolArray) -> None:
-        """Add what the chunk ``(t, n)`` contributes to peaks and integrals, of the states that count."""
+        """Add the contribution of the counted states of a chunk ``(t, n)`` to peaks and integrals."""
         counted = counted & self.pending[self.rows]
         binding = self.model.binding
         for column, measure in enumerate(self.measures):
@@ -134,7 +134,7 @@ class Population:
                 self.figures[self.rows, column] = mine + rate.sum(axis=0) * CONTROL_PERIOD
 
     def stretch(self) -> Stretch:
-        """Return what came of all candidates."""
+        """Return the results of all candidates."""
         before, after = self.model.state(self.start), self.model.state(self.after)
         for column, measure in enumerate(self.measures):
             if measure.end is not None:
@@ -144,6 +144,6 @@ class Population:
 
 
 def _steady(commanded: Sequence[Commands]) -> BoolArray:
-    """Return for which candidates a chunk's commands do not change; else a policy is about to do something."""
+    """Say for which candidates the commands of a chunk are constant; otherwise a policy is about to act."""
     changes = [np.abs(commanded[-1][key] - first).max(axis=-1) for key, first in commanded[0].items()]
     return np.asarray(np.logical_and.reduce([change < _STEADY for change in changes], initial=True), dtype=bool)

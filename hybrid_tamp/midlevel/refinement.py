@@ -1,8 +1,8 @@
 """The mid-level planner (paper, Sec. II-D): the hyperparameters of all actions of a plan, optimised together.
 
 The planner tries the defaults first. If they meet every condition and there is no measure to improve, it keeps them.
-Else it screens the hyperparameters, searches those that matter, goes on from the optimum in physics if the task asks
-for that, and summarises. The optimum is never worse than the defaults, nor than each action optimised on its own.
+Otherwise it screens the hyperparameters, searches those that matter, refines the optimum in physics if the task
+requests it, and summarises. The optimum is never worse than the defaults or than each action optimised on its own.
 """
 
 import time
@@ -10,12 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid_tamp.midlevel.candidates import Candidates
 from hybrid_tamp.midlevel.objective import Objective, RollOut, find_last_measured
 from hybrid_tamp.midlevel.physics_refinement import refine_in_physics
 from hybrid_tamp.midlevel.plan_search import Progress, Searched, SearchSettings, search_plan
 from hybrid_tamp.midlevel.rollout import Rollouts
-from hybrid_tamp.midlevel.summary import summarise, summarise_defaults
+from hybrid_tamp.midlevel.summary import Candidates, summarise, summarise_defaults
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.refined import RefinedPlan
 from hybrid_tamp.model.task import Task
@@ -32,12 +31,12 @@ def refine(
     """Optimise the hyperparameters of a plan, by the settings of its task.
 
     Args:
-        task: the task, its goal without a choice.
+        task: the task, with a goal that leaves no choice.
         plan: a lawful plan of it.
-        progress: told how far the work is.
-        roll_out: what rolls candidates out; by default the blocks' forward models.
-        compare: whether to tell as well what comes of it when each action is optimised on its own.
-        measured: what runs candidates in physics, for the last refinement where the task asks for one.
+        progress: called with the progress of the work.
+        roll_out: rolls out candidates; by default with the blocks' forward models.
+        compare: whether to optimise each action on its own as well, for comparison.
+        measured: runs candidates in physics, for the last refinement if the task requests it.
 
     Raises:
         NotFinite: every rollout failed.
@@ -49,14 +48,14 @@ def refine(
         if not objective.space.varying or defaults.violation == 0:
             return summarise_defaults(objective, defaults, began)
     if last is None:
-        objective = replace(objective, reserves={})  # There is no value to buy with them.
+        objective = replace(objective, reserves={})  # There is no value to trade them for.
     tell = progress or (lambda share, best: None)
     rng = np.random.default_rng(task.seed)
     settings = SearchSettings(task.midlevel, rng, began, tell, compare and last is not None)
     searched = search_plan(settings, replace(objective, until=last))
     candidates = _compare(searched)
     if last is not None and searched.optimum.violation == 0 and candidates.violation > 0:
-        # What comes after the last measure was left out, and does not come right by itself.
+        # The rollouts stopped after the last measure, and a later condition does not hold.
         searched = search_plan(settings, replace(searched.objective, until=None), searched.spent)
         candidates = _compare(searched)
     refined = None
@@ -67,6 +66,6 @@ def refine(
 
 
 def _compare(searched: Searched) -> Candidates:
-    """Roll the whole plan out for the defaults, the optimum and each action's own best."""
+    """Roll out the whole plan for the defaults, the optimum and the best point of each action on its own."""
     others = [] if searched.apart is None else [searched.apart]
     return Candidates.of(searched.objective, searched.objective.space.default, searched.optimum.point, *others)

@@ -1,8 +1,8 @@
-"""Rollouts: a plan's blocks chained by their own continuous systems, a whole population of hyperparameters at once.
+"""Rollouts of a plan: its blocks' continuous systems in sequence, for a whole population of hyperparameters at once.
 
-The order of reassignments is the plan's; when they happen follows from each candidate. Each instance is computed from
-where the ones before it left its tokens; those that share a reassignment hold for the latest. A condition that does
-not hold is a violation and is counted, and the chain goes on from there.
+The plan fixes the order of reassignments; each candidate has its own times. Each instance starts from the states in
+which earlier instances left its tokens. Instances that end in the same reassignment hold until the last one is ready.
+A condition that does not hold counts as a violation, and the rollout continues.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from hybrid_tamp.midlevel.population import IntArray, Stretch
 from hybrid_tamp.midlevel.simulation import Simulation
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import Atom, Literal
+from hybrid_tamp.model.predicate import Atom, Literal, Predicate
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
 from hybrid_tamp.model.refined import GOAL, Shortfall
 from hybrid_tamp.model.state import State
@@ -26,10 +26,10 @@ Key = tuple[str, str]
 """(instance, hyperparameter) or (instance, measure)."""
 
 Chosen = Mapping[Key, FloatArray]
-"""(instance, hyperparameter) to its values over the population, shape ``(n,)``."""
+"""(instance, hyperparameter) to the values over the population, shape ``(n,)``."""
 
 _SETTLING = 0.5
-"""How long the last instances run on before the goal is looked at, as in a real run [s]."""
+"""Time that the last instances run before the goal is measured, as in a real run [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,38 +39,36 @@ class Condition:
     Attributes:
         where: name of the instance whose entry or exit condition it is, or `GOAL`.
         atom: the ground condition.
-        unit: unit of its margin.
-        scale: size of a margin that counts as one unit of violation [unit].
-        margin: its signed margins, shape ``(n,)``; not finite where a rollout failed.
+        predicate: its predicate, whose scale is the margin that counts as one unit of violation.
+        margin: its signed margins [unit of the predicate], shape ``(n,)``; not finite for a failed rollout.
     """
 
     where: str
     atom: Atom
-    unit: str
-    scale: float
+    predicate: Predicate
     margin: FloatArray
 
     @property
     def violation(self) -> FloatArray:
-        """How far it is from holding, in units of its scale, shape ``(n,)``."""
-        return np.asarray(np.maximum(0.0, -self.margin) / self.scale)
+        """Distance from holding, in units of its scale, shape ``(n,)``."""
+        return np.asarray(np.maximum(0.0, -self.margin) / self.predicate.scale)
 
     def at(self, candidate: int) -> Shortfall:
-        """Return what one candidate, for which it does not hold, lacks."""
-        return Shortfall(self.where, self.atom, self.unit, float(self.margin[candidate]))
+        """Return the shortfall of one candidate for which the condition does not hold."""
+        return Shortfall(self.where, self.atom, self.predicate.unit, float(self.margin[candidate]))
 
 
 @dataclass(frozen=True, eq=False)
 class Rollout:
-    """What the forward models expect of a population.
+    """The predicted outcome of a population.
 
     Attributes:
         conditions: entry and exit conditions of all instances in their order, then the goal's atoms.
-        figures: (instance, measure) to the figures of performance measures, shape ``(n,)``.
+        figures: (instance, performance measure) to the figures, shape ``(n,)``.
         value: the weighted sum of the performance measures, maximised, shape ``(n,)``.
-        final: the state in the end, shape ``(n, layout.size)``.
-        intervals: instance to its beginning and its end [s], each of shape ``(n,)``.
-        failed: instance to the candidates in which something was first not finite there, shape ``(n,)``.
+        final: the final state, shape ``(n, layout.size)``.
+        intervals: instance to its beginning and end [s], each of shape ``(n,)``.
+        failed: instance to whether something first became non-finite in it, for each candidate, shape ``(n,)``.
     """
 
     conditions: tuple[Condition, ...]
@@ -82,7 +80,7 @@ class Rollout:
 
     @property
     def violation(self) -> FloatArray:
-        """V, the sum of all violations, shape ``(n,)``; infinite where something was not finite."""
+        """V, the sum of all violations, shape ``(n,)``; infinite if anything was not finite."""
         total = np.sum([condition.violation for condition in self.conditions], axis=0) + np.zeros(len(self.value))
         for where in self.failed.values():
             total = np.where(where, np.inf, total)
@@ -100,7 +98,7 @@ class Rollout:
 
 
 class Rollouts:
-    """Rolls out one plan, for one population after the other; what candidates share is computed once."""
+    """Rolls out one plan for several populations; what candidates share is computed once."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         self.task = task
@@ -112,24 +110,24 @@ class Rollouts:
         """Roll out a population.
 
         Args:
-            chosen: values of hyperparameters; others are as the plan says, or initial values.
+            chosen: values of hyperparameters; the others have the value in the plan, or else their initial value.
             count: size n of the population.
-            until: the instance after whose exit the rollout may stop; what comes later is then left out.
+            until: the instance after whose exit the rollout may stop; None rolls out the whole plan.
         """
         chain = _Chain(self.task, self._simulations, chosen, count)
         chain.begin(initial(self.plan), np.zeros(count, dtype=np.int64))
         times: list[IntArray] = []
         for event in self._events:
             if until in event.ending:
-                return chain.rollout(event.ending)
+                return chain.finish(event.ending)
             before = [times[index] + 1 for index in event.after if index < len(times)]
             times.append(chain.reassign(event, before))
-        return chain.rollout()
+        return chain.finish()
 
 
 @dataclass(eq=False)
 class _Running:
-    """An instance that has begun, with what has been computed of it so far."""
+    """An instance that has begun, with its results so far."""
 
     begun: IntArray
     start: FloatArray
@@ -139,7 +137,7 @@ class _Running:
 
 @dataclass(eq=False)
 class _Chain:
-    """A population on its way through the plan."""
+    """A population part of the way through the plan."""
 
     task: Task
     simulations: Mapping[str, Simulation]
@@ -157,7 +155,7 @@ class _Chain:
         self.last = np.zeros(self.count, dtype=np.int64)
 
     def begin(self, instances: tuple[BlockInstance, ...], time: IntArray) -> None:
-        """Let instances begin from where their tokens are."""
+        """Start instances from the current states of their tokens."""
         for instance in instances:
             simulation = self.simulations[instance.name]
             start = self.now[:, simulation.columns]
@@ -177,10 +175,10 @@ class _Chain:
 
     def reassign(self, event: Reassignment, before: list[IntArray]) -> IntArray:
         """Carry out an event and return when it happens, in control steps, shape ``(n,)``."""
-        ready = [self._exit_of(name) for name in event.ending]
+        ready = [self._reach_exit(name) for name in event.ending]
         read = {value for instance in event.starting for value in instance.targets.values()}
-        # What a starting instance reads must have come to its exit where another one still holds it (law 5).
-        ready += [self._exit_of(n) for n in self.running if n not in event.ending and self._changes(n, read)]
+        # If a running instance changes what a starting instance reads, it must have reached its exit first (law 5).
+        ready += [self._reach_exit(n) for n in self.running if n not in event.ending and self._changes(n, read)]
         time: IntArray = np.max([*ready, *before], axis=0)
         if event.final:
             time = np.maximum(time, self.last + round(_SETTLING / CONTROL_PERIOD))
@@ -196,8 +194,8 @@ class _Chain:
             token in tokens for slot, token in simulation.instance.slots.items() if simulation.block.writes.get(slot)
         )
 
-    def _exit_of(self, name: str) -> IntArray:
-        """Return when an instance has come to its exit; its tokens are there from now on."""
+    def _reach_exit(self, name: str) -> IntArray:
+        """Run an instance to its exit, move its tokens there and return when it gets there, in control steps."""
         running, simulation = self.running[name], self.simulations[name]
         if running.stretch is None:
             running.stretch = stretch = simulation.run(running.start, running.chosen)
@@ -213,7 +211,7 @@ class _Chain:
 
     def _end(self, name: str, time: IntArray) -> None:
         running, simulation = self.running.pop(name), self.simulations[name]
-        assert running.stretch is not None, "it has come to its exit before it ends"
+        assert running.stretch is not None, "an instance reaches its exit before it ends"
         until = time - running.begun
         self._place(simulation, simulation.hold(running.start, running.chosen, running.stretch, until))
         begun, ended = (np.asarray(steps * CONTROL_PERIOD, dtype=np.float64) for steps in (running.begun, time))
@@ -225,19 +223,19 @@ class _Chain:
 
     def _note(self, where: str, literals: tuple[Literal, ...], simulation: Simulation, margins: FloatArray) -> None:
         for column, literal in enumerate(literals):
-            atom, predicate = literal.ground(simulation.binding), literal.predicate
-            self.conditions.append(Condition(where, atom, predicate.unit, predicate.scale, margins[:, column]))
+            atom = literal.ground(simulation.binding)
+            self.conditions.append(Condition(where, atom, literal.predicate, margins[:, column]))
 
-    def rollout(self, ending: tuple[str, ...] | None = None) -> Rollout:
-        """Return what came of the population: at the plan's end, or at the exit of these instances."""
+    def finish(self, ending: tuple[str, ...] | None = None) -> Rollout:
+        """Return the outcome of the population at the end of the plan, or at the exit of these instances."""
         for name in ending or ():
-            self._exit_of(name)
+            self._reach_exit(name)
         final = State(self.task.state.layout, self.now)
         for atom in () if ending else self.task.goal:
             predicate = self.task.domain.predicate_by_name[atom.predicate]
             margin = Literal(predicate, atom.arguments, atom.positive).margin(final, self.task.token_by_name)
             margins = np.array(np.broadcast_to(margin, (self.count,)))
-            self.conditions.append(Condition(GOAL, atom, predicate.unit, predicate.scale, margins))
+            self.conditions.append(Condition(GOAL, atom, predicate, margins))
         value = np.zeros(self.count)
         for name, simulation in self.simulations.items():
             for measure in simulation.block.performance:

@@ -1,4 +1,4 @@
-"""How good candidates are: violation first, then value."""
+"""Scores of candidates: violation first, then value."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,23 +12,22 @@ IntArray = NDArray[np.int_]
 BoolArray = NDArray[np.bool_]
 
 SAME = 1e-12
-"""Relative difference up to which two figures are the same but for rounding."""
+"""Relative difference up to which two figures are equal up to rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scores:
     """Violation and value of n candidates.
 
-    One candidate is better than another if its violation is smaller or, at equal violations, its value is larger:
-    so one with ``violation > 0`` ranks below every one with ``violation == 0``. A rollout that failed (NaN or infinite
-    in either) is kept as violation inf and value -inf, and so ranks below everything.
+    A candidate is better than another if its violation is smaller or, at equal violations, its value is larger. A
+    failed rollout (NaN or infinite in either) is stored as violation inf and value -inf, so it ranks below all others.
 
     Attributes:
-        violation: V, of the conditions, 0 where all hold, shape ``(n,)``.
+        violation: V, 0 if all conditions hold, shape ``(n,)``.
         value: J, the weighted sum of the performance measures, maximised, shape ``(n,)``.
 
     Raises:
-        ValueError: the arrays are not of one and the same length, or a violation is negative.
+        ValueError: the arrays differ in length, or a violation is negative.
     """
 
     violation: FloatArray
@@ -47,7 +46,7 @@ class Scores:
 
     @classmethod
     def join(cls, several: Iterable["Scores"]) -> "Scores":
-        """Return the scores of several populations, at least one, as those of one."""
+        """Concatenate the scores of one or more populations."""
         each = tuple(several)
         return cls(*(np.concatenate([getattr(scores, name) for scores in each]) for name in ("violation", "value")))
 
@@ -63,7 +62,7 @@ class Scores:
         return np.isfinite(self.violation)
 
     def ranks(self) -> IntArray:
-        """Return the rank of each candidate, shape ``(n,)``: 0 for the best; equal candidates share one."""
+        """Return the rank of each candidate, shape ``(n,)``: 0 for the best; equal candidates share a rank."""
         order = np.lexsort((-self.value, self.violation))
         violation, value = self.violation[order], self.value[order]
         worse = (violation[1:] != violation[:-1]) | (value[1:] != value[:-1])
@@ -72,9 +71,9 @@ class Scores:
         return ranks
 
     def best(self) -> BoolArray:
-        """Return which candidates are the best but for rounding, shape ``(n,)``; all, if all failed.
+        """Say which candidates are the best up to rounding, shape ``(n,)``; all if all failed.
 
-        A violation of 0 is 0 exactly: rounding excuses no violation.
+        Rounding does not excuse a violation: only an exact 0 counts as 0.
         """
         least = np.min(self.violation)
         if not np.isfinite(least):

@@ -1,14 +1,14 @@
-"""Which hyperparameters matter at all: those without any effect keep their defaults and the search space shrinks.
+"""Screening of hyperparameters: those without any effect keep their defaults, so that the search space shrinks.
 
-An effect at one point says nothing about others, and a variable may act through an interaction only: so from base
-points all over the space (a latin hypercube, and the default point) each variable is moved to both its bounds, to their
-middle and to a random value with all others kept. These points of a line along the variable's axis are compared with
-each other. A variable is free if the largest effect of all its lines is below tolerance, on the violation and on the
-value.
+An effect at one point says nothing about other points, and a variable may act only through an interaction. Screening
+therefore starts from base points all over the space: a latin hypercube and the default point. From each base point it
+moves each variable to both bounds, to their middle and to a random value, and keeps all others. It compares the points
+on this line along the variable's axis. A variable is free if the largest effect on all its lines is below tolerance,
+both on the violation and on the value.
 
-The value counts where all conditions hold, because the violation comes first. Where hardly any such points are on a
-variable's lines, it counts wherever the rollout did not fail: a variable of which little is known is kept. So is one
-that makes the difference between a rollout that fails and one that does not.
+The violation comes first, so the value counts only at points that meet all conditions. If hardly any such points are
+on a variable's lines, the value counts at every point whose rollout did not fail. A variable that decides whether a
+rollout fails is never free.
 """
 
 from collections.abc import Mapping
@@ -24,11 +24,11 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 LEVELS = (0.0, 0.5, 1.0)
 FEW = 4
-"""With fewer lines than these on which two points meet all conditions, too little is known of the value there."""
+"""Fewest lines with two points that meet all conditions from which the effect on the value is estimated there."""
 
 
 class Effect(NamedTuple):
-    """How much a variable changes the outcome at most, the others kept; inf where it makes a rollout fail."""
+    """Largest change that a variable makes while the others keep their values; inf if it can make a rollout fail."""
 
     violation: float
     value: float
@@ -36,13 +36,13 @@ class Effect(NamedTuple):
 
 @dataclass(frozen=True)
 class Screening:
-    """What matters.
+    """The effects of the variables of a space.
 
     Attributes:
-        effects: largest effects by the name of the variable, constants excepted.
-        tolerance: effects up to these do not matter.
-        evaluations: candidates that were evaluated.
-        bases: base points among them.
+        effects: variable that is not constant to its largest effects, in the order of the space.
+        tolerance: largest effects that do not matter.
+        evaluations: number of candidates that were evaluated.
+        bases: number of base points among them.
     """
 
     effects: Mapping[str, Effect]
@@ -52,12 +52,12 @@ class Screening:
 
     @property
     def relevant(self) -> tuple[str, ...]:
-        """Names of the variables with an effect, in the order of the space."""
+        """Names of the variables with an effect."""
         return tuple(name for name in self.effects if name not in self.free)
 
     @property
     def free(self) -> tuple[str, ...]:
-        """Names of the variables without an effect, in the order of the space."""
+        """Names of the variables without an effect."""
         most = self.tolerance
         return tuple(
             name
@@ -66,11 +66,12 @@ class Screening:
         )
 
     def find_moving(self, figures: FloatArray, tolerance: float = 2e-3) -> tuple[str, ...]:
-        """Return the names of the variables that change a figure by more than this part of its spread.
+        """Return the names of the variables that change a figure by more than a fraction of its spread.
 
         Args:
-            figures: the figure of each candidate that was evaluated, shape ``(evaluations,)``; it counts where finite.
-            tolerance: as a part of the spread over the sample.
+            figures: the figure of each evaluated candidate, shape ``(evaluations,)``; figures that are not finite do
+                not count.
+            tolerance: fraction of the spread over the sample.
         """
         counted = np.isfinite(figures)
         if not counted.any():
@@ -84,16 +85,16 @@ class Screening:
 def screen_hyperparameters(
     evaluate: Evaluate, space: SearchSpace, rng: np.random.Generator, *, bases: int = 32, tolerance: float = 2e-3
 ) -> Screening:
-    """Return which variables have an effect anywhere within their bounds; all points go in one batch.
+    """Find the variables that have an effect anywhere within their bounds; evaluate all points in one batch.
 
     Args:
         evaluate: scores a batch of points.
-        space: the variables, of which k are no constants.
+        space: the variables; k of them are not constant.
         rng: source of the base points and of the random values.
-        bases: base points, at least 1, the default included; ``bases * (4 k + 1)`` points are evaluated.
-        tolerance: of the value, as a part of its spread over the sample (from the 5th to the 95th percentile, so that
-            a few extreme rollouts do not hide the others); of the violation, absolute (it is scaled) or as a part of
-            its spread where that exceeds 1.
+        bases: number of base points, at least 1, including the default; ``bases * (4 k + 1)`` points are evaluated.
+        tolerance: largest effect that does not matter. For the value it is a fraction of the spread over the sample
+            (from the 5th to the 95th percentile, so that a few extreme rollouts do not hide the others). For the
+            violation it is absolute (violations are scaled), or a fraction of the spread if that exceeds 1.
 
     Raises:
         NothingFinite: every rollout failed.
@@ -114,14 +115,14 @@ def screen_hyperparameters(
 
 
 def _bases(default: FloatArray, n: int, rng: np.random.Generator) -> FloatArray:
-    """Return the default and a latin hypercube in the unit cube, shape ``(n, k)``."""
+    """Sample the base points in the unit cube, shape ``(n, k)``: the default and a latin hypercube."""
     rows = np.tile(np.arange(n - 1), (len(default), 1))
     hypercube = (rng.permuted(rows, axis=1).T + rng.uniform(size=(n - 1, len(default)))) / max(1, n - 1)
     return np.vstack([default, hypercube])
 
 
 def _moved(base: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return each base point with each variable in turn at each level, shape ``(n, k, levels, k)``."""
+    """Move each variable of each base point to each level, shape ``(n, k, levels, k)``."""
     n, k = base.shape
     moved = np.tile(base[:, None, None, :], (1, k, len(LEVELS) + 1, 1))
     for i in range(k):
@@ -162,7 +163,7 @@ def _effect(violation: FloatArray, value: FloatArray, allowed: float) -> Effect:
 
 
 def _largest_range(figures: FloatArray, counted: BoolArray) -> float:
-    """Return the largest difference between two figures of a line that count; 0 where there are no two."""
+    """Return the largest difference between two figures of a line that count; 0 if fewer than two count."""
     high = np.max(np.where(counted, figures, -np.inf), axis=1)
     low = np.min(np.where(counted, figures, np.inf), axis=1)
     return max(0.0, float(np.max(high - low)))

@@ -1,4 +1,4 @@
-"""The space of hyperparameters that an optimiser searches: a box in real units, a cube without them."""
+"""The space of hyperparameters that an optimiser searches: a box in real units, mapped to the unit cube."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -13,14 +13,14 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Variable:
-    """One hyperparameter as an optimiser sees it.
+    """One hyperparameter of the space.
 
     Attributes:
         name: unique in its space, e.g. ``"GRASPING(hand).grasp"``.
         unit: SI unit.
         lower: lower bound [unit].
-        upper: upper bound [unit]; equal to the lower one, the variable is a constant.
-        default: the value that it has if nobody optimises it [unit].
+        upper: upper bound [unit]; a variable with equal bounds is a constant.
+        default: the value without optimisation [unit].
 
     Raises:
         InputError: the bounds are not finite or in the wrong order, or the default is outside them.
@@ -47,7 +47,7 @@ class SearchSpace:
 
     Attributes:
         variables: the d variables.
-        whole: the space of which this is a part, the others staying at their defaults; or None.
+        whole: the space that this is a part of, whose other variables keep their defaults; or None.
 
     Raises:
         InputError: two variables have the same name.
@@ -60,7 +60,7 @@ class SearchSpace:
         """Check that names are unique."""
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:
-            raise InputError([Issue(name, "a name for each variable of its own") for name in twice])
+            raise InputError([Issue(name, "a unique name for each variable") for name in twice])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -89,28 +89,28 @@ class SearchSpace:
 
     @property
     def varying(self) -> tuple[str, ...]:
-        """Names of the variables that are no constants."""
+        """Names of the variables that are not constant."""
         return tuple(variable.name for variable in self.variables if variable.lower < variable.upper)
 
     def clip(self, points: FloatArray) -> FloatArray:
-        """Return the points ``(..., d)``, moved into the bounds where they are outside."""
+        """Move points ``(..., d)`` outside the bounds to the bounds."""
         return np.clip(points, self.lower, self.upper)
 
     def to_unit(self, points: FloatArray) -> FloatArray:
-        """Return points ``(..., d)`` as coordinates in the unit cube ``[0, 1]^d``; of a constant it is 0."""
+        """Map points ``(..., d)`` to the unit cube ``[0, 1]^d``; constants get the coordinate 0."""
         span = self.upper - self.lower
         return (points - self.lower) / np.where(span > 0.0, span, 1.0)
 
     def from_unit(self, cube: FloatArray) -> FloatArray:
-        """Return the points of coordinates in the unit cube, ``(..., d)``; never outside the bounds."""
+        """Return the points ``(..., d)`` with these coordinates in the unit cube; never outside the bounds."""
         # Clipped, because rounding may put lower + 1 * (upper - lower) just above the upper bound.
         return self.clip(self.lower + cube * (self.upper - self.lower))
 
     def only(self, names: Iterable[str]) -> "SearchSpace":
-        """Return the part with these k variables, in the order of this space; the others stay at their defaults.
+        """Return the part with these k variables, in the order of this space; the others keep their defaults.
 
         Raises:
-            InputError: a name is not one of this space's.
+            InputError: the space has no variable with one of the names.
         """
         wanted = set(names)
         unknown = sorted(wanted.difference(self.names))
@@ -119,12 +119,12 @@ class SearchSpace:
         return SearchSpace(tuple(variable for variable in self.variables if variable.name in wanted), whole=self)
 
     def starting_at(self, point: FloatArray) -> "SearchSpace":
-        """Return this space with a point ``(d,)`` in place of the defaults."""
+        """Return this space with a point ``(d,)`` as its default."""
         variables = (replace(v, default=float(at)) for v, at in zip(self.variables, point, strict=True))
         return replace(self, variables=tuple(variables))
 
     def embed(self, points: FloatArray) -> FloatArray:
-        """Return points ``(n, k)`` of a part as points ``(n, d)`` of its whole; of a whole, they are the same."""
+        """Return points ``(n, k)`` of a part as points ``(n, d)`` of its whole; a space without a whole keeps them."""
         if self.whole is None:
             return points
         embedded = np.tile(self.whole.default, (len(points), 1))

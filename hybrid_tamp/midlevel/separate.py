@@ -1,7 +1,7 @@
-"""Each action optimised on its own, in the order of the plan: what planning ahead is compared with.
+"""Optimise each action on its own, in the order of the plan: the baseline for planning ahead.
 
-An instance's own conditions and measures are all that counts, and what comes later is not looked at. Of choices that
-are equally good the middle of their interval is taken.
+Only the instance's own conditions and measures count; later instances are ignored. Among equally good values the
+search takes the middle of their interval.
 """
 
 from collections.abc import Collection
@@ -15,17 +15,17 @@ from hybrid_tamp.motion.arrays import FloatArray
 _POINTS = 61
 _SWEEPS = 2
 _NARROWER = 0.05
-"""Half of a sweep's range as a part of the one before: three points to either side of the best."""
+"""Half of a sweep's range as a fraction of the previous range: three points on either side of the best one."""
 _EQUAL = 1e-6
-"""Difference of values, as a part of their spread over a scan, that counts as none."""
+"""Difference that counts as none, as a fraction of the spread of values over a scan."""
 
 
 def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArray:
-    """Return the point ``(d,)`` at which each action is the best on its own.
+    """Return the point ``(d,)`` at which each action is best on its own.
 
     Args:
-        objective: of the whole plan.
-        relevant: the variables that are moved; the others keep their defaults.
+        objective: the objective of the whole plan.
+        relevant: the variables to optimise; the others keep their defaults.
     """
     point: FloatArray = objective.space.default.copy()
     for instance in sorted(objective.plan.instances, key=lambda i: (i.start, i.name)):
@@ -34,15 +34,15 @@ def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArra
             for index, (key, name) in enumerate(zip(objective.keys, objective.space.names, strict=True))
             if key[0] == instance.name and name in relevant
         ]
-        # One variable after the other and all again, in a narrower range: one's best may depend on the others.
+        # Optimise one variable after another, then all again in a narrower range: their best values are coupled.
         for sweep in range(_SWEEPS):
             for index in mine:
-                point[index] = _best(objective, objective.own(instance), point, index, _NARROWER**sweep)
+                point[index] = _scan(objective, objective.restrict_to(instance), point, index, _NARROWER**sweep)
     return point
 
 
-def _best(objective: Objective, evaluate: Evaluate, point: FloatArray, index: int, share: float) -> float:
-    """Return the middle of the best interval of one variable, within a share of its range, the others kept."""
+def _scan(objective: Objective, evaluate: Evaluate, point: FloatArray, index: int, share: float) -> float:
+    """Return the middle of the best interval of one variable, within a fraction of its range about the point."""
     lower, upper = objective.space.lower[index], objective.space.upper[index]
     low, high = lower, upper
     if share < 1.0:

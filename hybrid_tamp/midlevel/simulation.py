@@ -1,4 +1,4 @@
-"""One block instance rolled out for a whole population, and held until all that it waits for has come."""
+"""Roll out one block instance for a whole population, and let it hold until its reassignment."""
 
 from collections.abc import Mapping
 
@@ -13,7 +13,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 class Simulation(InstanceModel):
-    """The model of one instance, run."""
+    """Runs the model of one instance."""
 
     def __init__(self, task: Task, instance: BlockInstance) -> None:
         super().__init__(task, instance)
@@ -22,7 +22,7 @@ class Simulation(InstanceModel):
     def run(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> Stretch:
         """Roll out until the exit conditions hold.
 
-        Candidates that begin alike are computed once, and a beginning that all share is remembered.
+        Candidates with equal starts and hyperparameters are computed once. If all are equal, the result is cached.
 
         Args:
             start: states of the instance's tokens at its beginning, shape ``(n, m)``.
@@ -39,7 +39,7 @@ class Simulation(InstanceModel):
         return self._known[key].rows(inverse)
 
     def hold(self, start: FloatArray, chosen: Mapping[str, FloatArray], begun: Stretch, until: IntArray) -> FloatArray:
-        """Return the states ``(n, m)`` after the instance has gone on holding until these steps of its own."""
+        """Return the states ``(n, m)`` after the instance has held until these steps since its beginning."""
         more: IntArray = until - begun.steps
         if not self.block.moves or not more.max() > 0:
             return begun.after
@@ -58,15 +58,15 @@ class Simulation(InstanceModel):
 
     def _run(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> Stretch:
         if not self.block.moves:
-            return self._unmoved(start, chosen)
+            return self._stay(start)
         population = Population(self, start, chosen)
         with np.errstate(all="ignore"):
             while population.pending.any():
                 population.advance()
             return population.stretch()
 
-    def _unmoved(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> Stretch:
-        """Return what an instance does whose system changes nothing: it ends as soon as it may."""
+    def _stay(self, start: FloatArray) -> Stretch:
+        """Return the rollout of a system that changes nothing: it ends after its minimum duration if its exits hold."""
         least = int(np.ceil(self.shortest / CONTROL_PERIOD - 1e-6))
         exits = self.exits(self.state(start))
         steps = np.where((exits >= 0).all(axis=1), least, self.longest)

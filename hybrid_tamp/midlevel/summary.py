@@ -1,22 +1,63 @@
-"""The refined plan, as what was searched and the candidates that are left tell it."""
+"""The summary of a search: the few candidates left, rolled out over the whole plan, and the refined plan."""
 
 import time
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from hybrid_tamp.midlevel.candidates import Candidates
+import numpy as np
+
 from hybrid_tamp.midlevel.objective import Objective
 from hybrid_tamp.midlevel.physics_refinement import RefinedInPhysics
 from hybrid_tamp.midlevel.plan_search import Searched
-from hybrid_tamp.model.refined import Performance, RefinedPlan, Tuned
+from hybrid_tamp.midlevel.rollout import Rollout
+from hybrid_tamp.model.refined import Performance, RefinedPlan, Tuned, Value
 from hybrid_tamp.motion.arrays import FloatArray
 
 
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """The last few candidates: the defaults first, and each action optimised on its own last.
+
+    Attributes:
+        rollout: their rollout over the whole plan.
+        points: the candidates, shape ``(n, d)``.
+        chosen: index of the best one.
+    """
+
+    rollout: Rollout
+    points: FloatArray
+    chosen: int
+
+    @classmethod
+    def of(cls, objective: Objective, *points: FloatArray) -> "Candidates":
+        """Roll out the whole plan for points ``(d,)`` and choose the best."""
+        rollout = objective.rollout(np.array(points))
+        chosen = np.lexsort((-rollout.value, objective.sum_violations(rollout)))[0]
+        return cls(rollout, np.array(points), int(chosen))
+
+    @property
+    def point(self) -> FloatArray:
+        """The best candidate, shape ``(d,)``."""
+        return np.asarray(self.points[self.chosen])
+
+    @property
+    def violation(self) -> float:
+        """V of the best candidate."""
+        return self.value(self.chosen).violation
+
+    def value(self, candidate: int) -> Value:
+        """Return V and J of one candidate."""
+        return Value(float(self.rollout.violation[candidate]), float(self.rollout.value[candidate]))
+
+    def replace_best(self, objective: Objective, point: FloatArray) -> "Candidates":
+        """Return these candidates with a point ``(d,)`` as the best one, in place of the optimum."""
+        points = np.vstack([self.points[:1], point, self.points[2:]])
+        return Candidates(objective.rollout(points), points, 1)
+
+
 def summarise_defaults(objective: Objective, defaults: Candidates, began: float) -> RefinedPlan:
-    """Return the plan with its defaults, in which there was nothing to optimise."""
-    space = objective.space
-    statuses = {variable.name: "kept" for variable in space.variables}
-    tuned = _tuned(objective, defaults.point, statuses)
+    """Return the plan with its defaults, because there is nothing to optimise."""
+    tuned = _tune(objective, defaults.point, dict.fromkeys(objective.space.names, "kept"))
     return _summarise(objective, defaults, tuple(tuned), 0, began)
 
 
@@ -26,16 +67,16 @@ def summarise(
     """Return the plan with the best of the candidates.
 
     Args:
-        searched: what was searched.
-        candidates: what is left of it.
-        in_physics: what came of going on in physics, if that was asked.
-        began: when the work began, by `time.monotonic` [s].
+        searched: the search.
+        candidates: its last candidates.
+        in_physics: the result of refinement in physics, or None without it.
+        began: start of the work, by `time.monotonic` [s].
     """
     objective, optimum, influence = searched.objective, searched.optimum, searched.influence
     relevant = searched.screening.relevant
-    names = [variable.name for variable in objective.space.variables]
+    names = objective.space.names
     statuses = {name: "optimised" if name in relevant else "free" for name in names}
-    tuned = list(_tuned(objective, candidates.point, statuses))
+    tuned = list(_tune(objective, candidates.point, statuses))
     tuned = [replace(each, moves=influence.moves.get(name, ())) for name, each in zip(names, tuned, strict=True)]
     if searched.apart is not None:
         tuned = [replace(each, apart=float(at)) for each, at in zip(tuned, searched.apart, strict=True)]
@@ -54,7 +95,7 @@ def summarise(
 def _summarise(
     objective: Objective, candidates: Candidates, tuned: tuple[Tuned, ...], spent: int, began: float
 ) -> RefinedPlan:
-    """Return the plan with the best of the candidates, but without what only a search can tell."""
+    """Return the plan with the best of the candidates, without the results that only a search has."""
     rollout, chosen = candidates.rollout, candidates.chosen
     values = dict(zip(objective.keys, candidates.point.tolist(), strict=True))
     short = rollout.worst(chosen)
@@ -76,7 +117,7 @@ def _summarise(
     )
 
 
-def _tuned(objective: Objective, point: FloatArray, statuses: dict[str, str]) -> Iterator[Tuned]:
+def _tune(objective: Objective, point: FloatArray, statuses: dict[str, str]) -> Iterator[Tuned]:
     """Yield each hyperparameter at a point ``(d,)``, with its status unless its bounds fix it."""
     for key, variable, value in zip(objective.keys, objective.space.variables, point.tolist(), strict=True):
         status = statuses[variable.name] if variable.lower < variable.upper else "fixed"

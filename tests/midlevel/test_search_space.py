@@ -41,7 +41,7 @@ def test_bad_bounds_are_refused(lower: float, upper: float, default: float, word
 
 
 def test_names_are_unique() -> None:
-    with pytest.raises(InputError, match="grasp: a name for each variable of its own"):
+    with pytest.raises(InputError, match="grasp: a unique name for each variable"):
         SearchSpace((SPACE.variables[0], SPACE.variables[0]))
 
 
