@@ -38,14 +38,12 @@ class PlannerFigures:
         name: name of the engine.
         seconds: time of all attempts together [s].
         way: how the plan was found.
-        proven_shortest: whether no plan has a shorter makespan.
         stages: stage of planning to the time it took [s].
     """
 
     name: str
     seconds: float
     way: str = ""
-    proven_shortest: bool = False
     stages: Mapping[str, float] = field(default_factory=dict)
 
 

@@ -1,1 +1,1 @@
-"""VERB 5: whatever the other verbs made goes in, text, pictures and documents for people and programs come out."""
+"""Text, tables, pictures and documents of results, for people and programs."""

@@ -1,4 +1,4 @@
-"""The writing under a picture: the step, the time, and which tokens are in which blocks (paper, under Fig. 3)."""
+"""Captions under pictures: the step, the time, and which tokens are in which blocks (as under the paper's Fig. 3)."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 
 Picture = NDArray[np.uint8]
-"""``(height, width, 3)``, red, green, blue."""
+"""Array ``(height, width, 3)`` of red, green and blue."""
 
 _BACKGROUND = (255, 255, 255)
 _RULE = (205, 210, 216)
@@ -26,7 +26,7 @@ _VERDICT_TIME = 0.5
 
 
 def allocation(instance: BlockInstance) -> str:
-    """Say who is in which slot, e.g. ``ROLLING-1: hand=hand object=drum -> goal``."""
+    """Return which token is in which slot, e.g. ``ROLLING-1: hand=hand object=drum -> goal``."""
     slots = " ".join(f"{slot}={token}" for slot, token in instance.slots.items())
     targets = ", ".join(instance.targets.values())
     return f"{instance.name}: {slots}" + (f" -> {targets}" if targets else "")
@@ -39,18 +39,18 @@ class _Line:
 
 
 class Captions:
-    """Writes under the pictures of one recording; every picture gets the same height.
+    """Adds captions to the pictures of one recording; all pictures get the same height.
 
     Args:
-        task: the task that was run.
-        recording: what happened.
-        width: of the pictures [pixels].
+        task: the task of the run.
+        recording: the recording of the run.
+        width: width of the pictures [pixels].
     """
 
     def __init__(self, task: Task, recording: Recording, width: int) -> None:
         self._recording = recording
         self._resting = task.domain.resting
-        # Both even, because the video's colours have half the resolution.
+        # Width and height are even, because the colours of the video have half the resolution.
         self._width = width + width % 2
         self._headline = ImageFont.load_default(_HEADLINE)
         self._body = ImageFont.load_default(_BODY)
@@ -59,7 +59,7 @@ class Captions:
         self._height = 2 * _MARGIN + _LINE + _LINE * max(map(len, self._lines))
 
     def under(self, picture: Picture, time: float) -> Picture:
-        """Return the picture ``(h, w, 3)`` with the caption of an instant [s] below it, ``(h + caption, w, 3)``."""
+        """Return the picture ``(h, w, 3)`` with the caption of an instant [s] below it: ``(h + caption, w, 3)``."""
         height = picture.shape[0] + self._height
         canvas = Image.new("RGB", (self._width, height + height % 2), _BACKGROUND)
         canvas.paste(Image.fromarray(picture), (0, 0))
@@ -79,7 +79,7 @@ class Captions:
         return np.asarray(canvas)
 
     def index_at(self, time: float) -> int:
-        """Return which step runs at an instant [s], from 0; at an instant of reassignment the later one."""
+        """Return the index, from 0, of the step at an instant [s]; at a reassignment, that of the later step."""
         started = sum(step.start <= time + TIME_TOLERANCE for step in self.steps)
         return max(0, started - 1)
 
@@ -91,17 +91,16 @@ class Captions:
         return _Line("goal reached", _GOOD) if self._recording.success else _Line("goal missed", _BAD)
 
     def _wrapped(self, step: Step) -> list[_Line]:
-        """Return the step's lines: a paragraph for each busy instance, and a pale one for all that rests."""
+        """Return the lines of a step: a paragraph for each busy instance, and a pale one for all resting tokens."""
         busy = sorted((i for i in step.instances if i.block != self._resting), key=lambda i: (i.start, i.name))
         lines = [_Line(text, _INK) for instance in busy for text in self._fitted(allocation(instance))]
         resting = sorted(t for i in step.instances if i.block == self._resting for t in i.slots.values())
         if resting:
-            said = f"{self._resting}: {', '.join(resting)}"
-            lines += [_Line(text, _PALE) for text in self._fitted(said)]
+            lines += [_Line(text, _PALE) for text in self._fitted(f"{self._resting}: {', '.join(resting)}")]
         return lines
 
     def _fitted(self, text: str) -> list[str]:
-        """Break a text into lines that fit, between words where that is possible."""
+        """Break a text into lines that fit, between words if possible."""
         room = self._width - 2 * _MARGIN
         lines = [""]
         for word in text.split(" "):

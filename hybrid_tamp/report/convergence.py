@@ -1,4 +1,4 @@
-"""The convergence curve: the best value over the rollouts, as a picture."""
+"""A picture of the convergence curve: the best value over the number of rollouts."""
 
 from io import BytesIO
 from typing import TYPE_CHECKING
@@ -12,18 +12,18 @@ _BLUE, _RED, _GREY = "#1f5fa8", "#be2823", "#5c6570"
 
 
 def convergence_picture(entry: Json) -> bytes | None:
-    """Return the curve as a PNG, or None where nothing was optimised.
+    """Return the curve as a PNG, or None if nothing was optimised.
 
-    While conditions are missed the violation is what counts (red, right axis); from then on the value (blue).
+    As long as conditions are missed, the curve shows the violation (red, right axis), then the value (blue).
     """
     if not entry["optimiser"] or not entry["history"]:
         return None
-    # A figure of its own, because pyplot keeps figures and picks a window system.
+    # Not pyplot, because it keeps all figures and opens a window system.
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.2, 3.6), dpi=120, layout="constrained")
     axes = figure.add_subplot(xlabel="rollouts of the optimiser [1]", ylabel="best value of the plan [1]")
-    # The optimiser begins with the defaults.
+    # The optimiser starts from the defaults.
     first = {"evaluations": 1, **entry["defaults"]}
     history = [first, *entry["history"]]
     _draw_value(axes, entry, history)
@@ -33,7 +33,7 @@ def convergence_picture(entry: Json) -> bytes | None:
     axes.grid(color="#e4e7eb")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, fontsize="small", frameon=False)
     picture = BytesIO()
-    # Without the version of matplotlib in it: the same run, the same file.
+    # The file leaves out the version of matplotlib, so that it depends only on the run.
     figure.savefig(picture, format="png", metadata={"Software": None})
     return picture.getvalue()
 

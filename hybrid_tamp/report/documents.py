@@ -1,6 +1,6 @@
 """JSON documents and their JSON Schemas, both derived from the dataclasses of `model/` and the keys of `keys.py`.
 
-A result, e.g. a `RunResult`, goes in; plain data with the published keys comes out. A document has no class of its
+`document` turns a result, e.g. a `RunResult`, into plain data with the published keys. A document has no class of its
 own: each key names an attribute, and the type of that attribute gives the JSON Schema.
 """
 
@@ -21,7 +21,7 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from hybrid_tamp.report.keys import DOCUMENTS, KEYS, TEXTS, Key, Keys
 
 Json = dict[str, Any]
-"""Plain data: what `json.loads` returns of a document."""
+"""Plain data, as `json.loads` returns it."""
 
 
 def document(result: Any) -> Json:
@@ -35,14 +35,14 @@ def document(result: Any) -> Json:
 
 
 def parse_document(stem: str, content: bytes) -> Json:
-    """Return the document in a JSON file, with the default of every key that it leaves out.
+    """Return the document in a JSON file; keys that the file leaves out get their defaults.
 
     Args:
-        stem: which document it should be, e.g. ``plan-1``.
+        stem: name of the document, e.g. ``plan-1``.
         content: the content of the file.
 
     Raises:
-        ValidationError: it is not JSON, or does not follow the published JSON Schema.
+        ValidationError: the content is not JSON, or does not follow the published JSON Schema.
     """
     adapter = _adapter(stem)
     found: Json = adapter.dump_python(adapter.validate_json(content), by_alias=True, mode="json")
@@ -73,7 +73,7 @@ def _object(value: Any, keys: Keys | None) -> Json:
 
 
 def _data(value: Any, keys: Keys | None = None) -> Any:
-    """Return any value as plain data; JSON has neither infinity nor NaN."""
+    """Return any value as plain data; infinity and NaN become null, because JSON has neither."""
     text = TEXTS.get(type(value))
     if text is not None:
         return text(value)
@@ -95,14 +95,14 @@ def _read(value: Any, key: Key) -> Any:
 
 
 def _keys(of: type, keys: Keys | None) -> tuple[Key, ...]:
-    """Return the keys of a dataclass: those given, else those of the table, else one for each field."""
+    """Return the keys of a dataclass: the given ones, or those of the table, or one for each field."""
     wanted = keys or KEYS.get(of) or tuple(field.name for field in fields(of))
     return tuple(Key(each) if isinstance(each, str) else each for each in wanted)
 
 
 @cache
 def _form(of: type, keys: Keys | None, name: str = "", *more: Any) -> type:
-    """Return the dataclass that has the keys of a document as fields, from which pydantic makes the schema."""
+    """Return a dataclass with the keys of a document as fields; pydantic derives the schema from it."""
     namespace = {"__doc__": (of.__doc__ or "").partition("\n")[0], "__pydantic_config__": ConfigDict(extra="forbid")}
     made = [_form_field(of, key) for key in _keys(of, keys)]
     return make_dataclass(name or of.__name__, [*more, *made], namespace=namespace, kw_only=True)
@@ -118,7 +118,7 @@ def _form_field(of: type, key: Key) -> tuple[str, Any, Any]:
 
 
 def _form_type(kind: Any, key: Key) -> Any:
-    """Return the type that a value of some type has under a key of a document."""
+    """Return the type in the document of a value of some type under a key."""
     if kind in TEXTS:
         return str
     if isinstance(kind, type) and is_dataclass(kind):
@@ -133,7 +133,7 @@ def _form_type(kind: Any, key: Key) -> Any:
 
 
 def _resolve(of: type, key: Key) -> tuple[Any, str]:
-    """Return the type of what a key shows, and what its docstring says."""
+    """Return the type of the value that a key shows, and its description in a docstring."""
     if not isinstance(key.source, str):
         return get_type_hints(key.source)["return"], inspect.getdoc(key.source) or ""
     kind: Any = of
@@ -151,7 +151,7 @@ def _resolve(of: type, key: Key) -> tuple[Any, str]:
 
 
 def _described(of: type, name: str) -> str:
-    """Return what the docstring says of an attribute."""
+    """Return the description of an attribute in the docstring of its class."""
     member = inspect.getattr_static(of, name, None)
     if isinstance(member, property | cached_property):
         return (inspect.getdoc(member) or "").partition("\n")[0]

@@ -1,4 +1,4 @@
-"""Documents about domains, as `domains --json` and `network --json` print them."""
+"""The documents that `domains --json` and `network --json` print."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -7,7 +7,7 @@ from hybrid_tamp.model.domain import Domain
 
 
 def domains_document(domains: Iterable[Domain]) -> dict[str, Any]:
-    """Return what each domain has, by name."""
+    """Return the names of the classes, blocks and predicates of each domain."""
     return {
         "schema": "hybrid-tamp/domains/1",
         "domains": [

@@ -1,4 +1,4 @@
-"""The folder that a run leaves behind; every file appears under its name only when it is whole."""
+"""The folder with the files of a run; every file appears under its name only when it is complete."""
 
 import json
 import os
@@ -9,17 +9,8 @@ from typing import Any
 from hybrid_tamp.errors import InputError, Issue
 
 RUN_FILES = (
-    "task.yaml",
-    "plan.json",
-    "domain.pddl",
-    "problem.pddl",
-    "plan.pddl",
-    "result.json",
-    "recording.npz",
-    "events.jsonl",
-    "video.mp4",
-    "convergence.png",
-    "report.html",
+    *("task.yaml", "plan.json", "domain.pddl", "problem.pddl", "plan.pddl", "result.json"),
+    *("recording.npz", "events.jsonl", "video.mp4", "convergence.png", "report.html"),
 )
 NUMBERED_FILES = ("step-*.png", "primitive-[0-9][0-9].json", "mesh-[0-9][0-9].obj")
 
@@ -28,24 +19,24 @@ class RunFolder:
     """A folder for the files of one run."""
 
     def __init__(self, path: Path) -> None:
-        """Take the folder as it is; `create` prepares one."""
+        """Use an existing folder; `create` makes one."""
         self.path = path
 
     @classmethod
     def open(cls, folder: "RunFolder | Path | str", *, force: bool = False) -> "RunFolder":
-        """Return a folder as it is, or create it from its path (see `create`)."""
+        """Return a given folder, or create the folder of a path (see `create`)."""
         return folder if isinstance(folder, RunFolder) else cls.create(Path(folder), force=force)
 
     @classmethod
     def create(cls, path: Path, *, force: bool = False) -> "RunFolder":
-        """Make the folder, or take an existing one.
+        """Make the folder, or use an existing one.
 
         Args:
             path: the folder.
-            force: whether it may hold another run, whose files `clear` removes.
+            force: whether the folder may hold the files of another run, which `clear` removes.
 
         Raises:
-            InputError: the path is a file, cannot be made, or holds another run and `force` is not given.
+            InputError: the path is a file, the folder cannot be made, or it holds another run and `force` is false.
         """
         if path.exists() and not path.is_dir():
             raise InputError([Issue(str(path), "the output must be a folder", "a file")])
@@ -55,14 +46,12 @@ class RunFolder:
             raise InputError([Issue(str(path), "a folder that can be made", str(error.strerror))]) from error
         old = cls(path)._old()
         if old and not force:
-            held = ", ".join(file.name for file in old[:4])
-            raise InputError(
-                [Issue(str(path), "an output folder without another run", f"{held}", remedy="force=True replaces it")]
-            )
+            wanted, held = "an output folder without another run", ", ".join(file.name for file in old[:4])
+            raise InputError([Issue(str(path), wanted, held, remedy="force=True replaces it")])
         return cls(path)
 
     def clear(self) -> None:
-        """Remove the files of another run; other files stay.
+        """Remove the files of a run; other files stay.
 
         Raises:
             InputError: a file cannot be removed.
@@ -107,7 +96,7 @@ class RunFolder:
         return target
 
     def write_json(self, name: str, document: dict[str, Any]) -> Path:
-        """Write a JSON document; NaN and infinity are refused."""
+        """Write a JSON document; NaN and infinity raise ValueError."""
         return self.write_text(name, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 

@@ -1,4 +1,4 @@
-"""The keys of the JSON documents: one table of those that differ from the fields of the dataclasses they show."""
+"""The keys of the JSON documents: one table of the keys that differ from the fields of the dataclasses."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -24,12 +24,12 @@ class Key:
 
     Attributes:
         name: the key.
-        source: the attribute that it shows, by its path, or a function of the whole value; by default the attribute of
-            the same name.
-        default: what is meant where a document leaves the key out; a type makes an empty one. Without a
-            default the key is required.
-        nullable: whether it is null where the number is not finite.
-        keys: the keys of what it shows, if they differ from those in `KEYS`.
+        source: path of the attribute that it shows, or a function of the whole value; by default the attribute of the
+            same name.
+        default: value if a document leaves the key out; a type stands for an empty one. Without a default the key is
+            required.
+        nullable: whether it is null if the number is not finite.
+        keys: the keys of the value that it shows, if they differ from those in `KEYS`.
     """
 
     name: str
@@ -43,29 +43,26 @@ class Key:
 
 
 Keys = tuple[str | Key, ...]
-"""The keys of an object in their order; one that is named like its attribute is its name only."""
-
-GOAL_KEYS: Keys = ("atom", Key("margin", "measured"), "holds")
+"""The keys of an object in their order; a string stands for the attribute of that name."""
 
 
-REFINEMENT_KEYS: Keys = (
-    Key("optimiser", "refinement.optimiser"),
-    Key("evaluations", "refinement.evaluations"),
-    Key("seconds", "refinement.seconds"),
-    Key("stopped", "refinement.stopped"),
-    Key("best", "refinement.best"),
-    Key("defaults", "refinement.defaults"),
-    Key("apart", "refinement.apart"),
-    Key("hyperparameters", "refinement.hyperparameters"),
-    Key("performance", "refinement.performance"),
-    Key("history", "refinement.history"),
+def _of(attribute: str, *names: str) -> Keys:
+    """Return keys that show attributes of an attribute under their own names."""
+    return tuple(Key(name, f"{attribute}.{name}") for name in names)
+
+
+_TASK: Keys = (Key("task", "task.name"), Key("domain", "task.domain.name"))
+_GOAL: Keys = ("atom", Key("margin", "measured"), "holds")
+
+_REFINEMENT: Keys = (
+    *_of("refinement", "optimiser", "evaluations", "seconds", "stopped", "best", "defaults", "apart"),
+    *_of("refinement", "hyperparameters", "performance", "history"),
     Key("rounds", "excluded"),
     Key("physics", "refinement.physics", default=None),
 )
 
-
 QUESTION_KEYS: Mapping[type, Keys] = {
-    TaskExplanation: (Key("task", "task.name"), Key("domain", "task.domain.name"), "status", "explanation", "tokens"),
+    TaskExplanation: (*_TASK, "status", "explanation", "tokens"),
     Explanation: (
         "kind",
         "message",
@@ -86,76 +83,50 @@ QUESTION_KEYS: Mapping[type, Keys] = {
     ),
     Suggestion: ("kind", "what", Key("solvable", sources.solvable, default=True), "length", "names"),
     Link: ("instance", "atom", Key("needed_by", "needed_by_text")),
-    AffordanceResult: (
-        Key("task", "task.name"),
-        Key("domain", "task.domain.name"),
-        "view",
-        Key("agents", "task.agents"),
-        "affordances",
-        "implied",
-        "what_if",
-    ),
-    Implication: (
-        "seen",
-        "observer",
-        Key("object", "affordance.object"),
-        Key("block", "affordance.block"),
-        Key("slot", "affordance.slot"),
-        "holds",
-        "witness",
-    ),
+    AffordanceResult: (*_TASK, "view", *_of("task", "agents"), "affordances", "implied", "what_if"),
+    Implication: ("seen", "observer", *_of("affordance", "object", "block", "slot"), "holds", "witness"),
     MembershipResult: ("task", "token", "seed", Key("resting_faces", "resting"), Key("classes", "verdicts")),
     Verdict: (
         Key("class", "object_class"),
-        "verdict",
-        "likelihood",
-        "labelled",
-        "residual",
-        "properties",
-        "contacts",
-        "successes",
-        "trials",
-        "interval",
-        "obstacle",
+        *("verdict", "likelihood", "labelled", "residual", "properties", "contacts"),
+        *("successes", "trials", "interval", "obstacle"),
     ),
 }
 """The keys of the answers to questions."""
 
-
-RESULT_KEYS: Keys = (
+_RESULT: Keys = (
     Key("task", "task.name"),
     "success",
-    Key("goal", "recording.goal", keys=GOAL_KEYS),
+    Key("goal", "recording.goal", keys=_GOAL),
     "blocks",
     "replans",
     "metrics",
     Key("sim_seconds", "recording.duration"),
     "wall_seconds",
-    Key("seed", "task.seed"),
-    Key("backend", "recording.backend"),
+    *_of("task", "seed"),
+    *_of("recording", "backend"),
     "versions",
-    Key("failure", "recording.failure"),
+    *_of("recording", "failure"),
     "performance",
     Key("law", sources.breaches),
 )
 
-IMITATION_KEYS: Keys = (
+_IMITATION: Keys = (
     "shown",
     Key("instances", keys=(Key("instance", "name"), "block", "start", "end", "slots", "targets")),
-    Key("unexplained", "segmentation.unexplained"),
+    *_of("segmentation", "unexplained"),
     "roles",
     "primitives",
-    Key("result", "run", keys=(Key("schema", sources.result_schema), *RESULT_KEYS)),
+    Key("result", "run", keys=(Key("schema", sources.result_schema), *_RESULT)),
 )
 
 KEYS: Mapping[type, Keys] = {
     **QUESTION_KEYS,
     PlanOutcome: (
-        Key("task", "task.name"),
-        Key("domain", "task.domain.name"),
+        *_TASK,
         "status",
         "planner",
-        Key("seed", "task.seed"),
+        *_of("task", "seed"),
         Key("objective", sources.objective, default="length"),
         "makespan",
         "cost",
@@ -163,13 +134,13 @@ KEYS: Mapping[type, Keys] = {
         "steps",
         "network",
         "explanation",
-        Key("refinement", sources.refined, default=None, keys=REFINEMENT_KEYS),
+        Key("refinement", sources.refined, default=None, keys=_REFINEMENT),
     ),
     PlannerFigures: (
         "name",
         "seconds",
         Key("way", default=""),
-        Key("proven_shortest", default=False),
+        Key("proven_shortest", sources.proven_shortest, default=False),
         Key("stages", default=dict),
     ),
     Step: ("index", "start", "end", Key("blocks", "instances")),
@@ -180,14 +151,7 @@ KEYS: Mapping[type, Keys] = {
         Key("reduced_from", default=None),
         Key("expanded_with", default=list),
     ),
-    Exclusion: (
-        Key("block", "instance.block"),
-        Key("roles", "instance.roles"),
-        Key("where", "shortfall.where"),
-        Key("atom", "shortfall.atom"),
-        Key("margin", "shortfall.margin"),
-        Key("unit", "shortfall.unit"),
-    ),
+    Exclusion: (*_of("instance", "block", "roles"), *_of("shortfall", "where", "atom", "margin", "unit")),
     Value: (Key("violation", nullable=True), Key("value", nullable=True)),
     Milestone: ("evaluations", Key("violation", nullable=True), Key("value", nullable=True)),
     Tuned: (
@@ -196,33 +160,21 @@ KEYS: Mapping[type, Keys] = {
         "apart",
     ),
     Retuning: (
-        Key("before", sources.before),
-        Key("best", sources.best),
-        "evaluations",
-        "seconds",
-        "stopped",
-        "history",
+        *(Key("before", sources.before), Key("best", sources.best)),
+        *("evaluations", "seconds", "stopped", "history"),
     ),
-    RunResult: RESULT_KEYS,
-    ImitationResult: IMITATION_KEYS,
+    RunResult: _RESULT,
+    ImitationResult: _IMITATION,
     AtomMargin: ("atom", "predicted", "measured", "holds"),
-    ExecutedInstance: (
-        Key("instance", "instance.name"),
-        Key("start", "instance.start"),
-        Key("end", "instance.end"),
-        Key("exit", "exits"),
-    ),
+    ExecutedInstance: (Key("instance", "instance.name"), *_of("instance", "start", "end"), Key("exit", "exits")),
     Performance: (
-        "instance",
-        "measure",
-        "unit",
-        "weight",
+        *("instance", "measure", "unit", "weight"),
         Key("predicted", "figure", nullable=True),
         Key("measured", default=None),
     ),
     BlockInstance: (Key("block", "action"), "mode", Key("instance", "name"), "slots", "targets", "hyperparameters"),
 }
-"""Dataclass to its keys; of other dataclasses every field is a key."""
+"""Dataclass to its keys; in other dataclasses every field is a key."""
 
 TEXTS: Mapping[type, Callable[[Any], str]] = {Atom: lambda atom: atom.text, PlannedAction: lambda action: action.text}
 """Values that are shown as text."""
@@ -235,4 +187,4 @@ DOCUMENTS: Mapping[str, type] = {
     "probe-1": MembershipResult,
     "imitate-1": ImitationResult,
 }
-"""File stem of a JSON Schema to the result that is shown."""
+"""File stem of a JSON Schema to the class of the result that it describes."""

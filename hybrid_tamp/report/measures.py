@@ -1,4 +1,4 @@
-"""Measures of a run that every domain has: what touched what should not, and planned against measured durations."""
+"""Measures of a run in every domain: forces between instances, and planned and measured durations."""
 
 from collections.abc import Mapping
 
@@ -13,9 +13,9 @@ MEASURED = "measured_duration [s]"
 def run_measures(plan: TaskPlan, recording: Recording) -> Mapping[str, float]:
     """Return the measures of a run of a plan.
 
-    `CONTACT`: largest normal force between tokens of different instances, the floor excepted [N]; left out where no
-    two tokens touched at all, or the backend does not measure it. `PLANNED` and `MEASURED`: how long the plan was
-    scheduled to take, and how long the run took [s].
+    `CONTACT` is the largest normal force between tokens of different instances, except the floor [N]. It is absent if
+    no two tokens touched or the backend does not measure contacts. `PLANNED` is the makespan of the plan, and
+    `MEASURED` the duration of the run [s].
     """
     found = {PLANNED: plan.makespan, MEASURED: recording.duration}
     if recording.contacts:

@@ -1,4 +1,4 @@
-"""The page of a run: report.html, made from the documents in its folder; pictures and video are files beside it."""
+"""The page of a run, report.html, made from the documents in its folder. It shows the pictures and video there."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -16,14 +16,14 @@ PAGE = "report.html"
 
 
 def write_page(folder: RunFolder, resting: str) -> Path:
-    """Write the page of what `plan` or `run` left in a folder.
+    """Write the page of the documents that `plan` or `run` wrote.
 
     Args:
-        folder: it holds plan.json and, where the plan was run, result.json.
+        folder: the folder with plan.json and, after a run, result.json.
         resting: name of the block in which tokens rest.
 
     Raises:
-        InputError: a document is not there or is none, or the folder cannot be written to.
+        InputError: a document is missing or wrong, or the folder cannot be written to.
     """
     plan = _read(folder.path / "plan.json", "plan-1")
     result = None
@@ -64,7 +64,7 @@ def _content(path: Path, plan: Json, result: Json | None, resting: str) -> dict[
 
 
 def lanes(plan: Json, resting: str) -> dict[str, list[Json]]:
-    """Return the timeline: token to its bars, `left` and `width` in percent of the makespan; none where it rests."""
+    """Return the timeline: token to its bars, `left` and `width` in percent of the makespan; none while it rests."""
     found: dict[str, list[Json]] = {}
     for step in plan["steps"]:
         for entry in step["blocks"]:
@@ -86,12 +86,12 @@ def _read(file: Path, stem: str) -> Json:
     """Return the document in a file.
 
     Raises:
-        InputError: it is not there, or it is not such a document.
+        InputError: the file is missing, or is not such a document.
     """
     try:
         return parse_document(stem, file.read_bytes())
     except OSError as error:
-        wanted = f"{file.name} as `plan` and `run` leave it in their folder"
+        wanted = f"{file.name} as `plan` and `run` write it"
         raise InputError([Issue(str(file), wanted, str(error.strerror))]) from error
     except ValidationError as error:
         first = error.errors()[0]

@@ -9,13 +9,13 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 @contextmanager
 def progress_bar(wanted: bool = True) -> Iterator[Callable[[float, str], None]]:
-    """Show a bar while the context lasts; the function takes the share done, 0 to 1, and what is being done.
+    """Show a bar within the context, which yields a function of the finished share, 0 to 1, and the current activity.
 
     Args:
-        wanted: whether to show a bar at all; there is none in a file.
+        wanted: whether to show a bar; a file never gets one.
     """
     columns = (TextColumn("{task.description:<24}"), BarColumn(), TimeElapsedColumn())
-    # Not console.is_terminal, which colours that are asked for by the environment make true of a file as well.
+    # Not console.is_terminal, which FORCE_COLOR makes true for a file as well.
     console = Console(stderr=True)
     with Progress(*columns, console=console, transient=True, disable=not wanted or not console.file.isatty()) as bar:
         task = bar.add_task("planning", total=1.0)

@@ -10,21 +10,21 @@ from hybrid_tamp.model.affordances import Affordance, AffordanceResult, Implicat
 from hybrid_tamp.model.explanation import Cause, TaskExplanation
 from hybrid_tamp.model.membership import MembershipResult
 from hybrid_tamp.report.documents import document
-from hybrid_tamp.report.tables import explanation_text
+from hybrid_tamp.report.tables import explanation_text, new_table, roles_text
 
 
 def explanation_table(result: TaskExplanation) -> RenderableType:
-    """Return why there is no plan, or a row for each token that says why it is in the plan or not."""
+    """Return why there is no plan, or a row for each token that says why the plan uses it or not."""
     if result.explanation is not None:
         return explanation_text(document(result)["explanation"])
-    table = _table(f"Why {result.task.name} has the plan that it has", "token", "in the plan", "why")
+    table = new_table(f"Why {result.task.name} has the plan that it has", "token", "in the plan", "why")
     for cause in result.tokens:
         table.add_row(Text(cause.token), "yes" if cause.used else "no", Text("\n".join(_reasons_of(cause))))
     return table
 
 
 def _reasons_of(cause: Cause) -> list[str]:
-    """Return each instance once, with the nearest one that needs it; documents have the whole chain."""
+    """Return each instance once, with the nearest one that needs it; the document has the whole chain."""
     others = {link.instance: link for link in reversed(cause.links)}
     others.pop(cause.links[0].instance if cause.links else "", None)
     more = [f"{link.instance} for {link.needed_by_text}: {link.atom.text}" for link in reversed(others.values())]
@@ -34,11 +34,9 @@ def _reasons_of(cause: Cause) -> list[str]:
 def affordances_table(result: AffordanceResult) -> RenderableType:
     """Return which object affords which block, and what each question changes."""
     title = f"{result.task.name}, {result.view} view"
-    shown: list[RenderableType] = []
+    shown: list[RenderableType] = [Text(f"{title}: no object affords anything.")]
     if result.affordances:
-        shown.append(_affordances(title, result.affordances))
-    else:
-        shown.append(Text(f"{title}: no object affords anything."))
+        shown = [_affordances(title, result.affordances)]
     if result.implied:
         shown.append(_implied(result.implied))
     for answer in result.what_if:
@@ -50,7 +48,7 @@ def affordances_table(result: AffordanceResult) -> RenderableType:
 
 
 def _affordances(title: str, affordances: Iterable[Affordance]) -> Table:
-    table = _table(title, "object", "affords", "as", "to", "e.g. with")
+    table = new_table(title, "object", "affords", "as", "to", "e.g. with")
     for each in affordances:
         to = ", ".join(each.agents) or "-"
         table.add_row(*map(Text, (each.object, each.block, each.slot, to, _witness(each.witness, each.slot))))
@@ -59,28 +57,28 @@ def _affordances(title: str, affordances: Iterable[Affordance]) -> Table:
 
 def _implied(implications: Iterable[Implication]) -> Table:
     title = "What an agent seen acting implies for one with the same capability classes"
-    table = _table(title, "seen", "with", "in", "so", "can too?", "e.g. with")
+    table = new_table(title, "seen", "with", "in", "so", "can too?", "e.g. with")
     for each in implications:
-        said = "yes" if each.holds else "by class, but a feasibility fact fails"
+        answer = "yes" if each.holds else "by class, but a feasibility fact fails"
         seen = each.affordance
         witness = _witness(each.witness, seen.slot)
-        table.add_row(*map(Text, (each.seen, seen.object, seen.block, each.observer, said, witness)))
+        table.add_row(*map(Text, (each.seen, seen.object, seen.block, each.observer, answer, witness)))
     return table
 
 
 def _witness(witness: Mapping[str, str], slot: str) -> str:
-    return ", ".join(f"{role}={value}" for role, value in witness.items() if role != slot) or "-"
+    return roles_text({role: value for role, value in witness.items() if role != slot}) or "-"
 
 
 def resting_text(result: MembershipResult) -> str:
-    """Say on how many faces a token can rest."""
+    """Return the number of faces on which a token can rest, as a sentence."""
     faces = f"{len(result.resting)} faces to rest on" if result.resting else "no face to rest on"
     return f"{result.token} has {faces}."
 
 
 def membership_table(result: MembershipResult) -> RenderableType:
     """Return a row for each class of which the token may be a member."""
-    table = Table("class", "likelihood", "as", "verdict", "trials", "95 % of", header_style="bold")
+    table = new_table("", "class", "likelihood", "as", "verdict", "trials", "95 % of")
     for verdict in result.verdicts:
         low, high = verdict.interval
         table.add_row(
@@ -107,10 +105,3 @@ def membership_lines(result: MembershipResult) -> list[str]:
 
 def _number(value: object) -> str:
     return f"[{', '.join(f'{part:g}' for part in value)}]" if isinstance(value, tuple) else f"{value:g}"
-
-
-def _table(title: str, *headings: str) -> Table:
-    table = Table(title=title, title_justify="left", header_style="bold")
-    for heading in headings:
-        table.add_column(heading, overflow="fold")
-    return table

@@ -1,11 +1,11 @@
-"""What keys of documents show that is no attribute of a dataclass; the docstrings describe the keys in the schemas."""
+"""Values of keys that are not attributes of a dataclass; the docstrings describe the keys in the JSON Schemas."""
 
 from math import isfinite
 from typing import Literal
 
 from hybrid_tamp.model.explanation import Reason, Suggestion
 from hybrid_tamp.model.network import slot_text
-from hybrid_tamp.model.outcome import PlanOutcome
+from hybrid_tamp.model.outcome import PlannerFigures, PlanOutcome
 from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.model.planned_network import PlannedNetwork
 from hybrid_tamp.model.refined import Retuning, Tuned, Value
@@ -13,13 +13,18 @@ from hybrid_tamp.model.run_result import RunResult
 
 
 def objective(outcome: PlanOutcome) -> Literal["length", "makespan"]:
-    """What the plan should be short in."""
+    """Whether the planner minimises the number of actions or the makespan."""
     return "makespan" if outcome.task.objective == "makespan" else "length"
 
 
 def actions(outcome: PlanOutcome) -> tuple[PlannedAction, ...]:
-    """The PDDL plan, a line each."""
+    """The PDDL plan, one line per action."""
     return () if outcome.plan is None else outcome.plan.actions
+
+
+def proven_shortest(figures: PlannerFigures) -> bool:
+    """Whether it is proven that no plan has a shorter makespan; the planners here prove no makespan."""
+    return False
 
 
 def refined(outcome: PlanOutcome) -> PlanOutcome | None:
@@ -38,12 +43,12 @@ def kind(reason: Reason) -> str:
 
 
 def solvable(suggestion: Suggestion) -> Literal[True]:
-    """Whether the changed task has a plan: it was planned."""
+    """Whether the changed task has a plan; always true, because it was planned."""
     return True
 
 
 def moves(tuned: Tuned) -> tuple[str, ...]:
-    """Performance measures on which it has an effect."""
+    """Performance measures that it affects."""
     return tuple(".".join(measure) for measure in tuned.moves)
 
 
@@ -63,5 +68,5 @@ def breaches(result: RunResult) -> tuple[str, ...]:
 
 
 def result_schema(result: RunResult) -> Literal["hybrid-tamp/result/1"]:
-    """The form of the result within another document."""
+    """Name of the document that the result is."""
     return "hybrid-tamp/result/1"

@@ -1,6 +1,6 @@
 """Tables for people: plans, results, domains. Programs read the JSON documents instead."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -11,14 +11,30 @@ from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.report.documents import Json
 
 _WIDTH = 60
-"""Characters of a timeline."""
+"""Width of a timeline in characters."""
 _NAMED = 8
-"""So many of the names that were left out are said; programs are told all."""
+"""Largest number of left-out names that are printed; the document has all of them."""
 
 _NO_SINGLE_CHANGE = "No single change gives it a plan: no token, class, edge, fact or property."
-_NONE_FOUND = (
-    "No single change was found in time that gives it a plan; 'hybrid-tamp explain --seconds N' searches longer."
-)
+_NONE_FOUND = "The search found no single change in time; 'hybrid-tamp explain --seconds N' searches longer."
+
+
+def new_table(title: str, *headings: str, framed: bool = True) -> Table:
+    """Return an empty table.
+
+    Args:
+        title: the title, or empty.
+        headings: the headings of the columns; a ``>`` in front aligns a column of figures at the right.
+        framed: whether the table has lines around its cells.
+    """
+    table = Table(title=title, title_justify="left", header_style="bold")
+    if not framed:
+        table.box, table.pad_edge = None, False
+    for heading in headings:
+        # Fold long names instead of cutting them: a name without its end is useless.
+        at_right = heading.startswith(">")
+        table.add_column(heading.removeprefix(">"), justify="right" if at_right else "left", overflow="fold")
+    return table
 
 
 def plan_table(document: Json, resting: str) -> RenderableType:
@@ -28,11 +44,9 @@ def plan_table(document: Json, resting: str) -> RenderableType:
         document: the document of a plan.
         resting: name of the block in which tokens rest.
     """
-    table = Table(title=f"Plan of {document['task']}", title_justify="left", header_style="bold")
-    table.add_column("step", justify="right")
-    table.add_column("from [s]", justify="right")
-    table.add_column("to [s]", justify="right")
-    table.add_column("which tokens are in which blocks")
+    table = new_table(
+        f"Plan of {document['task']}", ">step", ">from [s]", ">to [s]", "which tokens are in which blocks"
+    )
     for step in document["steps"]:
         lines = Text("\n".join(allocations(step, resting)))
         table.add_row(str(step["index"]), f"{step['start']:.2f}", f"{step['end']:.2f}", lines)
@@ -40,7 +54,7 @@ def plan_table(document: Json, resting: str) -> RenderableType:
 
 
 def allocations(step: Json, resting: str) -> list[str]:
-    """Return which tokens are in which blocks: a line for each busy instance, and one for all that rests."""
+    """Return which tokens are in which blocks: one line for each busy instance, and one for all resting tokens."""
     busy = [allocation(entry) for entry in step["blocks"] if entry["block"] != resting]
     idle = [token for entry in step["blocks"] if entry["block"] == resting for token in entry["slots"].values()]
     return [*busy, f"{resting}: {', '.join(sorted(idle))}"] if idle else busy
@@ -49,15 +63,15 @@ def allocations(step: Json, resting: str) -> list[str]:
 def plan_footer(document: Json) -> str:
     """Return in one line how long a plan is, and how it was found."""
     planner = document["planner"]
-    said = f"{len(document['actions'])} actions, {document['makespan']:.2f} s, planned in {planner['seconds']:.2f} s"
+    text = f"{len(document['actions'])} actions, {document['makespan']:.2f} s, planned in {planner['seconds']:.2f} s"
     if document["objective"] == "makespan":
-        said += f" ({planner['way']}; {'' if planner['proven_shortest'] else 'not '}proven the shortest in time)"
-    return said
+        text += f" ({planner['way']}; not proven the shortest in time)"
+    return text
 
 
 def network_text(network: Json) -> str:
-    """Return what part of the network was planned on, and what was brought in and why; empty if it was the whole."""
-    whole = network["reduced_from"]
+    """Return what a reduced network left out, and which tokens were brought in and why; empty for a whole network."""
+    whole, expanded = network["reduced_from"], network["expanded_with"]
     lines = []
     if whole is not None:
         blocks = f"{len(network['blocks'])} of {whole['blocks']} blocks"
@@ -65,36 +79,36 @@ def network_text(network: Json) -> str:
         left_out = [*whole["blocks_left_out"], *whole["tokens_left_out"]]
         more = f" and {len(left_out) - _NAMED} more" if len(left_out) > _NAMED else ""
         lines.append(f"reduced network: {blocks}, {tokens}; left out: {', '.join(left_out[:_NAMED])}{more}")
-    for added in network["expanded_with"][:_NAMED]:
+    for added in expanded[:_NAMED]:
         fills = f" for {', '.join(added['blocks'])}" if added["blocks"] else ""
         lines.append(f"brought in {added['token']} ({', '.join(added['classes'])}){fills}: {added['why']}")
-    if len(network["expanded_with"]) > _NAMED:
-        lines.append(f"brought in {len(network['expanded_with']) - _NAMED} more")
+    if len(expanded) > _NAMED:
+        lines.append(f"brought in {len(expanded) - _NAMED} more")
     return "\n".join(lines)
+
+
+def roles_text(roles: Mapping[str, str]) -> str:
+    """Return a choice of tokens and symbols, e.g. ``hand=h, object=drum``."""
+    return ", ".join(f"{role}={name}" for role, name in roles.items())
 
 
 def allocation(entry: Json) -> str:
     """Return one instance with its tokens and targets, e.g. ``ROLLING-1: hand=h, object=drum -> region=goal``."""
-    slots = ", ".join(f"{slot}={token}" for slot, token in entry["slots"].items())
-    targets = ", ".join(f"{target}={value}" for target, value in entry["targets"].items())
-    return f"{entry['instance']}: {slots}" + (f" -> {targets}" if targets else "")
+    targets = f" -> {roles_text(entry['targets'])}" if entry["targets"] else ""
+    return f"{entry['instance']}: {roles_text(entry['slots'])}{targets}"
 
 
 def timetable(title: str, plan: TaskPlan) -> RenderableType:
-    """Return one row an instance: from when to when which tokens are in which block."""
-    table = Table(title=title, title_justify="left", header_style="bold")
-    for heading in ("from [s]", "to [s]"):
-        table.add_column(heading, justify="right")
-    for heading in ("block", "tokens and targets"):
-        table.add_column(heading, overflow="fold")
+    """Return a table with one row per instance: its time, its block and its tokens."""
+    table = new_table(title, ">from [s]", ">to [s]", "block", "tokens and targets")
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.end, i.name)):
-        roles = ", ".join(f"{role}={name}" for role, name in instance.roles.items())
-        table.add_row(f"{instance.start:.2f}", f"{instance.end:.2f}", Text(instance.block), Text(roles))
+        roles = Text(roles_text(instance.roles))
+        table.add_row(f"{instance.start:.2f}", f"{instance.end:.2f}", Text(instance.block), roles)
     return table
 
 
 def timeline(plan: TaskPlan, tokens: Iterable[str], resting: str) -> RenderableType:
-    """Return one row a token: its blocks over time, to scale; dots where it rests."""
+    """Return one row per token with its blocks over time, to scale; dots mean that the token rests."""
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True)
     table.add_column(no_wrap=True)
@@ -122,12 +136,11 @@ def explanation_text(explanation: Json) -> RenderableType:
 
 
 def reasons(explanation: Json) -> list[str]:
-    """Return the reasons why there is no plan, and what would do, a line each."""
+    """Return one line for each reason why there is no plan, and for each change that would give one."""
+    found = explanation["suggestions"]
     lines = [f"{reason['goal']}: {reason['message']}" for reason in explanation["reasons"]]
-    lines += [
-        f"There is a plan of {each['length']} actions with {each['what']}." for each in explanation["suggestions"]
-    ]
-    if explanation["kind"] == "unsolvable" and not explanation["suggestions"]:
+    lines += [f"There is a plan of {each['length']} actions with {each['what']}." for each in found]
+    if explanation["kind"] == "unsolvable" and not found:
         lines.append(_NO_SINGLE_CHANGE if explanation["all_looked_at"] else _NONE_FOUND)
     if explanation["together"]:
         lines.append(f"There is a plan with all of these changes together: {'; '.join(explanation['together'])}.")
@@ -135,16 +148,9 @@ def reasons(explanation: Json) -> list[str]:
 
 
 def result_table(document: Json) -> RenderableType:
-    """Return what a run did: predicted against measured exit margins, the goal, the domain's measures."""
-    table = Table(
-        title=f"\nRun of {document['task']} in {document['backend']}", title_justify="left", header_style="bold"
-    )
-    table.box, table.pad_edge = None, False
-    # Folded, not cut: a condition without its last argument says nothing.
-    table.add_column("exit conditions", overflow="fold")
-    table.add_column("predicted", justify="right")
-    table.add_column("measured", justify="right")
-    table.add_column("")
+    """Return the result of a run: predicted and measured exit margins, the goal, the domain's measures."""
+    title = f"\nRun of {document['task']} in {document['backend']}"
+    table = new_table(title, "exit conditions", ">predicted", ">measured", "", framed=False)
     for run in (each for each in document["blocks"] if each["exit"]):
         table.add_row(Text(f"{run['instance']}, {run['start']:.2f} to {run['end']:.2f} s"))
         for condition in run["exit"]:
@@ -159,15 +165,13 @@ def result_table(document: Json) -> RenderableType:
 
 
 def margin(value: float | None) -> str:
-    """Return a signed margin, or a dash where there is none."""
+    """Return a signed margin, or a dash if there is none."""
     return "-" if value is None else f"{value:+.4f}"
 
 
 def domains_table(domains: Iterable[Domain]) -> RenderableType:
-    """Return one row a domain."""
-    table = Table(header_style="bold")
-    for heading in ("domain", "what it is about", "classes", "blocks"):
-        table.add_column(heading)
+    """Return a table with one row per domain."""
+    table = new_table("", "domain", "what it is about", "classes", "blocks")
     for domain in domains:
         classes = ", ".join(c.name for c in domain.classes)
         table.add_row(domain.name, domain.description, classes, ", ".join(b.name for b in domain.blocks))
@@ -175,11 +179,9 @@ def domains_table(domains: Iterable[Domain]) -> RenderableType:
 
 
 def network_table(domain: Domain) -> RenderableType:
-    """Return one row a slot: what it takes, and to which slots a token may go from there."""
+    """Return a table with one row per slot: its class, and the slots that a token may go to from there."""
     title = f"{domain.name}: {len(domain.blocks)} blocks, {len(domain.network.edges)} edges"
-    table = Table(title=title, title_justify="left", header_style="bold", box=None, pad_edge=False)
-    for heading in ("slot", "class", "goes on to"):
-        table.add_column(heading, overflow="fold")
+    table = new_table(title, "slot", "class", "goes on to", framed=False)
     for block in domain.blocks:
         table.add_row(Text(block.name))
         for slot in block.slots:

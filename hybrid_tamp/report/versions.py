@@ -1,4 +1,4 @@
-"""Versions of what a result depends on."""
+"""Versions of the software that a result depends on."""
 
 import platform
 from importlib.metadata import PackageNotFoundError, version
@@ -7,11 +7,11 @@ _PACKAGES = ("hybrid-tamp", "numpy", "pybullet", "pybullet-arm64", "unified-plan
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of Python, the system and the packages that are installed."""
+    """Return the versions of Python, the system and the installed packages."""
     found = {"python": platform.python_version(), "system": f"{platform.system()} {platform.machine()}"}
     for package in _PACKAGES:
         try:
             found[package] = version(package)
         except PackageNotFoundError:
-            continue  # pybullet comes under one of two names
+            continue  # pybullet has one of two names
     return found

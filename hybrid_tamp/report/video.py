@@ -1,8 +1,9 @@
-"""A recording as a video and as one picture a step; who draws the scene is passed in."""
+"""A recording as a video, and as one picture per step. The caller passes the function that draws a state."""
 
 import os
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing, contextmanager
+from itertools import chain
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -17,13 +18,13 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.report.caption import Captions, Picture
 
 Render = Callable[[State], Picture]
-"""State, of shape ``(n,)``, to its picture ``(height, width, 3)``; always of one size."""
+"""Draws a state of shape ``(n,)`` as a picture ``(height, width, 3)``; all pictures have one size."""
 
 Progress = Callable[[int, int], None]
-"""Called with how many frames are done and how many there will be."""
+"""Called with the number of finished frames and the number of all frames."""
 
 FRAME_RATE = 20
-"""Frames a second."""
+"""Frames per second."""
 _QUALITY = ["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"]
 
 
@@ -33,111 +34,75 @@ def frame_times(recording: Recording, frame_rate: int = FRAME_RATE) -> FloatArra
     return np.append(np.arange(count) / frame_rate, recording.duration)
 
 
-def frames(task: Task, recording: Recording, render: Render, times: FloatArray) -> Iterator[Picture]:
-    """Yield the captioned picture of each instant [s]."""
+def _pictures(
+    task: Task, recording: Recording, render: Render, instants: Iterable[tuple[float, float]]
+) -> Iterator[Picture]:
+    """Yield the picture of each instant with the caption of another instant, usually the same [s]."""
     captions: Captions | None = None
-    for time in times:
-        picture = render(recording.at(float(time)))
-        if captions is None:
-            captions = Captions(task, recording, picture.shape[1])
-        yield captions.under(picture, float(time))
+    for time, captioned in instants:
+        picture = render(recording.at(time))
+        captions = captions or Captions(task, recording, picture.shape[1])
+        yield captions.under(picture, captioned)
 
 
 def write_video(
-    path: Path,
-    task: Task,
-    recording: Recording,
-    render: Render,
-    progress: Progress | None = None,
+    path: Path, task: Task, recording: Recording, render: Render, progress: Progress = lambda done, of: None
 ) -> int:
-    """Write an mp4 that any player and browser shows, and return how many frames it has.
+    """Write an mp4 video for common players and browsers, and return its number of frames.
 
     Args:
-        path: the file, which appears only when it is whole.
-        task: the task that was run.
-        recording: what happened.
+        path: the file; it appears only when it is complete.
+        task: the task of the run.
+        recording: the recording of the run.
         render: draws a state.
         progress: called after every frame.
 
     Raises:
         InputError: the file cannot be written.
     """
-    times = frame_times(recording)
+    times: list[float] = frame_times(recording).tolist()
     with _renamed(path) as temporary:
-        pictures = frames(task, recording, render, times)
+        pictures = _pictures(task, recording, render, zip(times, times, strict=True))
         first = next(pictures)
         with closing(_encoder(temporary, first)) as encoder:
             encoder.send(None)
-            for index in range(len(times)):
-                encoder.send(np.ascontiguousarray(first if index == 0 else next(pictures)))
-                if progress is not None:
-                    progress(index + 1, len(times))
+            for done, picture in enumerate(chain([first], pictures), start=1):
+                encoder.send(np.ascontiguousarray(picture))
+                progress(done, len(times))
     return len(times)
 
 
 def step_pictures(folder: Path, task: Task, recording: Recording, render: Render) -> tuple[Path, ...]:
-    """Write one PNG a step, ``step-01.png`` and so on, each as things stand at the step's end.
+    """Write one PNG per step, ``step-01.png`` and so on, with the scene at the end of the step.
 
     Raises:
         InputError: a file cannot be written.
     """
     steps = tuple(recording.plan.steps)
-    ends = np.array([step.end for step in steps])
+    # The end of a step is already an instant of the next one, so the caption is that of the time step before.
+    instants = [(float(step.end), max(step.start, float(step.end) - recording.timestep)) for step in steps]
     written = []
-    captions: Captions | None = None
-    for step, end in zip(steps, ends, strict=True):
-        picture = render(recording.at(float(end)))
-        if captions is None:
-            captions = Captions(task, recording, picture.shape[1])
-        # The instant of a reassignment belongs to the next step, and this picture to the one that ends there.
-        row_before = max(step.start, float(end) - recording.timestep)
+    for step, picture in zip(steps, _pictures(task, recording, render, instants), strict=True):
         path = folder / f"step-{step.index:02d}.png"
         with _renamed(path) as temporary:
-            Image.fromarray(captions.under(picture, row_before)).save(temporary, format="PNG")
+            Image.fromarray(picture).save(temporary, format="PNG")
         written.append(path)
     return tuple(written)
 
 
-def draw_run(
-    folder: Path,
-    task: Task,
-    recording: Recording,
-    render: Render,
-    video: Path | None,
-    progress: Callable[[float], None],
-) -> None:
-    """Draw one picture for each step, and the video if one is wanted.
-
-    Args:
-        folder: where the pictures go.
-        task: the task that was run.
-        recording: what happened.
-        render: draws a state.
-        video: where the video goes, or None.
-        progress: told the share of the video that is drawn.
-
-    Raises:
-        InputError: a file cannot be written.
-    """
-    step_pictures(folder, task, recording, render)
-    if video is not None:
-        write_video(video, task, recording, render, lambda done, of: progress(done / of))
-
-
 def check_video(path: Path | None) -> None:
-    """Refuse a video that could not be written, before anything is done.
+    """Check the path of a video before any work is done.
 
     Raises:
-        InputError: its folder is not there, or it does not end in ``.mp4``.
+        InputError: the folder does not exist, or the path does not end in ``.mp4``.
     """
     if path is None:
         return
     if path.suffix.lower() != ".mp4":
-        raise InputError([Issue(str(path), "a video file that ends in .mp4")])
-    if path.parent.exists() and not path.parent.is_dir():
-        raise InputError([Issue(str(path), "a video file in a folder", f"{path.parent}, a file")])
-    if not path.parent.exists():
-        raise InputError([Issue(str(path), "a video file in a folder that exists", f"{path.parent}, which does not")])
+        raise InputError([Issue(str(path), "the name of a video must end in .mp4")])
+    if not path.parent.is_dir():
+        came = "a file" if path.parent.exists() else "which does not exist"
+        raise InputError([Issue(str(path), "the video must be in an existing folder", f"{path.parent}, {came}")])
 
 
 def _encoder(path: Path, picture: Picture) -> Generator[None, Picture | None, None]:
@@ -158,14 +123,14 @@ def _encoder(path: Path, picture: Picture) -> Generator[None, Picture | None, No
 
 @contextmanager
 def _renamed(path: Path) -> Iterator[Path]:
-    """Give a temporary path with the same ending, and rename it when the block ends without an error.
+    """Yield a temporary path with the same ending, and rename the file if no error occurs.
 
     Raises:
         InputError: the file cannot be written.
     """
     temporary = path.with_name(f".{os.getpid()}.part.{path.name}")
     try:
-        # Whether the file can be written is seen here, before anything is drawn or an encoder started.
+        # Find out whether the file can be written before any picture is drawn or an encoder started.
         temporary.touch()
         yield temporary
         temporary.replace(path)

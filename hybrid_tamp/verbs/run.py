@@ -27,7 +27,7 @@ from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.report.measures import run_measures
 from hybrid_tamp.report.page import write_page
 from hybrid_tamp.report.versions import versions
-from hybrid_tamp.report.video import check_video, draw_run
+from hybrid_tamp.report.video import check_video, step_pictures, write_video
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.strategies.search import Planner
 from hybrid_tamp.verbs.loading import Settings, load
@@ -86,7 +86,9 @@ def run(
     save(result.recording, target.path / "recording.npz")
     target.write_json("result.json", document(result))
     with open_renderer(task, recording) as renderer:
-        draw_run(target.path, task, recording, renderer.picture, video, lambda share: tell(share, "drawing"))
+        step_pictures(target.path, task, recording, renderer.picture)
+        if video is not None:
+            write_video(video, task, recording, renderer.picture, lambda done, of: tell(done / of, "drawing"))
     write_page(target, task.domain.resting)
     return result
 

@@ -124,7 +124,7 @@ def test_one_picture_a_step(task: Task, recording: Recording, tmp_path: Path) ->
     assert first.shape == second.shape
     assert not np.array_equal(first[:HEIGHT], second[:HEIGHT])
     assert not np.array_equal(first[HEIGHT:], second[HEIGHT:])
-    # Each shows the end of its step: the ball at .4 and at 1 of the way.
+    # Each shows the end of its step: the ball at 0.4 of the way and at its end.
     columns = [int(np.argmin(picture[:HEIGHT, :WIDTH, 1].mean(axis=0))) for picture in (first, second)]
     assert columns[0] == pytest.approx(0.4 * (WIDTH - 10), abs=2)
     assert columns[1] == WIDTH - 10
