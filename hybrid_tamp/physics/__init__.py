@@ -1,5 +1,5 @@
-"""Who moves the tokens: one protocol, and the backends behind it.
+"""Physics backends, which move the tokens, behind one protocol.
 
-`protocol` says what a backend does and finds one by name; `scene` says what physics needs to know of each token.
-`analytic` runs the blocks' own forward models; `bullet` is PyBullet; `pictures` draws what was recorded.
+`protocol` defines a backend and finds one by name; `scene` holds the physical properties of each token. `analytic` runs
+the blocks' own forward models; `bullet` is PyBullet; `pictures` draws recordings.
 """

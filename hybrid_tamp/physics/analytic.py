@@ -1,4 +1,4 @@
-"""The analytic backend: the blocks' own continuous systems. It needs no simulator and knows no contacts."""
+"""The analytic backend: the blocks' own continuous systems. It needs no simulator and has no contacts."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -11,14 +11,14 @@ from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, ContinuousSystem
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.protocol import ContactForce
+from hybrid_tamp.physics.protocol import ContactForce, Resource
 
 IntArray = NDArray[np.intp]
 _Moving = tuple[ContinuousSystem, IntArray]
-"""The system of an instance, and where the state of the tokens in its slots lies in the flat array."""
+"""The system of an instance, and the indices of the state of the tokens in its slots."""
 
 
-class AnalyticBackend:
+class AnalyticBackend(Resource):
     """Moves the tokens of each running instance by its block's continuous system, all at once."""
 
     name = "analytic"
@@ -28,7 +28,7 @@ class AnalyticBackend:
         self._moving: Mapping[str, _Moving] = {}
 
     def reset(self, task: Task, state: State) -> State:
-        """Start in the state as it is."""
+        """Start in the given state."""
         self._task = task
         self._commands = CommandLayout.of(task)
         self._state = State(state.layout, np.array(state.values, dtype=float))
@@ -50,7 +50,7 @@ class AnalyticBackend:
         values = before.values.copy()
         for system, mine in self._moving.values():
             after = system(before, filled, self.timestep)
-            # A system speaks for the tokens in its slots only, whatever else it returns.
+            # A system determines only the state of the tokens in its slots, whatever else it returns.
             values[mine] = after.values[mine]
         self._state = State(before.layout, values)
         return self._state
@@ -70,13 +70,7 @@ class AnalyticBackend:
         yield go_back
 
     def close(self) -> None:
-        """Do nothing: no resources are held."""
-
-    def __enter__(self) -> "AnalyticBackend":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
+        """Do nothing: there are no resources to free."""
 
     def _begin(self, instance: BlockInstance) -> _Moving:
         held = set(instance.slots.values())

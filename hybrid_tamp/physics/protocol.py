@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.control import Commands
@@ -12,28 +12,44 @@ from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 
+_Self = TypeVar("_Self")
+
 GROUP = "hybrid_tamp.physics"
-"""Entry-point group in which other packages offer backends: a callable without arguments."""
+"""Entry-point group for backends of other packages; each entry is a callable without arguments."""
 
 FLOOR = "(floor)"
-"""The floor's name in contacts; no token can be called so by accident."""
+"""Name of the floor in contacts; no token can have this name."""
 
 ContactForce = tuple[str, str, float]
 """Two tokens in contact, or a token and `FLOOR`, sorted, and the normal force between them [N]."""
 
-# Known without an installed distribution too, so that a source tree runs as it is.
+# Listed here as well, so that a source tree runs without an installed distribution.
 _BUILT_IN = {
     "analytic": "hybrid_tamp.physics.analytic:AnalyticBackend",
     "pybullet": "hybrid_tamp.physics.bullet.backend:BulletBackend",
 }
 
 
-class Backend(Protocol):
-    """A simulated world: it takes commands and is measured. As a context manager it frees its resources."""
+class Resource(Protocol):
+    """A context manager that closes itself on exit."""
+
+    def close(self) -> None:
+        """Free the resources; the object cannot be used afterwards."""
+        ...
+
+    def __enter__(self: _Self) -> _Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+
+class Backend(Resource, Protocol):
+    """A simulated world that takes commands and is measured."""
 
     @property
     def name(self) -> str:
-        """Name by which it is found."""
+        """Name of the backend, as in `open_backend`."""
         ...
 
     @property
@@ -42,9 +58,9 @@ class Backend(Protocol):
         ...
 
     def reset(self, task: Task, state: State) -> State:
-        """Build the task's scene in a state, of shape ``(n,)``, and return the state it starts in.
+        """Build the task's scene in a state of shape ``(n,)`` and return the initial state of the simulation.
 
-        Resetting to a returned state starts the same run again, bit for bit.
+        A reset to a returned state starts the same run again, bit for bit.
 
         Raises:
             InputError: the backend cannot simulate the task.
@@ -73,22 +89,15 @@ class Backend(Protocol):
         """Save the current state; the context gives a function that restores it, bit for bit."""
         ...
 
-    def close(self) -> None:
-        """Free the resources of the backend; it cannot be used afterwards."""
-        ...
-
-    def __enter__(self) -> "Backend": ...
-
-    def __exit__(self, *error: object) -> None: ...
-
 
 def open_backend(name: str) -> Backend:
-    """Open the backend of that name.
+    """Open the backend with this name.
 
     Raises:
-        InputError: there is none of that name, or what it needs is not installed.
+        InputError: no backend has this name, or a package that it needs is not installed.
     """
-    offers = _offers()
+    others: list[EntryPoint] = sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
+    offers = {entry.name: entry.value for entry in others} | _BUILT_IN
     if name not in offers:
         raise InputError([Issue("", "the name of a physics backend", repr(name), tuple(sorted(offers)))])
     backend: Backend = load(offers[name])()
@@ -105,17 +114,6 @@ def load(reference: str) -> Any:
     try:
         return getattr(import_module(module), attribute)
     except ModuleNotFoundError as missing:
-        raise InputError(
-            [
-                Issue(
-                    module,
-                    f"the package {missing.name}, which is not installed",
-                    remedy=f"install {missing.name}, or choose another physics backend",
-                )
-            ]
-        ) from missing
-
-
-def _offers() -> dict[str, str]:
-    others: list[EntryPoint] = sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
-    return {entry.name: entry.value for entry in others} | _BUILT_IN
+        remedy = f"install {missing.name}, or choose another physics backend"
+        wanted = f"the package {missing.name}, which is not installed"
+        raise InputError([Issue(module, wanted, remedy=remedy)]) from missing

@@ -20,15 +20,15 @@ TORQUE = "torque"
 """The basic action that turns a body: a torque in the world frame [N m]."""
 
 MASS = 1.0
-"""Mass of a token without that property [kg]."""
+"""Default mass of a token [kg]."""
 FRICTION = 0.5
-"""Friction coefficient of a token without that property; Bullet multiplies those of two bodies in contact."""
+"""Default friction coefficient of a token; Bullet multiplies the coefficients of two bodies in contact."""
 ROLLING_FRICTION = 0.005
-"""Rolling friction of a round thing without that property [m]; with zero it would never stop."""
+"""Default rolling friction of a round thing [m]; with zero it would never stop."""
 FLOOR_FRICTION = 1.0
 
 _ACTIONS = {FORCE: 3, TORQUE: 3, GRIP: 1}
-# What an action needs to be simulated: fixed properties and varying ones.
+# Fixed and varying properties that the simulation of an action needs.
 _NEEDS = {FORCE: ((), ()), TORQUE: (("wrist_inertia",), ()), GRIP: (("maximal_aperture",), (APERTURE,))}
 
 
@@ -43,7 +43,7 @@ class Body:
         inertia: principal moments about the body axes [kg m^2]; zero stands for infinite.
         friction: Coulomb friction coefficient.
         rolling_friction: torque per normal force [m].
-        driven: whether the robot commands a force on it; its weight is then compensated.
+        driven: whether the robot commands a force on it, which also compensates its weight.
     """
 
     token: str
@@ -55,19 +55,19 @@ class Body:
     driven: bool
 
 
-def bodies(task: Task) -> tuple[Body, ...]:
-    """Return a body for every token that is not a place.
+def make_bodies(task: Task) -> tuple[Body, ...]:
+    """Make a body for every token that is not a place.
 
     Raises:
-        InputError: a token has no shape or no body state, or is moved by something that physics does not know.
+        InputError: a token has no shape or no body state, or has a basic action that physics does not know.
     """
-    issues = [issue for token in task.assigned for issue in _faults(token)]
+    issues = [issue for token in task.assigned for issue in _find_faults(token)]
     if issues:
         raise InputError(issues)
-    return tuple(_body(token) for token in task.assigned)
+    return tuple(_make_body(token) for token in task.assigned)
 
 
-def _faults(token: Token) -> list[Issue]:
+def _find_faults(token: Token) -> list[Issue]:
     where = f"token {token.name}"
     found = []
     if token.shape is None:
@@ -75,10 +75,10 @@ def _faults(token: Token) -> list[Issue]:
     missing = [varying.name for varying in BODY_STATE if varying not in token.varying]
     if missing:
         found.append(Issue(where, f"the varying properties {', '.join(missing)}, to be simulated"))
-    return found + _action_faults(token, where)
+    return found + _find_action_faults(token, where)
 
 
-def _action_faults(token: Token, where: str) -> list[Issue]:
+def _find_action_faults(token: Token, where: str) -> list[Issue]:
     known = tuple(f"{name} of size {size}" for name, size in _ACTIONS.items())
     varying = {varying.name for varying in token.varying}
     found = []
@@ -98,7 +98,7 @@ def _action_faults(token: Token, where: str) -> list[Issue]:
     return found
 
 
-def _body(token: Token) -> Body:
+def _make_body(token: Token) -> Body:
     assert token.shape is not None, "refused before"
     driven = bool(token.basic_actions)
     mass = _number(token, "mass", MASS)
@@ -107,23 +107,23 @@ def _body(token: Token) -> Body:
         token=token.name,
         shape=token.shape,
         mass=mass,
-        inertia=_inertia(token, mass),
+        inertia=_find_inertia(token, mass),
         friction=_number(token, "friction", FRICTION),
         rolling_friction=_number(token, "rolling_friction", ROLLING_FRICTION if round_thing else 0.0),
         driven=driven,
     )
 
 
-def _inertia(token: Token, mass: float) -> tuple[float, float, float]:
+def _find_inertia(token: Token, mass: float) -> tuple[float, float, float]:
     if any(action.name == TORQUE for action in token.basic_actions):
         moment = _number(token, "wrist_inertia", 0.0)
         return (moment, moment, moment)
     if token.basic_actions:
-        # The arm that a hand belongs to is not simulated, but it keeps the hand's orientation.
+        # The simulation has no arm, so infinite inertia keeps the orientation of the hand.
         return (0.0, 0.0, 0.0)
     assert token.shape is not None, "refused before"
     given: Any = token.properties.get("inertia")
-    return inertia(token.shape, mass) if given is None else (float(given[0]), float(given[1]), float(given[2]))
+    return compute_inertia(token.shape, mass) if given is None else (float(given[0]), float(given[1]), float(given[2]))
 
 
 def _number(token: Token, name: str, default: float) -> float:
@@ -131,11 +131,11 @@ def _number(token: Token, name: str, default: float) -> float:
     return float(value)
 
 
-def inertia(shape: Shape, mass: float) -> tuple[float, float, float]:
-    """Return the moments of a solid body about the axes of its frame [kg m^2].
+def compute_inertia(shape: Shape, mass: float) -> tuple[float, float, float]:
+    """Return the moments of inertia of a solid body about the axes of its frame [kg m^2].
 
-    A compound's mass is spread evenly over the volume of its parts, and its frame's origin is taken for its centre of
-    mass. Of its inertia only the moments are returned: its axes are taken for the principal ones.
+    The mass of a compound is distributed evenly over the volume of its parts. The origin of its frame is assumed to be
+    its centre of mass, and the axes of its frame to be its principal axes.
     """
     if isinstance(shape, MeshShape):
         x, y, z = (mass * moment for moment in shape.moments)
@@ -147,7 +147,7 @@ def inertia(shape: Shape, mass: float) -> tuple[float, float, float]:
     for part, share in zip(shape.parts, mass * volumes / volumes.sum(), strict=True):
         axes = rotate(quaternion_from_rpy(part.rpy), np.eye(3))
         offset = np.square(part.position)
-        # A part's own tensor seen along the body's axes, and Steiner's parallel axes.
+        # The part's own tensor in the body's axes, plus the parallel-axis term (Steiner).
         total += np.square(axes).T @ _moments(part, share) + share * (offset.sum() - offset)
     return (float(total[0]), float(total[1]), float(total[2]))
 

@@ -107,7 +107,7 @@ def test_without_friction_nothing_is_borne() -> None:
 
 def test_hands_have_the_friction_that_physics_gives_them() -> None:
     assert scene.FRICTION == HAND_FRICTION
-    assert {body.friction for body in scene.bodies(lifting("four")) if body.driven} == {HAND_FRICTION}
+    assert {body.friction for body in scene.make_bodies(lifting("four")) if body.driven} == {HAND_FRICTION}
 
 
 # -- what is feasible -----------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.physics.pictures.appearance import draw_tokens
 from hybrid_tamp.physics.pictures.camera import bounding_radius
 from hybrid_tamp.physics.protocol import open_backend
-from hybrid_tamp.physics.scene import bodies
+from hybrid_tamp.physics.scene import make_bodies
 from hybrid_tamp.taskfile.meshfile import read_mesh
 
 MESHES = Path(__file__).parents[2] / "problems" / "meshes"
@@ -52,7 +52,7 @@ def read_ball() -> Any:
 
 
 def test_its_inertia_is_that_of_the_prism() -> None:
-    (body,) = bodies(scene({}, thing=thing("box.obj")))
+    (body,) = make_bodies(scene({}, thing=thing("box.obj")))
     expected = [8.0 * (one**2 + other**2) / 12 for one, other in ((0.28, 0.33), (0.3, 0.33), (0.3, 0.28))]
     assert body.inertia == pytest.approx(expected)
 

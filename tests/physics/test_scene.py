@@ -7,7 +7,7 @@ from workbench import HAMMER, MOMENT, held
 from hybrid_tamp.geometry.shapes import Box, BoxPart, Compound, Cylinder, CylinderPart, Shape, Sphere, SpherePart
 from hybrid_tamp.physics.pictures.appearance import draw_tokens
 from hybrid_tamp.physics.pictures.camera import bounding_radius
-from hybrid_tamp.physics.scene import bodies, inertia
+from hybrid_tamp.physics.scene import compute_inertia, make_bodies
 
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
@@ -24,14 +24,14 @@ def halves(length: float) -> Compound:
 
 def test_a_bar_of_two_halves_has_the_inertia_of_the_whole() -> None:
     whole = Box(kind="box", half_extents=(0.1, 0.2, 0.3))
-    assert inertia(halves(0.6), 5.0) == pytest.approx(inertia(whole, 5.0), rel=1e-12)
+    assert compute_inertia(halves(0.6), 5.0) == pytest.approx(compute_inertia(whole, 5.0), rel=1e-12)
 
 
 def test_a_dumbbell_has_the_inertia_of_its_balls_at_their_distance() -> None:
     balls = tuple(SpherePart(kind="sphere", radius=0.1, position=(x, 0.0, 0.0)) for x in (-0.5, 0.5))
     own = 2 / 5 * 4.0 * 0.1**2
     far = own + 4.0 * 0.5**2
-    assert inertia(Compound(kind="compound", parts=balls), 4.0) == pytest.approx((own, far, far))
+    assert compute_inertia(Compound(kind="compound", parts=balls), 4.0) == pytest.approx((own, far, far))
 
 
 @pytest.mark.parametrize(
@@ -45,11 +45,11 @@ def test_a_dumbbell_has_the_inertia_of_its_balls_at_their_distance() -> None:
     ],
 )
 def test_a_compound_of_one_part_is_that_part(alone: Shape, part: CylinderPart | SpherePart) -> None:
-    assert inertia(Compound(kind="compound", parts=(part,)), 3.0) == pytest.approx(inertia(alone, 3.0))
+    assert compute_inertia(Compound(kind="compound", parts=(part,)), 3.0) == pytest.approx(compute_inertia(alone, 3.0))
 
 
 def test_a_token_that_knows_its_inertia_has_it_and_a_wrist_is_isotropic() -> None:
-    hand, hammer = bodies(held(0.1, LEVEL))
+    hand, hammer = make_bodies(held(0.1, LEVEL))
     assert hammer.inertia == (0.0004, MOMENT, 0.0022)
     assert hand.inertia == (0.002, 0.002, 0.002)
 

@@ -9,14 +9,14 @@ from importlib import import_module
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Send the process's standard streams to nowhere for a moment.
+    """Redirect the process's standard streams to the null device.
 
     On import PyBullet prints its build time from C, past `sys.stdout`, to standard output or error depending on the
-    build; standard output belongs to ``--json``. What C still buffers must go to nowhere as well, hence the flush.
+    build, but standard output belongs to ``--json``. The flush discards what C still buffers.
     """
     saved = {}
     for descriptor in (1, 2):
-        with suppress(OSError):  # a process may run without a standard stream; there is nothing to silence then
+        with suppress(OSError):  # the process may have no such stream
             saved[descriptor] = os.dup(descriptor)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:

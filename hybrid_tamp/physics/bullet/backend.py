@@ -1,7 +1,7 @@
 """The PyBullet backend.
 
-The backend takes substeps one by one, because Bullet reports the contact forces of the last substep only and an
-impact is over within one.
+The backend takes substeps one by one, because Bullet reports only the contact forces of the last substep, and an
+impact lasts no longer than one.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -21,44 +21,44 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.physics.bullet.driving import Drive
-from hybrid_tamp.physics.bullet.engine import SUBSTEPS, connect, create, prepare
+from hybrid_tamp.physics.bullet.engine import SUBSTEPS, Client, create_body, prepare_world
 from hybrid_tamp.physics.bullet.fingers import Fingers
 from hybrid_tamp.physics.bullet.impacts import Impacts
 from hybrid_tamp.physics.protocol import FLOOR, ContactForce
-from hybrid_tamp.physics.scene import bodies
+from hybrid_tamp.physics.scene import make_bodies
 
 _BODY = tuple(varying.name for varying in BODY_STATE)
 
 
-class BulletBackend:
-    """Rigid bodies on a floor; the robot acts by bounded forces and torques, and holds things by friction only.
+class BulletBackend(Client):
+    """Rigid bodies on a floor; the robot applies bounded forces and torques and holds things by friction only.
 
     Args:
-        gravity: acceleration of free fall ``(3,)`` [m/s^2]; leaning it stands for an inclined floor.
+        gravity: acceleration of free fall ``(3,)`` [m/s^2]; an inclined vector represents an inclined floor.
     """
 
     name = "pybullet"
     timestep = CONTROL_PERIOD
 
     def __init__(self, gravity: Sequence[float] = (0.0, 0.0, -GRAVITY)) -> None:
+        super().__init__()
         self._gravity = tuple(gravity)
-        self._client = connect()
         self._handles: dict[str, int] = {}
         self._forces: dict[tuple[str, str], float] = {}
 
     def reset(self, task: Task, state: State) -> State:
         """Build the scene anew and return the given state.
 
-        The state is not read back: Bullet turns quaternions into matrices and back, so a run from a state that was
+        The state is not read back: Bullet converts quaternions to matrices and back, so a run from a state that was
         read back would differ in the last bit.
 
         Raises:
-            InputError: a token has no shape, or is moved by something that physics does not know.
+            InputError: a token has no shape, or has a basic action that physics does not know.
         """
-        scene = bodies(task)
+        scene = make_bodies(task)
         self._commands = CommandLayout.of(task)
-        floor = prepare(self._client, self._gravity)
-        self._handles = {body.token: create(self._client, body) for body in scene}
+        floor = prepare_world(self._client, self._gravity)
+        self._handles = {body.token: create_body(self._client, body) for body in scene}
         for token, handle in self._handles.items():
             self._place(handle, token, state)
         self._names = {handle: token for token, handle in self._handles.items()} | {floor: FLOOR}
@@ -73,7 +73,7 @@ class BulletBackend:
             for body in scene
             if body.driven
         ]
-        self._fingers = Fingers.all_of(task, self._client, self._handles, self._commands)
+        self._fingers = Fingers.make_all(task, self._client, self._handles, self._commands)
         self._impacts = Impacts(task)
         self._state = State(state.layout, np.array(state.values, dtype=float))
         self._task, self._start = task, self._state
@@ -98,7 +98,7 @@ class BulletBackend:
         for fingers in self._fingers:
             fingers.advance(row, state)
         self._simulate(row)
-        after[self._index] = self._measured()
+        after[self._index] = self._measure()
         self._impacts.update(state)
         self._state = state
         return state
@@ -111,8 +111,8 @@ class BulletBackend:
     def snapshot(self) -> Iterator[Callable[[], None]]:
         """Save the current state; the context gives a function that restores it.
 
-        Bullet restores its state to the bit, except for compound shapes, whose contacts it mixes up. If the scene has
-        one, the commands since the reset are repeated instead, which takes as long as the steps took.
+        Bullet restores its state to the bit, except for the contacts of compound shapes. If the scene has such a
+        shape, the commands since the reset are repeated instead, which takes as long as the original steps.
         """
         if any(isinstance(token.shape, Compound | MeshShape) for token in self._task.assigned):
             start, rows = self._start, tuple(self._rows)
@@ -146,13 +146,13 @@ class BulletBackend:
             for drive in self._drives:
                 drive.apply()
             pybullet.stepSimulation(physicsClientId=self._client)
-            sums = self._contacts()
-            self._impacts.feel(sums)
+            sums = self._sum_contacts()
+            self._impacts.record(sums)
             for pair, force in sums.items():
                 self._forces[pair] = max(force, self._forces.get(pair, 0.0))
 
-    def _contacts(self) -> dict[tuple[str, str], float]:
-        """Return the normal force [N] of each pair in the last substep."""
+    def _sum_contacts(self) -> dict[tuple[str, str], float]:
+        """Return the total normal force [N] of each pair in the last substep."""
         sums: dict[tuple[str, str], float] = {}
         for point in pybullet.getContactPoints(physicsClientId=self._client):
             one, other = self._names[point[1]], self._names[point[2]]
@@ -160,25 +160,13 @@ class BulletBackend:
             sums[pair] = sums.get(pair, 0.0) + point[9]
         return sums
 
-    def _measured(self) -> list[float]:
+    def _measure(self) -> list[float]:
         measured: list[float] = []
         for handle in self._handles.values():
             position, orientation = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self._client)
             velocity, angular_velocity = pybullet.getBaseVelocity(handle, physicsClientId=self._client)
             measured += (*position, *orientation, *velocity, *angular_velocity)
         return measured
-
-    def close(self) -> None:
-        """Disconnect from Bullet; a second call does nothing."""
-        if self._client >= 0:
-            pybullet.disconnect(self._client)
-            self._client = -1
-
-    def __enter__(self) -> "BulletBackend":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
 
     def _place(self, handle: int, token: str, state: State) -> None:
         position, orientation, velocity, angular_velocity = (state[token, n].tolist() for n in _BODY)

@@ -1,4 +1,4 @@
-"""How commands act on a hand: a force on its centre and a torque, held for a control period."""
+"""The effect of commands on a hand: a force on its centre and a torque, constant for a control period."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -18,9 +18,9 @@ class Drive:
     Attributes:
         client: PyBullet's client.
         handle: PyBullet's handle of the hand.
-        force: where the force lies in a row of commands.
-        torque: where the torque lies, or None if the hand cannot be turned.
-        support: force that bears the hand's own weight, but of nothing that it holds ``(3,)`` [N].
+        force: columns of the force in a row of commands.
+        torque: columns of the torque, or None if the hand cannot be turned.
+        support: force that bears the hand's own weight, without what it holds ``(3,)`` [N].
     """
 
     client: int
@@ -43,7 +43,7 @@ class Drive:
         self._torque = [] if self.torque is None else row[self.torque].tolist()
 
     def apply(self) -> None:
-        """Apply both for the next substep; the force acts at the current centre, so that it does not turn the hand."""
+        """Apply both for the next substep; the force acts at the current centre, so it does not turn the hand."""
         centre, _ = pybullet.getBasePositionAndOrientation(self.handle, physicsClientId=self.client)
         frame = pybullet.WORLD_FRAME
         pybullet.applyExternalForce(self.handle, -1, self._force, centre, frame, physicsClientId=self.client)

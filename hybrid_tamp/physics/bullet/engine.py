@@ -1,6 +1,6 @@
-"""PyBullet, headless: how a scene is built in it.
+"""PyBullet without a display: the client and the construction of a scene.
 
-The numbers were measured (closed forms within 1 %, see the tests): four substeps of 1/960 s inside each control
+The numbers come from measurements (closed forms within 1 %, see the tests): four substeps of 1/960 s in each control
 period, because a rolling cylinder gains energy from contact points that are one substep old (1.2 % of a rolling
 acceleration with one substep, 0.4 % with four); contact ERP 0.2, which takes up penetration without throwing a body
 that starts a millimetre too low; no damping, so that only the modelled friction brakes.
@@ -18,29 +18,37 @@ from hybrid_tamp.geometry.meshes import Hull, MeshShape, obj_text
 from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Shape, Solid
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.motion.poses import quaternion_from_rpy
+from hybrid_tamp.physics.protocol import Resource
 from hybrid_tamp.physics.scene import FLOOR_FRICTION, Body
 
 SUBSTEPS = 4
-"""Within a control period."""
+"""Number of substeps in a control period."""
 SUBSTEP = CONTROL_PERIOD / SUBSTEPS
-"""[s]."""
+"""Length of a substep [s]."""
 SOLVER_ITERATIONS = 50
 CONTACT_ERP = 0.2
 HULL_MARGIN = 0.001
 """Thickness of the layer about a convex hull [m]."""
 
 
-def connect() -> int:
-    """Return a new client without a display."""
-    client: int = pybullet.connect(pybullet.DIRECT)
-    return client
+class Client(Resource):
+    """A connection to Bullet with a world of its own."""
+
+    def __init__(self) -> None:
+        self._client: int = pybullet.connect(pybullet.DIRECT)
+
+    def close(self) -> None:
+        """Disconnect from Bullet; a second call does nothing."""
+        if self._client >= 0:
+            pybullet.disconnect(self._client)
+            self._client = -1
 
 
-def prepare(client: int, gravity: Sequence[float]) -> int:
+def prepare_world(client: int, gravity: Sequence[float]) -> int:
     """Empty a client's world, set its parameters and return the handle of the floor.
 
     Args:
-        client: whose world.
+        client: PyBullet's client.
         gravity: acceleration of free fall ``(3,)`` [m/s^2].
     """
     pybullet.resetSimulation(physicsClientId=client)
@@ -59,9 +67,9 @@ def prepare(client: int, gravity: Sequence[float]) -> int:
     return floor
 
 
-def create(client: int, body: Body) -> int:
-    """Make a body, whose frame is at its centre of mass, and return its handle."""
-    collision = _collision_shape(client, body.shape)
+def create_body(client: int, body: Body) -> int:
+    """Create a body with its frame at its centre of mass and return its handle."""
+    collision = _create_shape(client, body.shape)
     handle: int = pybullet.createMultiBody(body.mass, collision, physicsClientId=client)
     pybullet.changeDynamics(
         handle,
@@ -78,13 +86,13 @@ def create(client: int, body: Body) -> int:
     return handle
 
 
-def _collision_shape(client: int, shape: Shape) -> int:
+def _create_shape(client: int, shape: Shape) -> int:
     if isinstance(shape, MeshShape):
-        return _hulls(client, shape)
+        return _create_hulls(client, shape)
     if isinstance(shape, Compound):
         solids = [_geometry(part) for part in shape.parts]
         handle: int = pybullet.createCollisionShapeArray(
-            # Each list has an entry for every part, whatever kind it is.
+            # Each list needs an entry for every part of any kind.
             shapeTypes=[solid["shapeType"] for solid in solids],
             halfExtents=[solid.get("halfExtents", (0.0, 0.0, 0.0)) for solid in solids],
             radii=[solid.get("radius", 0.0) for solid in solids],
@@ -98,12 +106,12 @@ def _collision_shape(client: int, shape: Shape) -> int:
     return handle
 
 
-def _hulls(client: int, shape: MeshShape) -> int:
-    """Make a compound of convex hulls; Bullet reads several of them only from a file, one object a hull."""
+def _create_hulls(client: int, shape: MeshShape) -> int:
+    """Create a compound of convex hulls; Bullet reads several hulls only from a file with one object for each."""
     half = np.ptp(shape.corners, axis=0) / 2.0
-    # Bullet wraps a hull in a layer: the hulls are so much smaller together that the body has its true size.
+    # Bullet wraps each hull in a layer, so the hulls are scaled down to give the body its true size.
     kept = 1.0 - HULL_MARGIN / np.maximum(half, 2.0 * HULL_MARGIN)
-    # Bullet remembers files by name, so a name is used once.
+    # Bullet caches files by name, so each name is used once.
     descriptor, name = tempfile.mkstemp(prefix="hulls-", suffix=".obj")
     try:
         with os.fdopen(descriptor, "w", encoding="ascii") as file:

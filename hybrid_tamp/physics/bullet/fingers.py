@@ -1,8 +1,8 @@
-"""Two virtual fingers: their aperture, what is between them, and the friction that holds it.
+"""Two virtual fingers: their aperture, the thing between them, and the friction that holds it.
 
-The grasp is a joint whose force is limited, made with the relative pose in which the fingers meet the handle. Where the
-load is beyond the limit it gives way, and is made anew with what the relative pose has become; otherwise the force
-would pull a thing that has slipped back to where it was held first.
+A grasp is a joint with a limited force, created with the relative pose in which the fingers meet the handle. If the
+load exceeds the limit, the joint gives way and is replaced by one with the new relative pose; the old joint would pull
+a thing that has slipped back to its first pose.
 """
 
 from collections.abc import Mapping
@@ -30,14 +30,14 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotate
 
 SLIP = 1e-3
-"""From this displacement on a grasp has slipped [m]."""
+"""Displacement beyond which a grasp has slipped [m]."""
 TWIST = 0.02
-"""From this rotation on a grasp has slipped [rad]."""
+"""Rotation beyond which a grasp has slipped [rad]."""
 
 
 @dataclass
 class Grasp:
-    """What is held: the thing, PyBullet's handle of the joint, and the pose of the hand in the frame of the thing."""
+    """A held thing, PyBullet's handle of the joint, and the pose of the hand in the frame of the thing."""
 
     thing: Token
     joint: int
@@ -51,11 +51,11 @@ class Fingers:
 
     Attributes:
         hand: the hand.
-        things: all that it could grip.
+        things: all things that it could grip.
         client: PyBullet's client.
         handles: PyBullet's handle of every token.
-        grip: where the grip force lies in a row of commands.
-        held: what they hold, or None.
+        grip: column of the grip force in a row of commands.
+        held: the current grasp, or None.
     """
 
     hand: Token
@@ -66,10 +66,10 @@ class Fingers:
     held: Grasp | None = field(default=None, repr=False)
 
     @classmethod
-    def all_of(
+    def make_all(
         cls, task: Task, client: int, handles: Mapping[str, int], commands: CommandLayout
     ) -> "tuple[Fingers, ...]":
-        """Return the fingers of every hand that has some; collisions with graspable things are switched off."""
+        """Make the fingers of every hand that has some, and switch off its collisions with graspable things."""
         things = tuple(token for token in task.assigned if can_be_gripped(token))
         found = []
         for hand in filter(grips, task.assigned):
@@ -85,47 +85,47 @@ class Fingers:
 
         Args:
             row: all commands of the period.
-            state: the state at its beginning, of shape ``(n,)``; gets the aperture at its end, in place.
+            state: the state at its beginning, shape ``(n,)``; the aperture is updated in place.
         """
         grip, aperture = float(row[self.grip]), state[self.hand, APERTURE]
         way = FINGER_SPEED * CONTROL_PERIOD
         if self.held is not None and (grip <= 0 or self._has_slipped(self.held, state)):
-            # If the handle is still between the fingers, they meet it again at once.
+            # If the handle is still between the fingers, they grasp it again below.
             self.let_go()
         if grip <= 0:
             aperture[0] = min(aperture[0] + way, self.hand["maximal_aperture"])
             return
         if self.held is None:
             narrower = max(aperture[0] - way, 0.0)
-            thing = self._between(state, narrower, aperture[0])
+            thing = self._find_between(state, narrower, aperture[0])
             aperture[0] = narrower if thing is None else thing["handle_width"]
-            self.held = None if thing is None else self._grasp_of(thing, state)
+            self.held = None if thing is None else self._grasp(thing, state)
         if self.held is not None:
             limit = GRIP_FRICTION * grip
             pybullet.changeConstraint(self.held.joint, maxForce=limit, physicsClientId=self.client)
 
     def let_go(self) -> None:
-        """Release what is held."""
+        """Release the held thing."""
         if self.held is not None:
             pybullet.removeConstraint(self.held.joint, physicsClientId=self.client)
             self.held = None
 
     def hold(self, grasp: Grasp | None) -> None:
-        """Hold what was held before, in the same relative pose."""
-        self.held = grasp and replace(grasp, joint=self._joint(grasp.thing, grasp.position, grasp.orientation))
+        """Restore a grasp with the same relative pose."""
+        self.held = grasp and replace(grasp, joint=self._create_joint(grasp.thing, grasp.position, grasp.orientation))
 
-    def _between(self, state: State, narrower: float, wider: float) -> Token | None:
+    def _find_between(self, state: State, narrower: float, wider: float) -> Token | None:
         """Return the nearest thing that the fingers meet while they close from `wider` to `narrower` [m]."""
         distances = [
-            (self._distance(state, thing), index)
+            (self._measure_distance(state, thing), index)
             for index, thing in enumerate(self.things)
             if narrower <= thing["handle_width"] <= wider
         ]
         distance, index = min(distances, default=(np.inf, 0))
         return self.things[index] if distance <= CAPTURE else None
 
-    def _distance(self, state: State, thing: Token) -> float:
-        """Return the distance [m] of the hand's centre to the axis of a thing's handle."""
+    def _measure_distance(self, state: State, thing: Token) -> float:
+        """Return the distance [m] of the hand's centre from the axis of a thing's handle."""
         centre, _ = self._pose_in(thing, state)
         return float(np.linalg.norm(nearest_on_segment(centre, thing["handle_from"], thing["handle_to"]) - centre))
 
@@ -136,11 +136,11 @@ class Fingers:
         orientation = quaternion_multiply(thing_from_world, state[self.hand, "orientation"])
         return rotate(thing_from_world, offset), orientation
 
-    def _grasp_of(self, thing: Token, state: State) -> Grasp:
+    def _grasp(self, thing: Token, state: State) -> Grasp:
         position, orientation = self._pose_in(thing, state)
-        return Grasp(thing, self._joint(thing, position, orientation), position, orientation)
+        return Grasp(thing, self._create_joint(thing, position, orientation), position, orientation)
 
-    def _joint(self, thing: Token, position: FloatArray, orientation: FloatArray) -> int:
+    def _create_joint(self, thing: Token, position: FloatArray, orientation: FloatArray) -> int:
         joint: int = pybullet.createConstraint(
             self.handles[self.hand.name],
             -1,
@@ -158,6 +158,6 @@ class Fingers:
 
     def _has_slipped(self, grasp: Grasp, state: State) -> bool:
         position, orientation = self._pose_in(grasp.thing, state)
-        # Of two unit quaternions the product is the cosine of half the angle between them.
+        # The product of two unit quaternions is the cosine of half the angle between them.
         twisted = abs(orientation @ grasp.orientation) < np.cos(TWIST / 2)
         return bool(twisted or np.linalg.norm(position - grasp.position) > SLIP)

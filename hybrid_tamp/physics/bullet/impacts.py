@@ -10,16 +10,16 @@ from hybrid_tamp.physics.bullet.engine import SUBSTEP, SUBSTEPS
 from hybrid_tamp.physics.protocol import FLOOR
 
 IMPULSE = "impulse"
-"""The varying property that tells the hardest impact so far [N s]."""
+"""The varying property with the hardest impact so far [N s]."""
 
 _Pair = tuple[str, str]
 
 
 class Impacts:
-    """Measures the impulse between two tokens over as many consecutive substeps as a control period has.
+    """Measures the impulse between two tokens over a sliding window of one control period.
 
-    The window slides, so that an impact over the border of two periods counts as one. A steady push counts no more than
-    what it gives within a period. Contacts with the floor do not count.
+    The window slides by substeps, so an impact across the border of two periods counts as one. A steady push counts
+    only with its impulse within a period. Contacts with the floor do not count.
     """
 
     def __init__(self, task: Task) -> None:
@@ -30,18 +30,18 @@ class Impacts:
         self._hardest: dict[str, float] = {}
 
     def copy(self) -> "Impacts":
-        """Return another one that has felt the same."""
+        """Return an independent copy."""
         return deepcopy(self)
 
-    def feel(self, forces: Mapping[_Pair, float]) -> None:
-        """Take note of the normal forces [N] of one substep, of all pairs in contact."""
+    def record(self, forces: Mapping[_Pair, float]) -> None:
+        """Record the normal forces [N] of all pairs in contact in one substep."""
         if not self._tokens:
             return
-        felt = {
+        counted = {
             pair: force for pair, force in forces.items() if FLOOR not in pair and not self._tokens.isdisjoint(pair)
         }
-        self._windows = {pair: self._windows.get(pair, deque(maxlen=SUBSTEPS)) for pair in felt}
-        for pair, force in felt.items():
+        self._windows = {pair: self._windows.get(pair, deque(maxlen=SUBSTEPS)) for pair in counted}
+        for pair, force in counted.items():
             window = self._windows[pair]
             window.append(force * SUBSTEP)
             for token in self._tokens.intersection(pair):

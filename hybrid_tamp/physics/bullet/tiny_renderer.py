@@ -1,7 +1,6 @@
 """Pictures by PyBullet's software renderer: no display, no graphics card, the same pixels everywhere.
 
-It works in a client of its own that holds what is seen and nothing that moves by itself, so that drawing never
-disturbs a simulation.
+It has a client of its own with visible shapes only, so that drawing never disturbs a simulation.
 """
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from hybrid_tamp.geometry.triangles import Mesh, tiles
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.physics.bullet.engine import Client
 from hybrid_tamp.physics.pictures.appearance import Colour, ColouredMesh, draw_tokens
 from hybrid_tamp.physics.pictures.camera import FIELD_OF_VIEW, Camera, Spheres, frame_camera
 
@@ -26,23 +26,23 @@ _LIGHT_DISTANCE = 2.0
 _AMBIENT, _DIFFUSE, _SPECULAR = 0.6, 0.45, 0.05
 
 
-class TinyRenderer:
+class TinyRenderer(Client):
     """Draws states of a task.
 
     Args:
-        task: whose tokens are drawn.
-        seen: what the pictures must show.
+        task: the task with the tokens to draw.
+        seen: the spheres that the pictures must show.
         width: of a picture [pixels].
         height: of a picture [pixels].
     """
 
     def __init__(self, task: Task, seen: Spheres, width: int, height: int) -> None:
-        self._client = pybullet.connect(pybullet.DIRECT)
+        super().__init__()
         self._size = (width, height)
         self._camera = frame_camera(seen, width / height)
         self._draw_floor(seen)
         self._drawn = [(each, self._draw(each.mesh, each.colour)) for each in draw_tokens(task)]
-        self._view, self._projection = self._matrices(self._camera)
+        self._view, self._projection = self._compute_matrices(self._camera)
 
     def picture(self, state: State) -> Picture:
         """Return the picture of a state, of shape ``(n,)``."""
@@ -59,7 +59,7 @@ class TinyRenderer:
             flags=pybullet.ER_NO_SEGMENTATION_MASK,
             lightDirection=_LIGHT,
             lightColor=(1.0, 1.0, 1.0),
-            # The shadow map is seen from the light with the camera's angle of view: from further away it holds more.
+            # The shadow map has the camera's angle of view, so a more distant light covers more.
             lightDistance=_LIGHT_DISTANCE * self._camera.distance,
             lightAmbientCoeff=_AMBIENT,
             lightDiffuseCoeff=_DIFFUSE,
@@ -69,20 +69,8 @@ class TinyRenderer:
         pixels = np.asarray(seen[2], dtype=np.uint8).reshape(height, width, 4)
         return np.ascontiguousarray(pixels[..., :3])
 
-    def close(self) -> None:
-        """Leave Bullet; a second time does nothing."""
-        if self._client >= 0:
-            pybullet.disconnect(self._client)
-            self._client = -1
-
-    def __enter__(self) -> "TinyRenderer":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
-
-    def _matrices(self, camera: Camera) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        # The renderer's light looks at the origin, so the scene is drawn with the camera's target there.
+    def _compute_matrices(self, camera: Camera) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        # The renderer's light points at the origin, so the camera's target is moved there.
         eye = (camera.eye - camera.target).tolist()
         width, height = self._size
         far = 3 * camera.distance

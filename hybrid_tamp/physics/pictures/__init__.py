@@ -1,1 +1,1 @@
-"""Pictures of a recording: camera, appearance of tokens, and whatever can draw."""
+"""Pictures of a recording: camera, appearance of tokens and renderer."""

@@ -42,7 +42,7 @@ class ColouredMesh:
 
 
 def draw_tokens(task: Task) -> list[ColouredMesh]:
-    """Return what is drawn of every token: hands blue, things warm, places green, each a shade of its own."""
+    """Return the meshes of every token: hands are blue, things warm and places green, each in its own shade."""
     found: list[ColouredMesh] = []
     counts: dict[int, int] = {}
     for token in task.tokens:
@@ -57,7 +57,7 @@ def _draw_token(token: Token, colour: Colour) -> list[ColouredMesh]:
     dark = _darker(colour, 0.5)
     if token.shape is None:
         radius = disc_radius(token)
-        # A little above the floor, and the disc above its rim, so that neither flickers with what is below.
+        # The rim lies slightly above the floor and the disc above the rim, so that neither flickers.
         rim = disc(radius).moved([0, 0, _THIN])
         inner = disc(radius * (1 - _RIM)).moved([0, 0, 2 * _THIN])
         green = _darker(colour, 0.6)
@@ -75,7 +75,7 @@ def _draw_token(token: Token, colour: Colour) -> list[ColouredMesh]:
 
 
 def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[ColouredMesh]:
-    """Return its convex solids in two shades by turns, which show what it is made of and how it has turned."""
+    """Return the convex solids in two alternating shades, which show the composition and the rotation."""
     solids = solids_of(shape)
     meshes = [solid(each).turned(quaternion_from_rpy(each.rpy)).moved(each.position) for each in solids]
     shades = (colour, _darker(colour, _SHADE))
@@ -83,13 +83,13 @@ def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[Co
 
 
 def _cross(radius: float) -> Mesh:
-    """Return hairlines through a place, which show where it is even when something stands on it."""
+    """Return hairlines through a place, which mark it even if something stands on it."""
     arm = radius + _HAIRLINE
     return joined(box((arm, _THIN, _THIN / 2)), box((_THIN, arm, _THIN / 2)))
 
 
 def _mark(shape: Solid) -> Mesh:
-    """Return what stands out a little from the surface, so that one sees how the thing has turned."""
+    """Return a mark that stands out slightly from the surface and shows the rotation of the thing."""
     if isinstance(shape, Cylinder):
         return box((shape.radius * 1.006, shape.radius * 0.1, shape.length / 2 + _THIN))
     if isinstance(shape, Box):

@@ -17,9 +17,9 @@ FIELD_OF_VIEW = np.radians(32.0)
 ELEVATION = np.radians(30.0)
 """Angle of the camera above the horizontal [rad]."""
 TURN = np.radians(18.0)
-"""How far the camera stands aside from looking straight across the motion, which gives depth [rad]."""
+"""Angle of the camera from the normal of the motion, which gives depth [rad]."""
 SPARE = 1.08
-"""Room around what must be seen, as a factor on the distance."""
+"""Room around the visible spheres, as a factor on the distance."""
 _DISC = 0.05
 _ROWS = 200
 _UP = np.array([0.0, 0.0, 1.0])
@@ -30,8 +30,8 @@ class Camera:
     """A perspective camera.
 
     Attributes:
-        eye: where it is, world frame ``(3,)`` [m].
-        target: the point in the middle of the picture, world frame ``(3,)`` [m].
+        eye: position of the camera, world frame ``(3,)`` [m].
+        target: point in the middle of the picture, world frame ``(3,)`` [m].
     """
 
     eye: FloatArray
@@ -39,13 +39,13 @@ class Camera:
 
     @property
     def distance(self) -> float:
-        """From eye to target [m]."""
+        """Distance from eye to target [m]."""
         return float(np.linalg.norm(self.eye - self.target))
 
 
 @dataclass(frozen=True, eq=False)
 class Spheres:
-    """What a picture must show: spheres with centres ``(n, 3)`` and radii ``(n,)``, world frame [m]."""
+    """The spheres that a picture must show, with centres ``(n, 3)`` and radii ``(n,)``, world frame [m]."""
 
     centres: FloatArray
     radii: FloatArray
@@ -67,7 +67,7 @@ def spheres_of(task: Task, recording: Recording) -> Spheres:
 
 
 def bounding_radius(token: Token) -> float:
-    """Return the radius of the sphere about a token's origin that holds all that is drawn of it [m]."""
+    """Return the radius of the sphere about a token's origin that contains its drawing [m]."""
     if token.shape is None:
         return disc_radius(token)
     return max(float(np.linalg.norm(each.position)) + _radius(each) for each in solids_of(token.shape))
@@ -84,7 +84,7 @@ def _radius(shape: Solid | Hull) -> float:
 
 
 def disc_radius(token: Token) -> float:
-    """Return the radius with which a token without a shape is drawn on the floor [m]."""
+    """Return the radius of the disc that represents a token without a shape [m]."""
     radius = token.properties.get("radius", _DISC)
     return float(radius)
 
@@ -93,12 +93,12 @@ def frame_camera(spheres: Spheres, aspect: float) -> Camera:
     """Return the nearest camera that shows all spheres, their longest extent from left to right.
 
     A sphere at (x, y, z) in the axes right, up and backward about the target lies right of the left edge of a picture
-    with half the angle of view h if ``D >= z + (radius - x cos h) / sin h``, D being the camera's distance; the other
-    edges alike. Each such bound is linear in D and in a shift of the target, so the best shift makes opposite bounds
-    equal.
+    with half the angle of view h if ``D >= z + (radius - x cos h) / sin h``, where D is the camera's distance. The
+    other edges give similar bounds. Each bound is linear in D and in a shift of the target, so the best shift makes
+    opposite bounds equal.
 
     Args:
-        spheres: what must be seen.
+        spheres: the spheres to show.
         aspect: width of the picture over its height.
     """
     right, up, back = _axes(spheres.centres)
@@ -123,7 +123,7 @@ def _axes(points: NDArray[np.float64]) -> tuple[FloatArray, FloatArray, FloatArr
     level = points[:, :2] - points[:, :2].mean(axis=0)
     _, spreads, directions = np.linalg.svd(level, full_matrices=False)
     along = directions[0] if spreads[0] > 1e-9 else np.array([1.0, 0.0])
-    # Of the two opposite directions the one that keeps x to the right, or else y.
+    # Choose the direction that points to positive x, or else to positive y.
     if (along[0], along[1]) < (-along[0], -along[1]):
         along = -along
     cos, sin = np.cos(TURN), np.sin(TURN)

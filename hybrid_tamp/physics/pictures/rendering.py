@@ -9,7 +9,7 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.pictures.camera import spheres_of
-from hybrid_tamp.physics.protocol import load
+from hybrid_tamp.physics.protocol import Resource, load
 
 WIDTH, HEIGHT = 640, 352
 """Size of a picture [pixels]: about 80 ms each, so that ten seconds at 20 pictures a second take 16 s."""
@@ -17,20 +17,12 @@ WIDTH, HEIGHT = 640, 352
 _RENDERER = "hybrid_tamp.physics.bullet.tiny_renderer:TinyRenderer"
 
 
-class Renderer(Protocol):
-    """Draws states of one task with one camera; a context manager that frees it."""
+class Renderer(Resource, Protocol):
+    """Draws states of one task with one camera."""
 
     def picture(self, state: State) -> NDArray[np.uint8]:
         """Return the picture of a state, ``(height, width, 3)``, red, green, blue."""
         ...
-
-    def close(self) -> None:
-        """Free what the renderer holds."""
-        ...
-
-    def __enter__(self) -> "Renderer": ...
-
-    def __exit__(self, *error: object) -> None: ...
 
 
 def open_renderer(task: Task, recording: Recording, width: int = WIDTH, height: int = HEIGHT) -> Renderer:
