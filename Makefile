@@ -1,4 +1,4 @@
-# The two commands of the README, each with its own set-up; see CONTRIBUTING.md for the rest.
+# The two commands of the README, each with its own set-up. CONTRIBUTING.md lists the scripts.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin

@@ -1,4 +1,4 @@
-"""Every import of the project, wherever it stands: at the top, under TYPE_CHECKING, in a function, by its name."""
+"""All imports of the project: at the top, under TYPE_CHECKING, in functions, and by `import_module`."""
 
 import ast
 from collections.abc import Iterator
@@ -25,7 +25,7 @@ KNOWN = frozenset(module_of(path) for path in source_files())
 
 
 def imports_of(path: Path) -> Iterator[str]:
-    """Yield the modules that a file imports, the most exact name first; a name of a module counts as an import."""
+    """Yield the modules that a file imports; a submodule that is imported by name counts as itself."""
     package = module_of(path) if path.name == "__init__.py" else module_of(path).rpartition(".")[0]
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
@@ -51,5 +51,5 @@ def _named(node: ast.Call) -> Iterator[str]:
 
 
 def library_imports(path: Path) -> frozenset[str]:
-    """Return the top-level packages from elsewhere that a file imports."""
+    """Return the top-level packages of other projects that a file imports."""
     return frozenset(name.partition(".")[0] for name in imports_of(path)) - {"hybrid_tamp", "hybrid_tamp_domains"}

@@ -1,4 +1,4 @@
-"""The scripts of the repository as modules, so that tests and scripts measure with one measure."""
+"""The scripts of the repository as modules, so that tests and scripts share their code."""
 
 import importlib.machinery
 import importlib.util
@@ -14,7 +14,7 @@ def load_script(name: str) -> ModuleType:
     spec = importlib.util.spec_from_loader(loader.name, loader)
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
-    # A dataclass looks its module up by name.
+    # A dataclass finds its module by name.
     sys.modules[loader.name] = module
     loader.exec_module(module)
     return module

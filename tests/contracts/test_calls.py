@@ -1,4 +1,4 @@
-"""From the command to the planner there are few functions, in few modules (scripts/calls prints them)."""
+"""The chain of calls from the command to the planner is short (scripts/calls prints it)."""
 
 import pytest
 from contracts.scripts import load_script

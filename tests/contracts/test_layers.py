@@ -1,4 +1,4 @@
-"""The import table (docs/architecture.md) is data here; every import counts, wherever it stands."""
+"""The import table of docs/architecture.md as data. Every import counts, wherever it is."""
 
 import ast
 import subprocess
@@ -11,7 +11,7 @@ from contracts.imports import KNOWN, ROOT, imports_of, library_imports, module_o
 import hybrid_tamp
 
 BASE = ("model", "geometry", "motion")
-"""Each may import those behind it, and everything else may import them."""
+"""Each may import those after it, and every other package may import all of them."""
 
 TABLE: dict[str, tuple[str, ...]] = {
     "cli": ("batch", "verbs", "report"),
@@ -58,7 +58,7 @@ TABLE: dict[str, tuple[str, ...]] = {
     "skills": (),
     "workers": (),
 }
-"""Package or module to what it may import besides `errors`, itself and `BASE`."""
+"""What each package or module may import besides `errors`, itself and `BASE`."""
 
 LIBRARIES = {
     "unified_planning": ("symbolic.engines", "interop"),
@@ -70,16 +70,16 @@ LIBRARIES = {
     "ompl": ("paths",),
     "joblib": ("workers",),
 }
-"""Library to the packages that may import it."""
+"""The packages that may import each library."""
 
 PUBLIC = ("hybrid_tamp", "hybrid_tamp.authoring", "hybrid_tamp.skills", "hybrid_tamp.testing")
 """What bundled domains may import of the framework."""
 
 VIOLATIONS = frozenset((ROOT / "tests/contracts/violations.txt").read_text().splitlines())
-"""Importer and imported, a pair a line. The list may only shrink."""
+"""Importer and imported module, one pair per line. The list may only shrink."""
 
 CIRCLES = frozenset((ROOT / "tests/contracts/circles.txt").read_text().splitlines())
-"""Modules that import each other, a circle a line. The list may only shrink."""
+"""Modules that import each other, one circle per line. The list may only shrink."""
 
 
 def within(module: str, package: str) -> bool:
@@ -103,7 +103,7 @@ def violations() -> set[tuple[str, str]]:
             if mine.partition(".")[0] == "domains":
                 wrong = within(module, "hybrid_tamp") and module not in PUBLIC
             elif mine in ("hybrid_tamp", "hybrid_tamp.errors"):
-                # The package itself names, lazily, what users see of every stage.
+                # The package itself names what users see of every stage, and loads it at first use.
                 wrong = mine == "hybrid_tamp.errors" and within(module, "hybrid_tamp")
             else:
                 one, other = mine.removeprefix("hybrid_tamp."), module.removeprefix("hybrid_tamp.")

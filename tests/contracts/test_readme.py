@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("readme")
 
 
-# In the README's order: `replay` needs what `run` left.
+# In the README's order, because `replay` needs the folder of `run`.
 def test_every_command_of_the_readme_works(
     command: Callable[..., "subprocess.CompletedProcess[str]"], folder: Path
 ) -> None:

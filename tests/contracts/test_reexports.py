@@ -1,4 +1,4 @@
-"""A name is imported from the module that defines it; only the public modules hand on names of others."""
+"""A name is imported from the module that defines it; only the public modules re-export names."""
 
 import ast
 
@@ -8,7 +8,7 @@ PUBLIC = frozenset({"hybrid_tamp", "hybrid_tamp.authoring", "hybrid_tamp.skills"
 
 
 def imported(tree: ast.Module) -> set[str]:
-    """Return the names that a module imports, wherever it does."""
+    """Return the names that a module imports anywhere."""
     return {
         alias.asname or alias.name
         for node in ast.walk(tree)
@@ -18,7 +18,7 @@ def imported(tree: ast.Module) -> set[str]:
 
 
 def listed(tree: ast.Module) -> set[str]:
-    """Return what `__all__` lists, and what an import repeats with `as`, by which it is meant for others."""
+    """Return the names in `__all__`, and those imported as themselves (`import x as x`), which marks re-exports."""
     found: set[str] = set()
     for node in tree.body:
         if isinstance(node, ast.Assign) and any(isinstance(x, ast.Name) and x.id == "__all__" for x in node.targets):
@@ -29,7 +29,7 @@ def listed(tree: ast.Module) -> set[str]:
 
 
 def taken_from(trees: dict[str, ast.Module]) -> set[tuple[str, str]]:
-    """Return every module and name for which some module imports the name from the module."""
+    """Return every pair of module and name that some `from module import name` has."""
     return {
         (node.module, alias.name)
         for tree in trees.values()
@@ -57,7 +57,7 @@ def test_no_module_hands_on_names_of_another() -> None:
 
 
 def test_no_alias_of_an_old_name() -> None:
-    """An assignment of one imported name to another, at the top of a module, keeps an old name alive."""
+    """A module-level assignment of an imported name to another name keeps an old name alive."""
     wrong = []
     for path in source_files():
         tree = ast.parse(path.read_text(encoding="utf-8"))

@@ -1,6 +1,6 @@
-"""Text of atoms, literals and planned actions is for people: with noise in its place every verb says the same.
+"""Nothing depends on the text of atoms, literals and planned actions: with noise in its place, verbs give the same.
 
-`scripts/noise` does this for all bundled tasks.
+`scripts/noise` checks this for all bundled tasks.
 """
 
 import pytest

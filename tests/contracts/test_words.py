@@ -1,4 +1,4 @@
-"""The names say what the field says: words of our own do not come back (issue 12, point 13)."""
+"""Names use the words of the field; the words of our own do not come back (issue 12, point 13)."""
 
 import ast
 import re
@@ -14,7 +14,7 @@ WORDS = frozenset(
     }
 )
 PROSE = WORDS - {"trying", "filling", "parts", "usable", "looks", "judges"}
-"""Of these, what no sentence needs: the others are plain English there, and said nothing as names only."""
+"""Words that no sentence needs. The others are plain English in sentences."""
 
 COMPOUND = "a compound's or a mesh's parts: `parts` is a key of the task file"
 KEPT: dict[tuple[str, str], str] = {
@@ -25,7 +25,7 @@ KEPT: dict[tuple[str, str], str] = {
     ("convex_parts", "variable"): COMPOUND,
     ("MOST_PARTS", "variable"): COMPOUND,
 }
-"""Names that keep a word, each as what it is kept, with the reason."""
+"""Names that keep such a word: name and kind of name, with the reason."""
 
 
 def words_of(name: str) -> list[str]:
@@ -34,7 +34,7 @@ def words_of(name: str) -> list[str]:
 
 
 def names(path: Path) -> Iterator[tuple[str, str]]:
-    """Yield every name in a file, and what it is: module, definition, parameter, attribute or variable."""
+    """Yield every name in a file with its kind: module, definition, parameter, attribute or variable."""
     for part in module_of(path).split("."):
         yield part, "module"
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -54,7 +54,7 @@ def names(path: Path) -> Iterator[tuple[str, str]]:
 
 
 def variables(path: Path) -> Iterator[str]:
-    """Yield the names of variables that a file binds, but for the fields of its classes."""
+    """Yield the variables that a file binds, except the fields of its classes."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     fields = {
         id(each.target)
@@ -69,7 +69,7 @@ def variables(path: Path) -> Iterator[str]:
 
 
 def hits() -> Iterator[tuple[str, str]]:
-    """Yield each word that is part of a name, and where."""
+    """Yield each such word in a name, and its place."""
     for path in source_files():
         found = [*names(path), *((name, "variable") for name in variables(path))]
         for name, what in found:
@@ -83,7 +83,7 @@ def test_no_name_has_a_word_of_our_own() -> None:
 
 
 def texts() -> list[Path]:
-    """Return the files whose sentences are read: code, pages for users, and templates."""
+    """Return the files whose sentences are checked: code, pages for users, and templates."""
     pages = [path for path in (ROOT / "docs").glob("*.md") if path.name != "test-ids.md"]
     return [*source_files(), *pages, ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("hybrid_tamp/**/*.html")]
 
@@ -93,7 +93,7 @@ KEYS = {
     "hybrid_tamp/report/refinement_tables.py": ("rounds",),
     "hybrid_tamp/report/page.html": ("rounds",),
 }
-"""Keys of documented JSON that are among the words, by the file that names them."""
+"""Documented JSON keys that are such words, by the file that names them."""
 
 
 def test_no_sentence_has_a_word_of_our_own() -> None:

@@ -1,29 +1,18 @@
 """Generated files are what the code generates; `scripts/regenerate` is the only thing that writes them."""
 
-import importlib.machinery
-import importlib.util
 from pathlib import Path
-from types import ModuleType
 
 import pytest
+from contracts.scripts import load_script
 
 from hybrid_tamp.taskfile.loader import load_task
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def script(name: str) -> ModuleType:
-    loader = importlib.machinery.SourceFileLoader(name, str(ROOT / "scripts" / name))
-    spec = importlib.util.spec_from_loader(name, loader)
-    assert spec is not None
-    module = importlib.util.module_from_spec(spec)
-    loader.exec_module(module)
-    return module
-
-
-REGENERATE = script("regenerate")
-PDDL: dict[str, tuple[Path, str]] = REGENERATE.generated_pddl()
-OTHERS: dict[Path, str] = REGENERATE.generated_others()
+REGENERATE = load_script("regenerate")
+PDDL: dict[str, tuple[Path, str]] = REGENERATE.generate_pddl()
+OTHERS: dict[Path, str] = REGENERATE.generate_others()
 REMEDY = "run scripts/regenerate and read the difference"
 
 
