@@ -1,4 +1,4 @@
-"""Unsolvable tasks: made by hand, and by random deletions from solvable ones."""
+"""Unsolvable tasks, made by hand or by random deletions from solvable ones."""
 
 import random
 from collections.abc import Callable
@@ -28,7 +28,7 @@ Made = Callable[[], Task]
 
 
 def problem(name: str, *edits: tuple[str, str], once: bool = True) -> Task:
-    """Return a bundled task with edits of its text, each made once or wherever it fits."""
+    """Return a bundled task with edits of its text, each made once or everywhere."""
     text = (PROBLEMS / f"{name}.yaml").read_text(encoding="utf-8")
     for old, new in edits:
         assert old in text
@@ -96,7 +96,7 @@ def bases() -> dict[str, Made]:
 
 @lru_cache
 def by_deletion(count: int) -> dict[str, Made]:
-    """Return so many tasks that are made by random deletions, of each kind in turn, and proven unsolvable."""
+    """Return `count` tasks made by random deletions, one kind after the other, and proven unsolvable."""
     found: dict[str, Made] = {}
     seed = FIRST_SEED
     while len(found) < count:
@@ -113,13 +113,13 @@ def by_deletion(count: int) -> dict[str, Made]:
             if name not in found and not solvable(made()):
                 found[name] = made
         except DomainError:
-            # A slot without an edge is refused before anybody plans.
+            # The domain refuses a slot without an edge.
             continue
     return found
 
 
 def _deletion(task: Task, kind: str, rng: random.Random) -> tuple[str, Made]:
-    """Return a random deletion; what the goal names stays."""
+    """Return a random deletion that spares the tokens of the goal: its description, and a maker of the task."""
     named = {name for atom in task.goal for name in atom.arguments}
     token = rng.choice([token for token in task.tokens if token.name not in named and not token.place])
     if kind == "edge":

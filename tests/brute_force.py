@@ -1,7 +1,7 @@
-"""Every single repair of an unsolvable task, found by solving each: the judge of explanations.
+"""Every single repair of an unsolvable task, found by solving each repaired task, to check explanations by.
 
-It shares nothing with what it judges but the compilation to STRIPS: repairs are enumerated and applied here, and solved
-by an exhaustive search of its own.
+It shares only the compilation to STRIPS with the code that it checks. Repairs are enumerated and applied here, and an
+exhaustive search solves the repaired tasks.
 """
 
 from collections import Counter, defaultdict, deque
@@ -25,19 +25,19 @@ from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 
 MOST_STATES = 200_000
 CHANGES = (-0.99, -0.9, -0.7, -0.5, -0.2, 0.2, 0.5, 1.0, 2.0, 4.0, 9.0, 99.0)
-"""By how much of itself a property is changed."""
+"""Relative changes of a property."""
 Key = tuple[str, ...]
 
 
 class Undecided(Exception):
-    """There are too many states."""
+    """The search reached too many states."""
 
 
 def solvable(task: Task) -> bool:
     """Say whether a task has a plan, by exhaustion.
 
     Raises:
-        Undecided: there are too many states.
+        Undecided: the search reaches too many states.
     """
     return decide(compile_task(task).problem)
 
@@ -46,7 +46,7 @@ def decide(problem: PlanningProblem) -> bool:
     """Say whether a planning problem has a plan, by exhaustion.
 
     Raises:
-        Undecided: there are too many states.
+        Undecided: the search reaches too many states.
     """
     actions, numbers = _ground(problem)
     wanted = 0
@@ -77,7 +77,7 @@ def decide(problem: PlanningProblem) -> bool:
 
 
 def _watched(actions: list[tuple[int, int, int]]) -> dict[int, list[tuple[int, int, int]]]:
-    """Return the actions by that one of their conditions which the fewest have."""
+    """Return the actions by their rarest condition."""
     bits = [[1 << n for n in range(needed.bit_length()) if needed >> n & 1] or [0] for needed, _, _ in actions]
     often = Counter(bit for each in bits for bit in each)
     found: defaultdict[int, list[tuple[int, int, int]]] = defaultdict(list)
@@ -88,7 +88,7 @@ def _watched(actions: list[tuple[int, int, int]]) -> dict[int, list[tuple[int, i
 
 
 def _ground(problem: PlanningProblem) -> tuple[list[tuple[int, int, int]], dict[Key, int]]:
-    """Return the actions of what can be reached without deletes, as bits, and the bit of every fact."""
+    """Return the actions reachable without deletes, as bits, and the number of each fact's bit."""
     parents = dict(problem.domain.types)
     things = (*problem.domain.constants, *problem.objects)
 
@@ -165,7 +165,7 @@ def repairs(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
 
 
 def all_single_repairs(task: Task, only: Collection[Key] | None = None) -> set[Key]:
-    """Return the keys of all single repairs with which the task has a plan, or of those among some keys only."""
+    """Return the keys of all single repairs that give the task a plan, or only of those in `only`."""
     found = set()
     base = _ground(compile_task(task).problem)
     for key, made in repairs(task):
@@ -173,7 +173,7 @@ def all_single_repairs(task: Task, only: Collection[Key] | None = None) -> set[K
             continue
         try:
             problem = compile_task(made()).problem
-            # Where it makes no action possible, it makes no plan possible.
+            # A repair that makes no action possible makes no plan possible.
             if _ground(problem) != base and decide(problem):
                 found.add(key)
         except InputError:
@@ -272,7 +272,7 @@ def _facts(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
 
 
 def _properties(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
-    """Yield properties that are much or little larger or smaller, where that changes any feasibility fact."""
+    """Yield changes of properties by small and large amounts that change any feasibility fact."""
     facts = static_facts(task)
     for token in task.tokens:
         for name, value in token.properties.items():
@@ -291,7 +291,7 @@ def _properties(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
 
 
 def _decreed(task: Task, wanted: Any, margin: float = 1.0) -> Task:
-    """Return the task with some feasibility facts by decree; what is not known of a token at first does not hold."""
+    """Return the task with some feasibility facts decreed. A fact about an unknown property does not hold."""
 
     def changed(predicate: Any) -> Any:
         def decided(state: State, *values: Any) -> Any:

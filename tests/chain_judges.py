@@ -1,4 +1,4 @@
-"""What tests of chains share: solve, decode, schedule and judge, there and back."""
+"""Helpers for tests of chains: solve, decode, schedule, check, and re-encode."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from hybrid_tamp.symbolic.schedule import schedule
 
 
 def chains(of: Task) -> list[str]:
-    """Return the chains of a task, in words."""
+    """Return the chains of a task as text."""
     return [blocks for _, blocks in compile_task(of).encoded.chains.comments]
 
 
@@ -24,7 +24,7 @@ def timeline(plan: TaskPlan, token: str) -> list[str]:
 
 
 def lawful(folder: Path, compilation: Compilation, actions: list[PlannedAction]) -> TaskPlan:
-    """Return the plan of the actions, which VAL and the law checker must accept, there and back."""
+    """Return the plan of the actions. VAL and the law checker must accept it, also after re-encoding."""
     assert val_accepts(folder, compilation.problem, actions)
     plan = schedule(compilation.task, decode(compilation, actions))
     assert check_law(compilation.task, plan) == []

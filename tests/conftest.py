@@ -1,4 +1,4 @@
-"""What all tests share."""
+"""Settings and fixtures for all tests."""
 
 import subprocess
 import sys
@@ -9,7 +9,7 @@ import pytest
 from hypothesis import settings
 from toys import Toys
 
-# The machine may be busy: a slow example is no failure. The same examples every time.
+# On a busy machine a slow example is no failure. The examples are the same every time.
 settings.register_profile("project", deadline=None, derandomize=True)
 settings.load_profile("project")
 
@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @pytest.fixture(scope="session")
 def command() -> Callable[..., "subprocess.CompletedProcess[str]"]:
-    """Run the command line as a process of its own, from the repository's root unless told otherwise."""
+    """Run the command line as a separate process, by default in the repository's root."""
 
     def run(*words: str | Path, cwd: Path = ROOT) -> "subprocess.CompletedProcess[str]":
         return subprocess.run(

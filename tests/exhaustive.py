@@ -1,4 +1,4 @@
-"""Exhaustive search in small planning problems, to judge compilations by."""
+"""Exhaustive search in small planning problems, to check compilations."""
 
 from collections import deque
 from collections.abc import Iterable, Mapping
@@ -12,7 +12,7 @@ def shortest_plan(problem: PlanningProblem, limit: int = 20000) -> list[PlannedA
     """Return a shortest plan by exhaustive search, or None if there is none.
 
     Raises:
-        OverflowError: if more states are reached than the limit.
+        OverflowError: the search reaches more states than the limit.
     """
     actions = list(_ground(problem))
     first = frozenset(problem.init)

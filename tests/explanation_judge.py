@@ -1,4 +1,4 @@
-"""Whether an explanation is right, as brute force and the declarations tell."""
+"""Checks of explanations against brute force and the declarations."""
 
 from collections.abc import Collection, Iterator
 
@@ -29,13 +29,13 @@ def faults(task: Task, explanation: Explanation, every: Collection[Key]) -> Iter
 
 
 def key_of(suggestion: Suggestion) -> Key:
-    """Return the key of the repair that is suggested."""
+    """Return the key of the suggested repair."""
     change = suggestion.change
     return (change.kind, *change.names[: 1 if change.kind in ("token", "fact") else 2])
 
 
 def is_among(task: Task, reason: Reason, every: Collection[Key]) -> bool:
-    """Say whether what a reason complains of is what one of the repairs repairs."""
+    """Say whether one of the repairs removes the obstacle that a reason names."""
     lacks = _lacks(reason)
     for kind, *names in every:
         if reason.atom is not None and kind == "fact" and names[0] == reason.atom.text:
@@ -52,7 +52,7 @@ def is_among(task: Task, reason: Reason, every: Collection[Key]) -> bool:
 
 
 def is_true(task: Task, reason: Reason) -> bool:
-    """Say whether what a reason says can be read off the task."""
+    """Say whether a reason is true of the task."""
     blocks = [b for b in task.domain.blocks if reason.block in (b.name, b.action, "")]
     lacks = _lacks(reason)
     if reason.kind == "not_feasible":

@@ -1,4 +1,4 @@
-"""Planning engines that misbehave, by the name ``fake_engines:Class``; only the planner's process imports this."""
+"""Planning engines that misbehave, by the name ``fake_engines:Class``; only the planner process imports them."""
 
 import ctypes
 import os
@@ -19,7 +19,7 @@ SLEEP = "import time; time.sleep(600)"
 
 
 class Fake(Engine, OneshotPlannerMixin):
-    """Says that it found nothing."""
+    """Reports that it found nothing."""
 
     status = PlanGenerationResultStatus.UNSOLVABLE_INCOMPLETELY
 
@@ -71,7 +71,7 @@ class Broken(Fake):
 
 
 class Untyped(Fake):
-    """Takes no types, and there is no compiler that removes them."""
+    """Accepts no types, and no compiler removes them."""
 
     @staticmethod
     def supported_kind():
@@ -93,13 +93,13 @@ class Right(Fake):
 
 
 class Wrong(Right):
-    """Forgets a step."""
+    """Omits a step of the plan."""
 
     places = ("yard", "shop")
 
 
 class Untidy(Right):
-    """Is right, and leaves processes and files."""
+    """Finds a correct plan, and leaves processes and files behind."""
 
     def plan(self, problem):
         leave_processes_and_files()
@@ -107,7 +107,7 @@ class Untidy(Right):
 
 
 class Slow(Fake):
-    """Leaves processes and files, and never ends."""
+    """Leaves processes and files behind, and never ends."""
 
     def plan(self, problem):
         leave_processes_and_files()
@@ -115,11 +115,11 @@ class Slow(Fake):
 
 
 class Stubborn(Fake):
-    """Does not let anything else in its process run."""
+    """Blocks everything else in its process."""
 
     def plan(self, problem):
         leave_processes_and_files()
-        # Keeps Python's lock.
+        # This holds Python's global lock.
         ctypes.PyDLL(None).sleep(600)
 
 
@@ -139,7 +139,7 @@ class Raising(Fake):
 
 
 class Crashing(Fake):
-    """Leaves processes and files, and ends by a signal."""
+    """Leaves processes and files behind, and ends by a signal."""
 
     def plan(self, problem):
         leave_processes_and_files()
@@ -148,7 +148,7 @@ class Crashing(Fake):
 
 
 def leave_processes_and_files():
-    """Leave a child and an orphan, both in sessions of their own, a process that they start, and files."""
+    """Leave a child and an orphan in sessions of their own, a process that they start, and files."""
     warnings.simplefilter("ignore", ResourceWarning)
     nested = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {SLEEP!r}])"
     subprocess.Popen([sys.executable, "-c", nested], start_new_session=True)

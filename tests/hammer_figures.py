@@ -1,16 +1,16 @@
-"""Fig. 6: the best grasp of a hammer by where the block ends; for the script that draws it and for tests.
+"""Fig. 6: the best grasp of a hammer against the final location of the block, for scripts/figure6 and tests.
 
 The closed form of a grasp at distance g from the end of the handle near the head (physics of a rigid hammer, SI units),
 with a = g - x(handle_to), the distance of the hand from the centre of mass, and lambda = a + x(impact point):
 
     contact  = overlap of [g - w/2, g + w/2] with the handle [0, L], over w
-    torque   = F (a + x(pushing point)), F = mu m_block 9.81, over the way d = x - .1
+    torque   = F (a + x(pushing point)), F = mu m_block 9.81, over the distance d = x - 0.1
     omega    = sqrt(2 tau phi / I), I = I_c + I_w + m (a + R)^2 + m_hand R^2
     v_tip    = omega (lambda + R), v_hand = omega R
-    J        = contact - 4 torque^2 d [push] + .2 v_tip^2 + weight v_hand [strike]
+    J        = contact - 4 torque^2 d [push] + 0.2 v_tip^2 + weight v_hand [strike]
 
-where R is the distance of the hand from the elbow. Equal values are decided for the grasp nearest to the default, the
-middle of the handle, as the optimisers do.
+where R is the distance of the hand from the elbow. Among grasps of equal value the one nearest to the default, the
+middle of the handle, is chosen, as the optimisers do.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,15 +39,15 @@ from hybrid_tamp.taskfile.loader import load_task_text
 PROBLEMS = Path(__file__).resolve().parent.parent / "problems"
 FILES = {"push": "hammer_push", "strike": "hammer_strike", "both": "hammer_push_then_strike"}
 LOCATIONS = tuple(round(0.1 * n, 1) for n in range(1, 11))
-"""Where the block ends [m]."""
+"""Final locations of the block [m]."""
 START = 0.1
-"""Where it is pushed from [m]."""
+"""Initial location of the block [m]."""
 TABLE = {
     "push": (3.0, 3.0, 3.0, 3.0, 2.9, 1.8, 1.1, 0.6, 0.2, 0.0),
     "strike": (12.0,) * 10,
     "both": (12.0, 11.6, 9.3, 8.0, 7.0, 6.2, 5.6, 5.0, 4.5, 4.0),
 }
-"""The best grasps [cm] that are expected; the first of `push` is a tie of all grasps with full contact."""
+"""Expected best grasps [cm]. The first of `push` is a tie of all grasps with full contact."""
 GRASP = ("GRASPING-1", "grasp_location")
 LONG: Mapping[str, Any] = {
     "mass": 0.8,
@@ -57,7 +57,7 @@ LONG: Mapping[str, Any] = {
     "impact_point": [0.035, 0, -0.05],
     "pushing_point": [0.035, 0, 0.05],
 }
-"""A longer and heavier hammer: what differs in the task file."""
+"""Edits of the task file for a longer and heavier hammer."""
 _LONG_PARTS: list[dict[str, Any]] = [
     {"kind": "box", "half_extents": [0.13, 0.012, 0.012], "position": [-0.10, 0, 0]},
     {"kind": "box", "half_extents": [0.02, 0.02, 0.035], "position": [0.035, 0, 0]},
@@ -68,11 +68,11 @@ _FIXED = {"STRIKING.target_x": 0.0, "STRIKING.target_y": 0.0, "PUSHING.speed": 0
 
 
 def figure_task(kind: str, x: float, *, radius: float = 0.0, hand_weight: float = -0.1, long: bool = False) -> Task:
-    """Return the task of a bundled problem with another location, other hyperparameters fixed, maybe another hammer.
+    """Return a bundled task with the block's final location and the other hyperparameters fixed.
 
     Args:
         kind: ``push``, ``strike`` or ``both``.
-        x: where the block ends [m].
+        x: final location of the block [m].
         radius: distance of the hand from the elbow about which it swings [m].
         hand_weight: weight of the hand's speed in a strike.
         long: whether the hammer is the long one.
@@ -95,19 +95,19 @@ def figure_task(kind: str, x: float, *, radius: float = 0.0, hand_weight: float 
 
 @cache
 def figure_plan(kind: str) -> TaskPlan:
-    """Return the plan of a kind. It is the same wherever the block ends, so that a push may be one of no distance."""
+    """Return the plan of a kind. It is the same for every final location, so a push may have no distance."""
     found = hybrid_tamp.plan(figure_task(kind, 0.5)).required()
     return replace(found, instances=tuple(replace(instance, hyperparameters={}) for instance in found.instances))
 
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Grasps ``(n,)`` [m] and what came of them."""
+    """Grasps ``(n,)`` [m] and their results."""
 
     grasps: FloatArray
     scores: Scores
     equal: float = 0.0
-    """Difference of values up to which grasps are equally good, beyond rounding."""
+    """Largest difference of values between equally good grasps; it covers rounding."""
 
     @property
     def _good(self) -> NDArray[np.bool_]:
@@ -117,7 +117,7 @@ class Scan:
 
     @property
     def best(self) -> float:
-        """The best grasp [m]; of equal ones the nearest to the middle of the handle."""
+        """The best grasp [m]; among equal ones the nearest to the middle of the handle."""
         away = np.abs(self.grasps - (self.grasps[0] + self.grasps[-1]) / 2)
         return float(self.grasps[np.argmin(np.where(self._good, away, np.inf))])
 
@@ -129,7 +129,7 @@ class Scan:
 
 
 class Figure:
-    """One task whose grasp is looked for."""
+    """A task whose best grasp is searched for."""
 
     def __init__(self, task: Task, kind: str, roll_out: RollOut | None = None) -> None:
         self.task, self.plan = task, figure_plan(kind)
@@ -138,7 +138,7 @@ class Figure:
         self.evaluate = Evaluator(self.objective, self.part)
 
     def sampled(self, count: int) -> Scan:
-        """Look at grasps all along the handle."""
+        """Evaluate grasps along the whole handle."""
         grasps = np.linspace(self.part.lower[0], self.part.upper[0], count)
         return Scan(grasps, self.evaluate(grasps[:, None]))
 
@@ -148,14 +148,14 @@ class Figure:
         return optimise(self.evaluate, self.part, Budget(evaluations), np.random.default_rng(self.task.seed))
 
     def apart(self) -> tuple[float, float]:
-        """Return the grasp [m] that is the best for grasping alone, and the value of the whole plan with it."""
+        """Return the best grasp [m] for grasping alone, and the value of the whole plan with it."""
         point = optimise_apart(self.evaluate.objective, self.part.names)
         grasp = point[self.objective.keys.index(GRASP)]
         return float(grasp), float(self.evaluate(np.array([[grasp]])).value[0])
 
 
 def scores_of(task: Task, rollout: Rollout, blocks: Sequence[str], hand_weight: float | None = None) -> Scores:
-    """Return scores by the measures of some blocks only, with another weight of the hand's speed where it is given."""
+    """Return scores from the measures of some blocks only, with another weight of the hand's speed if given."""
     value = np.zeros(len(rollout.value))
     for (instance, name), figure in rollout.figures.items():
         block = task.domain.block_by_name[instance.rpartition("-")[0]]
@@ -185,7 +185,7 @@ def closed_form(task: Task, kind: str, x: float, grasps: FloatArray, radius: flo
 
 
 def closed_form_best(task: Task, kind: str, x: float, radius: float = 0.0) -> float:
-    """Return the best grasp [m] by the closed form, to .01 mm."""
+    """Return the best grasp [m] by the closed form, to 0.01 mm."""
     hammer = task.token_by_name["hammer"]
     grasps = np.linspace(0.0, hammer["handle_to"][0] - hammer["handle_from"][0], 15001)
     value = closed_form(task, kind, x, grasps, radius)

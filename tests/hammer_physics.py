@@ -1,7 +1,7 @@
-"""Fig. 6 in PyBullet: what comes of grasps all along the handle.
+"""Fig. 6 in PyBullet: the results of grasps along the whole handle.
 
-Push then strike is run for every location; its push, which comes first, is what a push alone would be, to the bit. A
-strike alone is run at one location: where the block lies does not matter to it.
+Push then strike is run for every location; its push comes first and equals a push alone to the bit. A
+strike alone is run at one location, because the location of the block does not matter to it.
 """
 
 import json
@@ -18,17 +18,17 @@ from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 
 STRIKE_AT = 0.5
-"""Where a strike alone is run [m]."""
+"""Location of the block for a strike alone [m]."""
 MOVING_AT, RADIUS = 0.4, 0.2
-"""Where the strike with a moving hand is run, and how far the hand is from the elbow [m]."""
+"""Location of the block for a strike with a moving hand, and distance of the hand from the elbow [m]."""
 EQUAL = 1e-3
-"""Values that differ by less than this count as equal: a push of no distance is not quite without torque."""
+"""Values that differ by less count as equal, because a push of no distance has a little torque."""
 _LAST = "STRIKING-1"
 _BEFORE_STRIKE = ("REACHING-1", "GRASPING-1", "CARRYING-1", "PUSHING-1")
 
 
 def _part_violation(rollout: Rollout, names: tuple[str, ...]) -> list[float]:
-    """Return the violation of some instances' conditions; infinite where one of them failed or never ended."""
+    """Return the violation of some instances' conditions; infinite if one of them failed or did not end."""
     total = np.zeros(len(rollout.value))
     for condition in rollout.conditions:
         if condition.where in names and condition.where != GOAL:
@@ -40,7 +40,7 @@ def _part_violation(rollout: Rollout, names: tuple[str, ...]) -> list[float]:
 
 
 def scan(kind: str, x: float, grasps: int, processes: int, radius: float = 0.0) -> dict[str, Any]:
-    """Run grasps all along the handle, until the strike has ended; return their figures."""
+    """Run grasps along the whole handle until the strike has ended, and return their figures."""
     task = figure_task(kind, x, radius=radius)
     hammer = task.token_by_name["hammer"]
     places = np.linspace(0.0, hammer["handle_to"][0] - hammer["handle_from"][0], grasps)
@@ -54,7 +54,7 @@ def scan(kind: str, x: float, grasps: int, processes: int, radius: float = 0.0) 
 
 
 def campaign(path: Path, grasps: int, processes: int) -> Iterator[str]:
-    """Run everything that the figure needs from PyBullet, but for what a file has; yield the name of each scan."""
+    """Run the scans that the figure needs and the file lacks, and yield the name of each."""
     known = read(path)
     wanted = [(f"both {x}", "both", x, 0.0) for x in LOCATIONS]
     wanted += [("strike", "strike", STRIKE_AT, 0.0), ("moving", "both", MOVING_AT, RADIUS)]
@@ -67,7 +67,7 @@ def campaign(path: Path, grasps: int, processes: int) -> Iterator[str]:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Return the scans of a file by their names; none if there is no such file."""
+    """Return the scans of a file by name, or no scans if the file does not exist."""
     if not path.exists():
         return {}
     lines = map(json.loads, path.read_text(encoding="utf-8").splitlines())
@@ -75,7 +75,7 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def measured(data: dict[str, Any], kind: str, weights: Mapping[str, float]) -> Scan:
-    """Return the scores of a scan by the measures of one kind: of a push then strike also those of its push."""
+    """Return the scores of a scan from the measures of one kind; a scan of push then strike also gives its push."""
     counted = {"push": ("contact", "torque_work"), "strike": ("contact", "tip_speed_squared", "hand_speed")}
     names = counted.get(kind, tuple(dict.fromkeys(name for each in counted.values() for name in each)))
     figures = {key.partition("/")[2]: np.array(values, dtype=float) for key, values in data["figures"].items()}

@@ -1,4 +1,4 @@
-"""Closed-form objectives in a box, and cmaes used bare on them: what our optimisers are measured against."""
+"""Closed-form objectives in a box, and cmaes alone on them, to compare our optimisers with."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
 from hybrid_tamp.motion.arrays import FloatArray
 
 Cost = Callable[[FloatArray], FloatArray]
-"""From points ``(n, d)`` to what is minimised, ``(n,)``; the minimum is 0."""
+"""From points ``(n, d)`` to the cost ``(n,)``; the minimum is 0."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def ours(problem: Problem, d: int, seed: int) -> int:
 
 
 def bare(problem: Problem, d: int, seed: int) -> int:
-    """Return the evaluations until the target by cmaes used as its own documentation shows, or the limit."""
+    """Return the evaluations until the target by cmaes alone, used as its documentation shows, or the limit."""
     counter = Counter(problem.cost, problem.target)
     strategy = CMA(np.full(d, problem.default), 10.0 * SIGMA, np.tile([-5.0, 5.0], (d, 1)), seed=seed)
     while counter.evaluations < problem.limit and not strategy.should_stop():

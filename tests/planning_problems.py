@@ -1,4 +1,4 @@
-"""Small planning problems, random ones, and a search to judge planners by."""
+"""Small planning problems, random ones, and a search to check planners."""
 
 import random
 from collections import deque
@@ -8,7 +8,7 @@ from itertools import product
 from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningDomain, PlanningProblem
 
-# Boxes move along roads; what is grabbed must be marked, and nothing marks.
+# Boxes move along roads. Only a marked box can be grabbed, and no operator marks one.
 DELIVERY = PlanningDomain(
     name="delivery",
     types=(("thing", "object"), ("box", "thing"), ("place", "object")),
@@ -41,10 +41,10 @@ DELIVER = PlanningProblem(
 )
 DELIVERED = (PlannedAction("move", ("first", "home", "yard")), PlannedAction("move", ("first", "yard", "shop")))
 
-# Not even if nothing were ever deleted.
+# This is impossible even without deletes.
 UNREACHABLE = PlanningProblem("unreachable", DELIVERY, DELIVER.objects, DELIVER.init, (("done",),))
 
-# A box cannot be at two places; the translator of Fast Downward sees that.
+# A box cannot be at two places. The translator of Fast Downward finds this.
 EXCLUSIVE = PlanningProblem(
     "exclusive", DELIVERY, DELIVER.objects, DELIVER.init, (("at", "first", "shop"), ("at", "first", "yard"))
 )
@@ -82,7 +82,7 @@ def _turning(name: str, wanted: str) -> PlanningProblem:
 
 TURNED = _turning("turned", "2013")
 
-# Three tiles turned make an even permutation, two swapped an odd one: only exhaustion shows it.
+# Turning three tiles is an even permutation, swapping two is odd. Only exhaustion shows it.
 ODD = _turning("odd", "1023")
 
 # The one plan deletes and adds one fact, once with two variables and once with a constant.
@@ -135,7 +135,7 @@ def shortest(problem: PlanningProblem, limit: int = 5000) -> int | None:
     """Return the length of a shortest plan, or None if there is none.
 
     Raises:
-        OverflowError: if more states are reached than the limit.
+        OverflowError: the search reaches more states than the limit.
     """
     actions = list(_ground(problem))
     first = frozenset(problem.init)
@@ -177,7 +177,7 @@ def random_problem(seed: int) -> PlanningProblem:
 
 def _random_operators(rng: random.Random, domain: PlanningDomain, name: str) -> Iterator[Operator]:
     """Yield one random operator, or none if there are no facts to change."""
-    # Parameters that have the names of objects and constants, too.
+    # Parameters may have the names of objects and constants.
     parameters = tuple(
         (variable, rng.choice(["t0", "t1", "t2"])) for variable in ("?a", "?k0", "?z")[: rng.randint(0, 3)]
     )

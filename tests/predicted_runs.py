@@ -18,6 +18,6 @@ def predict(task: Task, plan: TaskPlan) -> Recording:
 
 
 def margins_of(recording: Recording) -> Mapping[tuple[str, Atom], float | None]:
-    """Return (instance or `GOAL`, atom) to the margin that a recording has of it."""
+    """Return the recorded margins by (instance or `GOAL`, atom)."""
     found = {(name, m.atom): m.measured for name, margins in recording.exits.items() for m in margins}
     return found | {(GOAL, margin.atom): margin.measured for margin in recording.goal}

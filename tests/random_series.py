@@ -16,7 +16,7 @@ Sorts = Mapping[str, type[ObjectClass] | SymbolSort]
 
 
 class RandomSeries:
-    """Two to four blocks in series and up to three others, some of which hold, some with a second part as target."""
+    """Return two to four blocks in series and up to three others. Some hold, and some have a second part as target."""
 
     def __init__(self, seed: int) -> None:
         self.rng = rng = random.Random(seed)
@@ -56,7 +56,7 @@ class RandomSeries:
         return series
 
     def _entry(self, before: Sequence[Literal], targets: Sorts) -> list[Literal]:
-        """Return conditions of which most hold after the block before."""
+        """Return conditions; most of them hold after the previous block."""
         held = [
             literal for literal in before if literal.positive and ("other" in targets or "part" in literal.arguments)
         ]

@@ -24,7 +24,7 @@ HAND = {
 }
 DRUM = {"axis_of_rotation": (0.0, 0.0, 1.0), "radius_of_rotation": 0.1, "mass": 5.0, "friction": 0.6}
 LYING = (math.sin(math.pi / 4), 0.0, 0.0, math.cos(math.pi / 4))
-"""Turns the body's z axis to the world's -y axis: the drum rolls along x."""
+"""Rotation of the body's z axis to the world's -y axis, so that the drum rolls along x."""
 
 
 def rolling_task(
@@ -33,7 +33,7 @@ def rolling_task(
     regions: Sequence[tuple[float, float]] = ((0.7, 0.0),),
     goal: Sequence[tuple[int, int]] = ((0, 0),),
 ) -> Task:
-    """Return a task: `goal` pairs the number of a drum with that of a region."""
+    """Return a task; `goal` pairs numbers of drums with numbers of regions."""
     tokens: list[Token] = []
     state: dict[tuple[str, str], tuple[float, ...]] = {}
     for number in range(hands):

@@ -1,4 +1,4 @@
-"""Small domains of blocks in series for tests: parts that go through stages, and a planner that says what it did."""
+"""Small domains of blocks in series for tests: parts that go through stages, and a planner that reports its effort."""
 
 import re
 import subprocess
@@ -45,7 +45,7 @@ class Station(PlaceClass):
 
 
 def predicate(name: str, *sorts: type[ObjectClass] | SymbolSort, holds: Callable[..., bool], **named: Any) -> Predicate:
-    """Return a predicate that initially holds of the values for which a function of their names says so."""
+    """Return a predicate that initially holds of the values whose names satisfy `holds`."""
 
     def margin(state: State, *values: Token | str) -> Any:
         return np.where(holds(*(value if isinstance(value, str) else value.name for value in values)), 1.0, -1.0)
@@ -55,7 +55,7 @@ def predicate(name: str, *sorts: type[ObjectClass] | SymbolSort, holds: Callable
 
 
 def changing(name: str, *sorts: type[ObjectClass] | SymbolSort, at_first: bool = False, **named: Any) -> Predicate:
-    """Return a predicate that initially holds of everything or of nothing."""
+    """Return a changing predicate that initially holds of everything or of nothing."""
     return predicate(name, *sorts, holds=lambda *_: at_first, **named)
 
 
@@ -67,7 +67,7 @@ def block(
     targets: Mapping[str, type[ObjectClass] | SymbolSort] | None = None,
     **named: Any,
 ) -> Block:
-    """Return a block that takes a second; its anchor is its first slot."""
+    """Return a block that lasts one second and is anchored at its first slot."""
     return Block(
         name=name,
         slots=tuple(Slot(slot, sort) for slot, sort in slots.items()),
@@ -104,7 +104,7 @@ def domain(blocks: Sequence[Block], predicates: Sequence[Predicate], edges: Iter
 
 
 def in_series(blocks: Sequence[Block]) -> list[tuple[str, str]]:
-    """Return the edges from RESTING through all blocks, slots of one name after each other, and back."""
+    """Return the edges from RESTING through all blocks and back; they connect slots of the same name."""
     edges = [("RESTING.token", f"{blocks[0].name}.{slot.name}") for slot in blocks[0].slots]
     for one, other in pairwise(blocks):
         edges += [(f"{one.name}.{slot.name}", f"{other.name}.{slot.name}") for slot in one.slots]
@@ -119,7 +119,7 @@ def task(
     stations: int = 0,
     assignment: Mapping[str, str] | None = None,
 ) -> Task:
-    """Return a task with so many tokens: ``part 0``, ``tool 0``, ``station 0`` and so on."""
+    """Return a task with these numbers of tokens: ``part 0``, ``tool 0``, ``station 0`` and so on."""
     kinds: list[tuple[str, int, type[ObjectClass]]] = [
         ("part", parts, Part),
         ("tool", tools, Tool),
@@ -131,7 +131,7 @@ def task(
 
 
 def stages(count: int, hold: bool = False) -> Domain:
-    """Return a domain in which a part goes from stage 0 to the last, a block for each step, and back to RESTING."""
+    """Return a domain in which a part goes from stage 0 to the last, one block per step, and back to RESTING."""
     reached = [changing(f"stage-{i}", Part, at_first=i == 0) for i in range(count + 1)]
     blocks = [
         block(
@@ -144,7 +144,7 @@ def stages(count: int, hold: bool = False) -> Domain:
 
 @dataclass(frozen=True)
 class Effort:
-    """What Fast Downward did: ground operators, states expanded, and the plan, None if there is none."""
+    """Result of Fast Downward: numbers of ground operators and expanded states, and the plan or None."""
 
     operators: int
     expanded: int

@@ -1,4 +1,4 @@
-"""A small domain in which nails are driven with tools, and tasks of it with as many unrelated things as wanted."""
+"""A small domain in which nails are driven with tools, and its tasks with any number of unrelated things."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar
@@ -17,44 +17,44 @@ from hybrid_tamp.model.token import Token
 
 
 class Hand(CapabilityClass):
-    """What the robot moves."""
+    """A hand that the robot moves."""
 
     name: ClassVar[str] = "HAND"
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (BasicAction("force", 3, "N"),)
 
 
 class Nail(AffordanceClass):
-    """What can be driven, by a tool only."""
+    """A nail, which only a tool can drive."""
 
     name: ClassVar[str] = "NAIL"
 
 
 class Graspable(AffordanceClass):
-    """What can be taken in the hand."""
+    """A thing that a hand can take."""
 
     name: ClassVar[str] = "GRASPABLE"
 
 
 class Striker(AffordanceClass):
-    """What drives a nail."""
+    """A tool that drives nails."""
 
     name: ClassVar[str] = "STRIKER"
 
 
 class Ball(AffordanceClass):
-    """What can be pushed about: a distractor."""
+    """A thing that can be pushed: a distractor."""
 
     name: ClassVar[str] = "BALL"
 
 
 class Lid(AffordanceClass):
-    """What lies on a nail and must be taken off with a tool of its own."""
+    """A lid on a nail, which only its own tool can remove."""
 
     name: ClassVar[str] = "LID"
 
 
 class Lever(AffordanceClass):
-    """What takes lids off."""
+    """A tool that removes lids."""
 
     name: ClassVar[str] = "LEVER"
 
@@ -98,7 +98,7 @@ CLASSES = (Hand, Nail, Graspable, Striker, Ball, Lid, Lever)
 
 
 def unrelated(number: int) -> tuple[type[ObjectClass], Block, Predicate]:
-    """Return a class that has nothing to do with nails, a block for its members, and a predicate over pairs of them."""
+    """Return a class unrelated to nails, a block for its members, and a predicate over pairs of them."""
     made: type[ObjectClass] = type(f"Odd{number}", (AffordanceClass,), {"name": f"ODD-{number}", "__module__": "tools"})
     near = changing(f"near-{number}", made, made)
     pushed = changing(f"moved-{number}", made)
@@ -106,7 +106,7 @@ def unrelated(number: int) -> tuple[type[ObjectClass], Block, Predicate]:
 
 
 def domain(others: int = 0) -> Domain:
-    """Return the domain of nails with so many unrelated classes and blocks."""
+    """Return the domain of nails with this number of unrelated classes and blocks."""
     more = [unrelated(number) for number in range(others)]
     blocks = [made for _, made, _ in more]
     edges = [
@@ -140,7 +140,7 @@ def task(
     places: Mapping[str, tuple[float, float, float]] | None = None,
     **changes: Any,
 ) -> Task:
-    """Return a task: a nail and a hand, and other things by their classes; a thing is a metre off unless told."""
+    """Return a task with a nail, a hand and other things by class; a thing is 1 m away by default."""
     classes = {"hand": (Hand,), goal: (Nail,), **things}
     tokens = [Token.make(name, list(members), {}) for name, members in classes.items()]
     where = {(name, "position"): (1.0, 0.0, 0.0) for name in things}

@@ -1,4 +1,4 @@
-"""A toy world for tests of physics and execution: pushers that move to spots, and things that lie about."""
+"""A toy world for tests of physics and execution: pushers that move to spots, and passive things."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -22,7 +22,7 @@ from hybrid_tamp.model.token import Token
 
 
 class Pusher(CapabilityClass):
-    """Something that the robot moves by force."""
+    """A body that the robot moves by force."""
 
     name: ClassVar[str] = "PUSHER"
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (BasicAction("force", 3, "N", "maximal_force"),)
@@ -33,14 +33,14 @@ class Pusher(CapabilityClass):
 
 
 class Twister(CapabilityClass):
-    """Something that the robot turns, which PyBullet is not told how to do."""
+    """A body that the robot turns; PyBullet does not know its action."""
 
     name: ClassVar[str] = "TWISTER"
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (BasicAction("torque", 1, "N m"),)
 
 
 class Thing(AffordanceClass):
-    """Something that lies about."""
+    """A passive body."""
 
     name: ClassVar[str] = "THING"
 
@@ -50,7 +50,7 @@ class Thing(AffordanceClass):
 
 
 class Spot(PlaceClass):
-    """Somewhere to move to."""
+    """A place to move to."""
 
     name: ClassVar[str] = "SPOT"
 
@@ -174,7 +174,7 @@ class World:
 
 @dataclass(frozen=True)
 class Toys:
-    """What the tests take from here, by the fixture `toys`."""
+    """What the fixture `toys` offers to tests."""
 
     world: World = World()
     moving: Block = MOVING

@@ -1,4 +1,4 @@
-"""A workbench for tests of physics: a hand with a wrist and two virtual fingers, a hammer, and what feels blows."""
+"""A workbench for tests of physics: a hand with a wrist and two virtual fingers, a hammer, and a recorder of impulses."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -64,14 +64,14 @@ class Hand(CapabilityClass):
 
 
 class Clumsy(CapabilityClass):
-    """Declares a torque and a grip, and nothing that they need."""
+    """Declares a torque and a grip without the properties that they need."""
 
     name: ClassVar[str] = "CLUMSY"
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (BasicAction("torque", 3, "N m"), BasicAction("grip", 1, "N"))
 
 
 class Tool(AffordanceClass):
-    """Has a handle."""
+    """A tool with a handle."""
 
     name: ClassVar[str] = "TOOL"
     mass: float = quantity("kg", "mass")
@@ -82,7 +82,7 @@ class Tool(AffordanceClass):
 
 
 class Thing(AffordanceClass):
-    """Feels blows."""
+    """A body that records the impulse on it."""
 
     name: ClassVar[str] = "THING"
     varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, VaryingProperty("impulse", 1, "N s", (0.0,)))
@@ -116,7 +116,7 @@ def block(mass: float = 2.0, friction: float = 0.5) -> Token:
 
 
 def held(grasp: float, turn: FloatArray, at: FloatArray = UP, aperture: float = NEARLY, **things: Token) -> Task:
-    """Return a scene in which fingers, nearly closed, are about a hammer's handle `grasp` from its centre of mass."""
+    """Return a scene with nearly closed fingers about a hammer's handle, `grasp` [m] from its centre of mass."""
     tokens = {
         "hand": ball("hand", Hand, mass=1.0),
         "hammer": Token.make("hammer", [Tool], {"mass": MASS}, HAMMER),
@@ -139,7 +139,7 @@ def run(task: Task, seconds: float, policy: Policy) -> list[State]:
 def upright(
     state: State, place: FloatArray, grip: float, speed: FloatArray | float = 0.0, stiffness: float = 40.0
 ) -> Commands:
-    """Command a servo of position and orientation, the hammer's weight borne; soft enough for an empty wrist."""
+    """Return the commands of a pose servo that bears the hammer's weight and is soft enough for an empty wrist."""
     force = 8000 * (place - state["hand", "position"]) + 180 * (speed - state["hand", "velocity"])
     off = rotation_vector(state["hand", "orientation"])
     torque = -stiffness * (off + 0.008 * state["hand", "angular_velocity"])
@@ -151,6 +151,6 @@ def upright(
 
 
 def grasp_point(state: State) -> FloatArray:
-    """Return the hand's place in the hammer's frame [m]."""
+    """Return the hand's position in the hammer's frame [m]."""
     offset = state["hand", "position"] - state["hammer", "position"]
     return rotate(quaternion_conjugate(state["hammer", "orientation"]), offset)

@@ -1,4 +1,4 @@
-"""A small domain for tests: cutters are set and a hand cuts parts with them; two hands carry parts to stations."""
+"""A small domain for tests: a hand cuts parts with cutters that are set, and two hands carry parts to stations."""
 
 from collections.abc import Mapping
 from typing import Any, ClassVar
@@ -24,14 +24,14 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 class Hand(CapabilityClass):
-    """Cuts, and bears parts."""
+    """A hand that cuts and carries parts."""
 
     name: ClassVar[str] = "HAND"
     force: float = quantity("N", "what it can bear", gt=0)
 
 
 class Part(AffordanceClass):
-    """Is cut and carried."""
+    """A part to cut and carry."""
 
     name: ClassVar[str] = "PART"
     weight: float = quantity("N", "weight", gt=0)
@@ -39,14 +39,14 @@ class Part(AffordanceClass):
 
 
 class Cutter(AffordanceClass):
-    """Cuts what is softer."""
+    """A cutter for parts that are softer than its edge."""
 
     name: ClassVar[str] = "CUTTER"
     edge: float = quantity("1", "hardness of its edge", gt=0)
 
 
 class Station(PlaceClass):
-    """Somewhere to carry parts to."""
+    """A place to carry parts to."""
 
     name: ClassVar[str] = "STATION"
     load: float = quantity("N", "what it bears", gt=0)

@@ -1,7 +1,7 @@
-"""The law checker and VAL give the same verdict on plans that are whole and on plans broken at random.
+"""The law checker and VAL give the same verdict on intact plans and on randomly broken ones.
 
-Plans are random walks through the compiled operators, so that they take every edge of the network; VAL judges the
-re-encoded timeline. Durations (law 6) are the timeline's own: classical PDDL has no time, so they are judged apart.
+Plans are random walks through the compiled operators, so that they take every edge of the network. VAL checks the
+re-encoded timeline. Classical PDDL has no time, so durations (law 6) are checked separately.
 """
 
 import random
@@ -38,7 +38,7 @@ TASKS = {
 
 
 def walk(compilation: Compilation, rng: random.Random, length: int) -> list[PlannedAction]:
-    """Return random applicable actions that end where nothing is half done."""
+    """Return random applicable actions that end with no instance half done."""
     facts = set(compilation.problem.init)
     wanted = {fact for fact in compilation.problem.goal if fact[0] not in ("inside", "posture")}
     actions: list[PlannedAction] = []
@@ -73,7 +73,7 @@ def applicable(operator: Operator, facts: set[Fact], rng: random.Random) -> tupl
 
 
 def with_goal(task: Task, actions: list[PlannedAction]) -> Task:
-    """Return the task whose goal is what the walk brought about."""
+    """Return the task with the effects of the walk as its goal."""
     compilation = compile_task(task)
     reached: dict[str, Atom] = {}
     for action in actions:
@@ -137,7 +137,7 @@ def test_val_accepts_every_lawful_timeline_as_a_temporal_plan(name: str, seed: i
 
 @pytest.mark.parametrize("hands", [2, 4])
 def test_law_and_val_agree_on_whole_tumbles(hands: int, tmp_path: Path) -> None:
-    """Random walks seldom get beyond the first tip; a planner's plan does."""
+    """Random walks seldom get beyond the first tip, but a planner's plan does."""
     task = random_tumbling(3, hands=hands)
     compilation = compile_task(task)
     with PlannerProcess() as planner:

@@ -1,4 +1,4 @@
-"""Tasks with a hammer, for trials and figures: one whose numbers are given, and random ones."""
+"""Tasks with a hammer for trials and figures, with given or random numbers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -59,16 +59,16 @@ def hammer_shape() -> Compound:
 
 @dataclass(frozen=True)
 class Scene:
-    """Where things are in a task with a hammer; angles about the vertical.
+    """Initial scene of a task with a hammer. Angles are about the vertical.
 
     Attributes:
-        start: the block's place ``(x, y)`` [m].
-        end: the place where it is wanted and struck [m].
-        rack: the hammer's place [m].
-        facing: the hammer's heading as it stands there [rad].
-        hand: the hand's place ``(x, y, z)`` [m].
-        mass: of the block [kg].
-        friction: of the block.
+        start: initial position of the block ``(x, y)`` [m].
+        end: position to which the block is pushed and where it is struck [m].
+        rack: position of the hammer [m].
+        facing: heading of the hammer [rad].
+        hand: position of the hand ``(x, y, z)`` [m].
+        mass: mass of the block [kg].
+        friction: friction of the block.
     """
 
     start: Sequence[float] = (0.1, 0.0)
@@ -85,8 +85,8 @@ def hammer_task(name: str, scene: Scene, goal: Sequence[str] = ("push", "strike"
 
     Args:
         name: name of the task.
-        scene: where things are.
-        goal: what is asked for: ``push``, ``strike``, or both.
+        scene: initial scene.
+        goal: ``push``, ``strike``, or both.
         seed: seed of everything random in planning.
     """
     hand = Token.make("hand", [DexterousHand], _HAND)
@@ -116,8 +116,8 @@ def hammer_task(name: str, scene: Scene, goal: Sequence[str] = ("push", "strike"
 def random_hammer(seed: int) -> Task:
     """Return a task in which a hand pushes a block to a region with a hammer and strikes it there.
 
-    Distance U(.1, 1.0) m in any direction, mass U(1, 3) kg, friction U(.4, .6); the hammer stands .3 to .5 m behind the
-    block, up to .3 m aside, in any heading, and the hand starts within .3 m of it.
+    Distance U(0.1, 1.0) m in any direction, mass U(1, 3) kg, friction U(0.4, 0.6). The hammer stands 0.3 to 0.5 m
+    behind the block, up to 0.3 m aside, in any heading. The hand starts within 0.3 m of it.
     """
     rng = np.random.default_rng(seed)
     heading, distance = rng.uniform(-np.pi, np.pi), rng.uniform(*_DISTANCES)

@@ -23,17 +23,18 @@ _HAND = {
     "workspace_upper": (2.0, 2.0, 1.5),
 }
 _WIDTHS = {2: (0.06, 0.25), 4: (0.12, 0.3)}
-"""Half extents along y [m]: on those for four hands there is room for two side by side."""
+"""Half extents along y [m]. On a box for four hands two fit side by side."""
 _LOADS = {2: (0.3, 0.95), 4: (1.05, 1.9)}
-"""Masses as parts of what two hands bear: what is lifted by four is too heavy for two."""
+"""Masses as shares of the load that two hands bear. A box for four hands is too heavy for two."""
 
 
 def random_lifting(seed: int, hands: int = 2) -> Task:
-    """Return a task in which hands lift a box: two light ones, or four hands of two robots what is too heavy for two.
+    """Return a task in which two hands lift a light box, or four hands of two robots one that is too heavy for two.
 
-    Half extents x U(.08, .22), y U(.06, .25) for two hands and U(.12, .3) for four, z U(.06, .2) m; friction U(.4, .9);
-    mass U(.3, .95) of what two hands can bear, for four hands U(1.05, 1.9); up to 3 cm and 3 degrees off its place.
-    Hands start within 5 cm of places .5 m aside and .4 m high, all upright.
+    Half extents: x U(0.08, 0.22) m; y U(0.06, 0.25) m for two hands and U(0.12, 0.3) m for four; z U(0.06, 0.2) m.
+    Friction U(0.4, 0.9). Mass as a share of the load that two hands bear: U(0.3, 0.95) for two hands, U(1.05, 1.9) for
+    four. The box is up to 3 cm and 3 degrees off its place. The upright hands start within 5 cm of places 0.5 m aside
+    and 0.4 m high.
     """
     rng = np.random.default_rng(seed)
     halves = [float(rng.uniform(*bounds)) for bounds in ((0.08, 0.22), _WIDTHS[hands], (0.06, 0.2))]

@@ -1,4 +1,4 @@
-"""Random tasks of rolling, for trials; those of tumbling are in `tumbling_trials`."""
+"""Random tasks of rolling, for trials."""
 
 import numpy as np
 from hybrid_tamp_domains.common.classes import Region, StaticEndEffector
@@ -16,8 +16,8 @@ from hybrid_tamp.motion.poses import quaternion_from_rpy
 def random_rolling(seed: int) -> Task:
     """Return a task in which one hand rolls a random cylinder to a region.
 
-    Radius U(.06, .15) m, length U(.2, .4) m, mass U(2, 12) kg, friction U(.4, .9), distance U(.3, 1.0) m, any
-    heading; the hand starts anywhere around, 0.3 to 0.6 m from the cylinder's surface.
+    Radius U(0.06, 0.15) m, length U(0.2, 0.4) m, mass U(2, 12) kg, friction U(0.4, 0.9), distance U(0.3, 1.0) m, any
+    heading. The hand starts anywhere around the cylinder, 0.3 to 0.6 m from its surface.
     """
     rng = np.random.default_rng(seed)
     radius, length = rng.uniform(0.06, 0.15), rng.uniform(0.2, 0.4)

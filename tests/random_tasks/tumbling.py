@@ -1,4 +1,4 @@
-"""Random tumbling tasks, and the push by one hand that brings a box down uncontrolled."""
+"""Random tasks of tumbling, and the push by one hand that topples a box without control."""
 
 import numpy as np
 from hybrid_tamp_domains.common.classes import StaticEndEffector
@@ -27,21 +27,21 @@ from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_from
 from hybrid_tamp.physics.protocol import Backend
 
 HANDS = ((-0.5, 0.0, 0.55), (0.5, 0.0, 0.55), (-0.5, 0.0, 0.1), (0.6, 0.0, 0.8))
-"""Where hands wait [m]: each on its side, clear of the ways of the others."""
+"""Initial positions of the hands [m], each on its side and clear of the paths of the others."""
 _ROW = 1.0
 _PUSH_HEIGHT = 0.9
-"""Where the forced push is, as a share of the box's height."""
+"""Height of the forced push, as a share of the box's height."""
 _PUSH_GAP = 0.005
 _PUSH_RATE = 0.05
-"""How fast its lead grows [rad/s]."""
+"""Rate at which the lead of the hand grows [rad/s]."""
 _PUSH_LEAD = 0.3
-"""How far the hand's place is ahead of the box at most [rad]."""
+"""Largest lead of the hand over the box [rad]."""
 _PUSH_BRAKE = 3.0
-"""How much more than usual the hand is damped, so that the box is not thrown."""
+"""Factor of the usual damping of the hand, so that it does not throw the box."""
 
 
 def random_box(rng: np.random.Generator, name: str) -> Token:
-    """Return a box: x U(.22, .38) m, z U(.75, 1.6) of it, y U(.2, .35) m, U(8, 20) kg, friction U(.4, .9)."""
+    """Return a box: x U(0.22, 0.38) m, y U(0.2, 0.35) m, z U(0.75, 1.6) x, U(8, 20) kg, friction U(0.4, 0.9)."""
     length = rng.uniform(0.22, 0.38)
     edges = (length, rng.uniform(0.2, 0.35), length * rng.uniform(0.75, 1.6))
     properties = {
@@ -53,13 +53,13 @@ def random_box(rng: np.random.Generator, name: str) -> Token:
 
 
 def random_tumbling(seed: int, hands: int = 2, boxes: int = 1, onto: str = "right") -> Task:
-    """Return a task: boxes a metre apart, up to 3 cm and 3 degrees off their places, to be tumbled onto a face.
+    """Return a task to tumble boxes onto a face; they stand 1 m apart, up to 3 cm and 3 degrees off their places.
 
     Args:
-        seed: of everything random.
-        hands: how many; with several boxes they are spread over them in pairs.
-        boxes: how many.
-        onto: the face on which each box is to lie.
+        seed: seed of everything random.
+        hands: number of hands; several boxes have a pair each.
+        boxes: number of boxes.
+        onto: face on which each box must lie in the end.
     """
     rng = np.random.default_rng(seed)
     things = [random_box(rng, f"box {number + 1}") for number in range(boxes)]
@@ -77,7 +77,7 @@ def random_tumbling(seed: int, hands: int = 2, boxes: int = 1, onto: str = "righ
         given[end.name, "orientation"] = quaternion_from_rpy(np.array([np.pi / 2, 0.0, 0.0]))
     tokens = (*ends, *things)
     goal = tuple(Atom("posture", (thing.name, flat(onto))) for thing in things)
-    objective = "makespan" if boxes > 1 else "length"  # several boxes at once
+    objective = "makespan" if boxes > 1 else "length"  # for several boxes at once
     return Task(f"tumble_{seed}", DOMAIN, tokens, State.of(tokens, given), goal, seed=seed, objective=objective)
 
 
@@ -94,11 +94,11 @@ def _hand(number: int) -> Token:
 
 
 def forced_push(task: Task, backend: Backend, seconds: float = 12.0) -> dict[str, float]:
-    """Push a box over with the task's first hand, which no plan would do, and return the measures of its fall.
+    """Push a box over with the task's first hand, unlike any plan, and return the measures of its fall.
 
     The hand starts at the left face, high up, and pushes along the arc on which the box turns over its right edge, so
-    that its friction lifts the box rather than holds it down. Beyond the balance nothing holds the box: it drops onto
-    its right face; a low one that stands on too smooth a floor slides instead.
+    that its friction lifts the box rather than holds it down. Beyond the balance nothing holds the box, and it drops onto
+    its right face. A low box on too smooth a floor slides instead.
     """
     hand, thing = task.tokens[0], next(token for token in task.tokens if token.is_member(Tumblable))
     normal_before = normal(task.state, thing, "left")
@@ -116,7 +116,7 @@ def forced_push(task: Task, backend: Backend, seconds: float = 12.0) -> dict[str
 
 
 def _push(hand: Token, thing: Token, state: State, arm: FloatArray, elapsed: float) -> Commands:
-    """Return the force of a hand that is led along the arc ahead of the box, but only up to the balance."""
+    """Return the force that leads the hand along the arc ahead of the box, up to the balance."""
     angle = tilt(state, thing, "bottom", "right")
     force = -damping(hand["mass"]) * state[hand, "velocity"]
     if float(angle) < balance(thing, "bottom", "right"):

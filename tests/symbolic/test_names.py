@@ -71,7 +71,7 @@ def carrying(names: Mapping[str, str]) -> Task:
 
 
 def renamed(plan: TaskPlan, names: Mapping[str, str]) -> set[tuple[object, ...]]:
-    """Return what a plan says, under the names of this file."""
+    """Return the content of a plan under the plain names."""
     own = {name: key for key, name in names.items()}
     said = set()
     for each in plan.instances:
@@ -82,7 +82,7 @@ def renamed(plan: TaskPlan, names: Mapping[str, str]) -> set[tuple[object, ...]]
 
 
 def judge(folder: Path, names: Mapping[str, str]) -> set[tuple[object, ...]]:
-    """Plan, decode, re-encode and export the task under these names; return what the plan says."""
+    """Plan, decode, re-encode and export the task under these names; return the content of the plan."""
     task = carrying(names)
     compilation = compile_task(task)
     actions = shortest_plan(compilation.problem)
@@ -100,14 +100,14 @@ def judge(folder: Path, names: Mapping[str, str]) -> set[tuple[object, ...]]:
 
 @cache
 def plain() -> frozenset[tuple[object, ...]]:
-    """Return what the plan says under plain names."""
+    """Return the content of the plan under plain names."""
     with TemporaryDirectory() as folder:
         return frozenset(judge(Path(folder), PLAIN))
 
 
 @st.composite
 def some_names(draw: st.DrawFn) -> dict[str, str]:
-    """Names for everything, each used once; a slot has no dot, which is between a block and a slot in edges."""
+    """Return distinct names for everything, without dots, which separate block and slot in edges."""
     characters = st.characters(codec="utf-8", exclude_characters=".*\n", exclude_categories=("C", "Z"))
     name = st.sampled_from(NASTY) | st.text(characters | st.sampled_from(" -"), min_size=1, max_size=12)
     keys = (*ROLES, *OTHERS)
