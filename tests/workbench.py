@@ -1,4 +1,4 @@
-"""A workbench for tests of physics: a hand with a wrist and two virtual fingers, a hammer, and a recorder of impulses."""
+"""A workbench for tests of physics: a hand with a wrist and two virtual fingers, a hammer, and an impulse sensor."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar

@@ -97,8 +97,8 @@ def forced_push(task: Task, backend: Backend, seconds: float = 12.0) -> dict[str
     """Push a box over with the task's first hand, unlike any plan, and return the measures of its fall.
 
     The hand starts at the left face, high up, and pushes along the arc on which the box turns over its right edge, so
-    that its friction lifts the box rather than holds it down. Beyond the balance nothing holds the box, and it drops onto
-    its right face. A low box on too smooth a floor slides instead.
+    that its friction lifts the box rather than holds it down. Beyond the balance nothing holds the box, and it drops
+    onto its right face. A low box on too smooth a floor slides instead.
     """
     hand, thing = task.tokens[0], next(token for token in task.tokens if token.is_member(Tumblable))
     normal_before = normal(task.state, thing, "left")
