@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from hybrid_tamp.model.plan import TaskPlan as TaskPlan
     from hybrid_tamp.model.predicate import Atom as Atom
     from hybrid_tamp.model.recording import Recording as Recording
-    from hybrid_tamp.model.replay_result import ReplayResult as ReplayResult
+    from hybrid_tamp.model.run_result import ReplayResult as ReplayResult
     from hybrid_tamp.model.run_result import RunResult as RunResult
     from hybrid_tamp.model.state import State as State
     from hybrid_tamp.model.task import Limits as Limits
@@ -71,8 +71,7 @@ _NAMES = {
     "model.plan": "BlockInstance TaskPlan",
     "model.predicate": "Atom",
     "model.recording": "Recording",
-    "model.replay_result": "ReplayResult",
-    "model.run_result": "RunResult",
+    "model.run_result": "ReplayResult RunResult",
     "model.state": "State",
     "model.task": "Limits MidLevel Range Task",
     "model.token": "Token",

@@ -9,13 +9,11 @@ import numpy as np
 from hybrid_tamp.geometry.shapes import Box, Cylinder, Sphere
 from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, BasicAction, CapabilityClass, PlaceClass, quantity
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
-from hybrid_tamp.model.control import Commands, ContinuousSystem
+from hybrid_tamp.model.control import Commands, ContinuousSystem, Hyperparameter, Parameters
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.network import ReassignmentNetwork
-from hybrid_tamp.model.parameters import Hyperparameter, Parameters
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import Atom, Binding, Parameter, Predicate
+from hybrid_tamp.model.predicate import Atom, Binding, Kind, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

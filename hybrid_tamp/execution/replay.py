@@ -9,7 +9,7 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.commands import CommandError, CommandLayout
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.replay_result import ReplayResult, StateDifference
+from hybrid_tamp.model.run_result import ReplayResult, StateDifference
 from hybrid_tamp.model.state import State, StateLayout
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend

@@ -7,8 +7,7 @@ import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.control import Commands
-from hybrid_tamp.model.parameters import Parameters
+from hybrid_tamp.model.control import Commands, Parameters
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.recording import AtomMargin

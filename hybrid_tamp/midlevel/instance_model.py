@@ -6,9 +6,8 @@ from math import floor
 import numpy as np
 
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.control import CONTROL_PERIOD
+from hybrid_tamp.model.control import CONTROL_PERIOD, Parameters
 from hybrid_tamp.model.forward_model import ForwardModel
-from hybrid_tamp.model.parameters import Parameters
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.state import State, StateLayout

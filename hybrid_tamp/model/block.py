@@ -1,7 +1,7 @@
 """Action blocks: slots, targets, conditions, continuous system, policy, hyperparameters (paper, Sec. II-B).
 
-A block has one symbolic and one continuous face and declares both in one place. Its exit conditions *are* its
-effects: deletes (negative literals) before adds.
+A block declares its symbolic and its continuous side in one place. Its exit conditions *are* its effects; deletes
+(negative literals) come before adds.
 """
 
 from collections.abc import Callable, Mapping
@@ -9,9 +9,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hybrid_tamp.model.affordance import ObjectClass
-from hybrid_tamp.model.control import Commands, ContinuousSystem, PolicyMaker, SystemMaker
-from hybrid_tamp.model.measure import Measure
-from hybrid_tamp.model.parameters import Hyperparameter, Hyperparameters
+from hybrid_tamp.model.control import (
+    Commands,
+    ContinuousSystem,
+    Hyperparameter,
+    Hyperparameters,
+    PolicyMaker,
+    SystemMaker,
+)
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import ANY, Binding, Literal, Predicate, SymbolSort
 from hybrid_tamp.model.state import State
@@ -20,7 +25,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Slot:
-    """A place in a block for exactly one token of the class."""
+    """An opening in a block for exactly one token of the class."""
 
     name: str
     object_class: type[ObjectClass]
@@ -43,12 +48,12 @@ class Target:
 
 @dataclass(frozen=True)
 class Duration:
-    """How long an instance lasts [s].
+    """Bounds and estimate of the time that an instance lasts [s].
 
     Attributes:
         minimum: lower bound, more than zero.
-        maximum: by then the exit conditions must hold; a block without a hold must have ended too.
-        expected: estimate ``expected(binding, state, hyperparameters)`` from the state at its beginning.
+        maximum: upper bound until the exit conditions hold; an instance without a hold also ends by then.
+        expected: ``expected(binding, state, hyperparameters)``, the estimate from the state at the beginning.
     """
 
     minimum: float
@@ -58,12 +63,12 @@ class Duration:
 
 @dataclass(frozen=True)
 class Movement:
-    """What the motor primitive of a block's reference trajectory moves, and what demonstrates it.
+    """The movement that the motor primitive of a block's reference trajectory describes.
 
     Attributes:
-        slot: the slot whose token shows it.
+        slot: the slot whose token demonstrates the movement.
         moves: the varying property of that token that moves: ``position`` or ``orientation``.
-        dimensions: 3 for the position itself [m], 1 for the travelled share of the way or of the angle.
+        dimensions: 3 for the position itself [m], 1 for the travelled fraction of the path or of the angle.
     """
 
     slot: str
@@ -71,8 +76,35 @@ class Movement:
     dimensions: int
 
 
+@dataclass(frozen=True)
+class Measure:
+    """One term of a block's performance measure (paper, Secs. II-D and III-B): a figure and its weight.
+
+    Exactly one of `end`, `peak` and `rate` computes the figure.
+
+    Attributes:
+        name: e.g. ``"contact"``.
+        unit: SI unit of the figure.
+        weight: value of one `scale` of the figure in a plan; negative for a cost. Tasks may change it.
+        scale: size of the figure that counts as one [unit].
+        end: ``end(binding, before, after, hyperparameters)`` from the states at the beginning and the end, ``(...)``.
+        peak: ``peak(binding, state)``; the largest value while the block runs counts, ``(...)``.
+        rate: ``rate(binding, state, commands)``, integrated over the time that the block runs, ``(...)`` [unit/s].
+        description: one line.
+    """
+
+    name: str
+    unit: str
+    weight: float
+    scale: float = 1.0
+    end: Callable[[Binding, State, State, Hyperparameters], FloatArray] | None = None
+    peak: Callable[[Binding, State], FloatArray] | None = None
+    rate: Callable[[Binding, State, Commands], FloatArray] | None = None
+    description: str = ""
+
+
 Outcome = Callable[[Binding, State], State]
-"""``outcome(binding, state)``: where the tokens in the slots are going to be when the exit conditions hold; pure."""
+"""``outcome(binding, state)``: expected state of the tokens in the slots when the exit conditions hold; pure."""
 
 
 def _rest(binding: Binding, start: State) -> ContinuousSystem:
@@ -91,30 +123,30 @@ def _measurable(literals: tuple[Literal, ...]) -> tuple[Literal, ...]:
 class Block:
     """One type of action, or one mode of it.
 
-    Modes are outcomes of one action with conditions, targets and hyperparameters of their own; each is a block named
-    ``"ACTION:mode"``, and edges of the network that name the action alone hold for all of them.
+    The modes of an action are its different outcomes. Each mode has its own conditions, targets and hyperparameters
+    and is a block named ``"ACTION:mode"``. An edge of the network that names the action alone holds for all modes.
 
     Attributes:
         name: e.g. ``"ROLLING"`` or ``"REACHING:behind"``.
         slots: one or more, each for exactly one token.
-        anchor: name of the slot whose token names a running instance.
-        targets: what it reads but does not hold.
+        anchor: name of the slot whose token identifies an instance.
+        targets: tokens and symbols that it reads but does not hold.
         entry: conditions over roles under which its tokens may be assigned.
-        exit: conditions over roles under which its tokens may leave; also its effects.
+        exit: conditions over roles under which its tokens may leave; they are also its effects.
         writes: slot to the varying properties that its continuous system changes.
-        keeps: predicates that stay as they are although they read something written.
-        hyperparameters: what shapes its policy.
+        keeps: predicates whose atoms do not change, although they read a property that it writes.
+        hyperparameters: parameters of its policy that are optimised.
         duration: bounds and estimate.
-        hold: whether it goes on holding once its exit conditions hold.
+        hold: whether it continues after its exit conditions hold, and maintains them.
         policy: ``policy(binding, start, parameters)`` makes the feedback law of an instance; None if no token has
             basic actions.
         system: ``system(binding, start)`` makes the forward model of an instance.
-        performance: how good one execution was: the weighted sum of these measures, maximised.
-        taught: ``taught(primitive)``: the block with another motor primitive (a `motion.dmp.DMP`) for its reference
-            trajectory, or None where it has none; all else stays as it is.
-        movement: what that primitive moves, or None.
-        outcome: estimate of where its tokens are in the end, for schedules, or None where they stay where they are.
-        description: what it does, one line.
+        performance: measures of one execution; their weighted sum is maximised.
+        taught: ``taught(primitive)``, the same block with another motor primitive (a `motion.dmp.DMP`) for its
+            reference trajectory; None if it has no such trajectory.
+        movement: the movement that the primitive describes, or None.
+        outcome: estimate of the final state of its tokens, for schedules; None if they do not move.
+        description: one line.
     """
 
     name: str
@@ -146,7 +178,7 @@ class Block:
 
     @property
     def roles(self) -> Mapping[str, type[ObjectClass] | SymbolSort]:
-        """Slots, then targets, each with its class or sort."""
+        """Role to class or sort: slots first, then targets."""
         found: dict[str, type[ObjectClass] | SymbolSort] = {s.name: s.object_class for s in self.slots}
         return found | {target.name: target.sort for target in self.targets}
 
@@ -162,12 +194,12 @@ class Block:
 
     @property
     def measured_exits(self) -> tuple[Literal, ...]:
-        """The exit conditions that have a margin: a wildcard only says which old facts are void."""
+        """The exit conditions that have a margin; those with a wildcard only delete facts."""
         return _measurable(self.exit)
 
     @property
     def measured_entries(self) -> tuple[Literal, ...]:
-        """The entry conditions that must be measured as it starts; static facts do not change."""
+        """The entry conditions that are measured when it starts; static facts do not change."""
         return _measurable(self.changing_entry)
 
     @property
@@ -177,12 +209,12 @@ class Block:
 
     @property
     def changing_entry(self) -> tuple[Literal, ...]:
-        """The entry conditions that other blocks bring about or undo."""
+        """The entry conditions that other blocks set or delete."""
         return tuple(literal for literal in self.entry if not literal.predicate.static)
 
     @property
     def maintained_exit(self) -> tuple[Literal, ...]:
-        """The exit conditions that live as long as an instance: its hold keeps them."""
+        """The exit conditions that hold only while the instance runs."""
         return tuple(literal for literal in self.exit if literal.predicate.maintained and literal.positive)
 
     def slot(self, name: str) -> Slot:

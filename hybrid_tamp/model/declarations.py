@@ -1,44 +1,38 @@
-"""What a domain declares, for the checks that a domain makes of itself."""
+"""The declarations of a domain, as `model.domain_checks` examines them."""
 
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 from hybrid_tamp.model.affordance import ClassRelations, ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import Predicate, SymbolSort
+from hybrid_tamp.model.trial import TrialRecipe
+
+Metrics = Callable[[Any, Any], Mapping[tuple[str, str], float]]
+"""``metrics(task, recording)``: a domain's own measures of a finished run, (instance, name with unit) to value."""
 
 
-class Declarations(Protocol):
-    """What a domain declares, as far as it is checked."""
+@dataclass(frozen=True, eq=False)
+class Declarations:
+    """The declarations of a domain; `Domain` describes the attributes."""
 
-    @property
-    def name(self) -> str:
-        """Name of the domain."""
+    name: str
+    classes: tuple[type[ObjectClass], ...]
+    predicates: tuple[Predicate, ...]
+    blocks: tuple[Block, ...]
+    network: ReassignmentNetwork
+    resting: str = "RESTING"
+    metrics: Metrics | None = None
+    description: str = ""
+    sorts: tuple[SymbolSort, ...] = ()
+    disjoint: tuple[tuple[type[ObjectClass], ...], ...] = ()
+    reduced: bool = False
+    trials: tuple[TrialRecipe[Any], ...] = ()
 
-    @property
-    def resting(self) -> str:
-        """Name of the block that takes whatever nothing manipulates."""
-
-    @property
-    def classes(self) -> tuple[type[ObjectClass], ...]:
-        """Object classes."""
-
-    @property
-    def sorts(self) -> tuple[SymbolSort, ...]:
-        """Symbol sorts beyond those that predicates and targets mention."""
-
-    @property
-    def predicates(self) -> tuple[Predicate, ...]:
-        """Predicates."""
-
-    @property
-    def blocks(self) -> tuple[Block, ...]:
-        """Action blocks."""
-
-    @property
-    def network(self) -> ReassignmentNetwork:
-        """Allowed reassignments."""
-
-    @property
+    @cached_property
     def relations(self) -> ClassRelations:
         """Which classes may share a token."""
+        return ClassRelations(self.disjoint)

@@ -1,59 +1,38 @@
-"""A domain: classes, predicates, blocks and their network, as one value checked when it is made."""
+"""A domain: classes, predicates, blocks and their network, as one value that is checked when it is made."""
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 from hybrid_tamp.errors import DomainError
-from hybrid_tamp.model.affordance import ClassRelations, ObjectClass
+from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.declarations import Declarations
 from hybrid_tamp.model.domain_checks import faults_of
-from hybrid_tamp.model.network import ReassignmentNetwork
-from hybrid_tamp.model.predicate import Predicate, SymbolSort
-from hybrid_tamp.model.trial import TrialRecipe
-
-Metrics = Callable[[Any, Any], Mapping[tuple[str, str], float]]
-"""``metrics(task, recording)``: a domain's own measures of a finished run, (instance, name with unit) to value.
-
-A task knows its domain, so a domain does not know the class of tasks.
-"""
+from hybrid_tamp.model.predicate import Predicate
 
 
 @dataclass(frozen=True, eq=False)
-class Domain:
+class Domain(Declarations):
     """A modelled world of tasks.
 
     Attributes:
-        name: name by which task files call it.
+        name: name of the domain in task files.
         classes: its object classes (the root class TOKEN is always there).
         predicates: its predicates, static ones included.
         blocks: its action blocks.
         network: allowed reassignments between their slots.
-        sorts: symbol sorts beyond those that predicates and targets mention.
-        disjoint: groups of classes that never share a token, pairwise.
-        reduced: whether it was made from a domain that was checked; its slots may lack ways in or out.
-        resting: name of the block that takes whatever nothing manipulates.
+        resting: name of the block of tokens that nothing manipulates.
         metrics: measures of a finished run for ``result.json``, (instance, measure) to the figure; or None.
         description: one line.
-        trials: how membership of a class is tried, for those classes for which the domain knows.
+        sorts: symbol sorts beyond those that predicates and targets mention.
+        disjoint: groups of classes that never share a token, pairwise.
+        reduced: whether it was reduced from a checked domain; its slots may lack edges in or out.
+        trials: recipes of membership trials, for the classes that have one.
 
     Raises:
-        DomainError: the declarations contradict each other; every fault with its place and remedy.
+        DomainError: the declarations contradict each other; the error has every fault with its place and remedy.
     """
-
-    name: str
-    classes: tuple[type[ObjectClass], ...]
-    predicates: tuple[Predicate, ...]
-    blocks: tuple[Block, ...]
-    network: ReassignmentNetwork
-    resting: str = "RESTING"
-    metrics: Metrics | None = None
-    description: str = ""
-    sorts: tuple[SymbolSort, ...] = field(default=())
-    disjoint: tuple[tuple[type[ObjectClass], ...], ...] = ()
-    reduced: bool = False
-    trials: tuple[TrialRecipe[Any], ...] = ()
 
     def __post_init__(self) -> None:
         faults = [] if self.reduced else faults_of(self)
@@ -62,11 +41,6 @@ class Domain:
 
     def __repr__(self) -> str:
         return f"Domain({self.name!r})"
-
-    @cached_property
-    def relations(self) -> ClassRelations:
-        """Which classes may share a token."""
-        return ClassRelations(self.disjoint)
 
     @cached_property
     def class_by_name(self) -> Mapping[str, type[ObjectClass]]:
@@ -80,12 +54,12 @@ class Domain:
 
     @cached_property
     def static_predicates(self) -> tuple[Predicate, ...]:
-        """The predicates that are decided once, before any search."""
+        """The predicates whose atoms are decided once, before any search."""
         return tuple(predicate for predicate in self.predicates if predicate.static)
 
     @cached_property
     def changing_predicates(self) -> tuple[Predicate, ...]:
-        """The predicates that blocks set and delete, or maintain."""
+        """The predicates whose atoms blocks set, delete or maintain."""
         return tuple(predicate for predicate in self.predicates if not predicate.static)
 
     @cached_property
@@ -95,11 +69,11 @@ class Domain:
 
     @property
     def resting_block(self) -> Block:
-        """The block that takes whatever nothing manipulates; it has one slot."""
+        """The block of tokens that nothing manipulates; it has one slot."""
         return self.block_by_name[self.resting]
 
     def with_blocks(self, blocks: Iterable[Block], predicates: Iterable[Predicate] = ()) -> "Domain":
-        """Return the domain with these blocks and predicates in place of those of the same names, or besides them."""
+        """Return the domain with these blocks, which replace those of the same names, and these predicates."""
         changed = {block.name: block for block in blocks}
         mine = tuple(changed.get(block.name, block) for block in self.blocks)
         known = {predicate.name: predicate for predicate in (*self.predicates, *predicates)}

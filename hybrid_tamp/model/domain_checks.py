@@ -105,9 +105,9 @@ def _measures(block: Block) -> Iterator[Issue]:
 def _ways(domain: Declarations, block: Block, slot: str) -> Iterator[Issue]:
     where = f"{block.name}.{slot}"
     if not domain.network.sources((block.name, slot)):
-        yield Issue(where, "no edge leads into this slot", remedy="add an edge into it, e.g. from RESTING")
+        yield Issue(where, "no edge leads into this slot", remedy=f"add an edge into it, e.g. from {domain.resting}")
     if not domain.network.destinations((block.name, slot)):
-        yield Issue(where, "no edge leads out of this slot", remedy="add an edge out of it, e.g. to RESTING")
+        yield Issue(where, "no edge leads out of this slot", remedy=f"add an edge out of it, e.g. to {domain.resting}")
 
 
 def _edges(domain: Declarations) -> Iterator[Issue]:

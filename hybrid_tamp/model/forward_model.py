@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.control import CONTROL_PERIOD, Commands
-from hybrid_tamp.model.parameters import Parameters
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Parameters
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token

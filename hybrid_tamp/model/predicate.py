@@ -1,18 +1,18 @@
-"""Predicates: signed margins with names; literals over roles; atoms over tokens.
+"""Predicates (named signed margins), literals over roles and atoms over tokens.
 
-A margin is zero or positive where the predicate holds. The one function serves the symbolic initial state, exit
-tests during execution, the goal and the optimiser's constraint term, so that symbol and number cannot drift apart.
+A predicate holds where its margin is zero or positive. The same margin gives the symbolic initial state, the exit tests
+during execution, the goal and the optimiser's constraint term, so symbols and numbers always agree.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Any
 
 import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.affordance import ObjectClass
-from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.relation import Membership, order_rows, row_faults
 from hybrid_tamp.model.stacking import stack
 from hybrid_tamp.model.state import State
@@ -20,18 +20,31 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
 ANY = "*"
-"""The wildcard of a negative literal: every value of that argument."""
+"""The wildcard of a negative literal: it matches every value of that argument."""
 
 Value = Token | str
-"""What a predicate's argument is bound to: a token, or a symbol of a sort."""
+"""Value of an argument of a predicate: a token, or a symbol of a sort."""
 
 Binding = Mapping[str, Value]
 """Role (slot or target) of an instance to the token or symbol bound to it."""
 
 
+class Kind(Enum):
+    """The lifetime of the atoms of a predicate."""
+
+    CHANGING = "changing"
+    """Blocks set and delete its atoms."""
+    FUNCTIONAL = "functional"
+    """One parameter has at most one value for given other arguments, e.g. a place; a new value replaces the old one."""
+    MAINTAINED = "maintained"
+    """An atom holds only while the instance that set it runs."""
+    STATIC = "static"
+    """An atom is a feasibility fact: fixed properties and the initial state decide it once."""
+
+
 @dataclass(frozen=True)
 class SymbolSort:
-    """A finite closed set of symbols that conditions speak of, e.g. the faces of a box."""
+    """A finite set of symbols that conditions use as arguments, e.g. the faces of a box."""
 
     name: str
     symbols: tuple[str, ...]
@@ -40,7 +53,7 @@ class SymbolSort:
 
 @dataclass(frozen=True)
 class Parameter:
-    """One argument place of a predicate: its name and the class or sort that it ranges over."""
+    """One parameter of a predicate: its name and the class or sort of its values."""
 
     name: str
     sort: type[ObjectClass] | SymbolSort
@@ -52,21 +65,20 @@ class Predicate:
 
     Attributes:
         name: name in task files, messages and PDDL.
-        parameters: the argument places.
-        margin: ``margin(state, *values)`` to an array ``(...)``, zero or positive where it holds.
+        parameters: its parameters.
+        margin: ``margin(state, *values)``, an array ``(...)`` that is zero or positive where it holds.
         unit: unit of the margin.
         scale: size of a margin that counts as one unit of violation [unit].
-        reads: parameter to the varying properties that the margin reads of it.
-        kind: how its atoms come to hold, and how they cease to.
-        value_of: of a functional predicate the parameter that has one value; None for others.
-        rows: of a relation over symbols the arguments for which it holds, in the order of the sorts; None for others.
-            `relation` sets them.
-        by_name: whether the margin asks which tokens they are, not for their properties and states alone.
-        share: of a load that several tokens bear together, ``share(state, *values)`` to what the first value has to
-            bear and what it can bear [unit], for one state; the margin is their difference. None for other predicates.
-        description: what it says, as a sentence over the parameters' names in braces,
-            e.g. ``"{object} is within {region}"``.
-        denial: what it says where it does not hold, e.g. ``"{object} is not within {region}"``.
+        reads: parameter to the varying properties of it that the margin reads.
+        kind: the lifetime of its atoms.
+        value_of: the parameter of a functional predicate that has one value; None for other kinds.
+        rows: the arguments for which a relation over symbols holds, in the order of the sorts, set by `relation`;
+            None for other predicates.
+        by_name: whether the margin depends on the names of tokens, not only on their properties and states.
+        share: for a load that several tokens bear together: ``share(state, *values)`` returns the load on the first
+            value and its capacity [unit], for one state; the margin is their difference. None for other predicates.
+        description: sentence with the parameters' names in braces, e.g. ``"{object} is within {region}"``.
+        denial: sentence for a predicate that does not hold, e.g. ``"{object} is not within {region}"``.
 
     Raises:
         DomainError: the kind, `value_of` and `rows` contradict each other.
@@ -99,9 +111,9 @@ class Predicate:
 
         Args:
             name: its name.
-            parameters: its argument places, each over a symbol sort.
+            parameters: its parameters, each over a symbol sort.
             rows: the arguments for which it holds.
-            told: description and denial.
+            **told: description and denial.
 
         Raises:
             DomainError: a row does not consist of symbols of these sorts.
@@ -122,11 +134,10 @@ class Predicate:
             if self.static and over_symbols:
                 remedy = "make it with Predicate.relation"
                 yield Issue(self.name, "a static predicate over symbols alone is declared by its rows", remedy=remedy)
-            return
-        if not (self.static and over_symbols):
+        elif not (self.static and over_symbols):
             yield Issue(self.name, "a predicate with rows is static and over symbols alone")
-            return
-        yield from row_faults(self.name, self.rows, sorts)
+        else:
+            yield from row_faults(self.name, self.rows, sorts)
 
     def __call__(self, *arguments: str) -> "Literal":
         """Return the positive literal over slots, targets, symbols or `ANY`."""
@@ -137,17 +148,17 @@ class Predicate:
 
     @property
     def static(self) -> bool:
-        """Whether it is decided once, before any search."""
+        """Whether its atoms are decided once, before any search."""
         return self.kind is Kind.STATIC
 
     @property
     def maintained(self) -> bool:
-        """Whether its atoms live as long as the instance that set them."""
+        """Whether its atoms hold only while the instance that set them runs."""
         return self.kind is Kind.MAINTAINED
 
     @property
     def measured(self) -> bool:
-        """Whether its initial facts are read off the continuous state at any time."""
+        """Whether its margin in a continuous state decides its atoms."""
         return self.kind in (Kind.CHANGING, Kind.FUNCTIONAL)
 
     @property
@@ -161,14 +172,14 @@ class Predicate:
         return self.margin(state, *values)
 
     def margins(self, state: State, bindings: Sequence[tuple[Value, ...]]) -> FloatArray:
-        """Return the margins ``(n, ...)`` of many bindings at once: of each what `evaluate` returns."""
+        """Return the margins ``(n, ...)`` of n bindings, each as `evaluate` returns it."""
         found = np.empty((len(bindings), *state.values.shape[:-1]))
         for each in stack(state, bindings, apart=self.by_name):
             found[each.places] = self.margin(each.state, *each.values)
         return found
 
     def sentence(self, names: tuple[str, ...], positive: bool = True) -> str:
-        """Say the atom in words, e.g. ``drum is within goal``."""
+        """Return the atom as a sentence, e.g. ``drum is within goal``."""
         template = self.description if positive else self.denial
         if not template:
             return Atom(self.name, names, positive).text
@@ -181,7 +192,7 @@ def _symbols(parameter: Parameter) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Literal:
-    """A signed predicate over a block's slots, targets and symbols; negative ones may have wildcards."""
+    """A signed predicate over a block's slots, targets and symbols; a negative literal may have wildcards."""
 
     predicate: Predicate
     arguments: tuple[str, ...]
@@ -199,15 +210,12 @@ class Literal:
         return f"{'' if self.positive else 'not '}{self.predicate.name}({', '.join(self.arguments)})"
 
     def ground(self, binding: Mapping[str, Value]) -> "Atom":
-        """Replace roles by the names of what they are bound to; symbols and `ANY` stand for themselves."""
-        return Atom(
-            self.predicate.name,
-            tuple(name_of(binding.get(argument, argument)) for argument in self.arguments),
-            self.positive,
-        )
+        """Return the atom with the bound names in place of roles; symbols and `ANY` stay."""
+        names = tuple(name_of(binding.get(argument, argument)) for argument in self.arguments)
+        return Atom(self.predicate.name, names, self.positive)
 
     def margin(self, state: State, binding: Mapping[str, Value]) -> FloatArray:
-        """Return the signed margin ``(...)``: of a negative literal the margin's negative."""
+        """Return the signed margin ``(...)``; it is negated for a negative literal."""
         values = [binding.get(argument, argument) for argument in self.arguments]
         margin = self.predicate.evaluate(state, *values)
         return margin if self.positive else -margin
@@ -215,7 +223,7 @@ class Literal:
 
 @dataclass(frozen=True, order=True)
 class Atom:
-    """A ground literal by names: predicate, tokens or symbols, sign."""
+    """A ground literal: names of the predicate and of its tokens or symbols, and the sign."""
 
     predicate: str
     arguments: tuple[str, ...]
@@ -230,7 +238,7 @@ class Atom:
         return f"{'' if self.positive else 'not '}{self.predicate}({', '.join(self.arguments)})"
 
     def matches(self, other: "Atom") -> bool:
-        """Say whether this pattern, which may hold wildcards, covers the other atom, signs aside."""
+        """Say whether this pattern, which may have wildcards, matches the other atom regardless of sign."""
         return self.predicate == other.predicate and all(
             mine in (ANY, theirs) for mine, theirs in zip(self.arguments, other.arguments, strict=True)
         )

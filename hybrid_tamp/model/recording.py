@@ -1,14 +1,16 @@
-"""A recording: what a run really did, enough to evaluate it and to run it again."""
+"""A recording: the measurements and commands of a run, enough to evaluate and to replay it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.block import Movement
+from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State, StateLayout
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.demonstration import ShownMovement
 
 
 @dataclass(frozen=True)
@@ -138,3 +140,28 @@ class Recording:
     def at(self, time: float) -> State:
         """Return the state measured nearest to an instant [s]."""
         return self.state(int(np.clip(round(time / self.timestep), 0, len(self.times) - 1)))
+
+
+def demonstrated_movements(
+    source: str, times: FloatArray, trajectory: State, instances: Iterable[BlockInstance], movement: Movement
+) -> Iterator[ShownMovement]:
+    """Yield the movement in each instance, from its start until its exit conditions hold.
+
+    Args:
+        source: name of the run or the observation, for messages.
+        times: instants [s], shape ``(t,)``.
+        trajectory: states at the instants, batch shape ``(t,)``.
+        instances: the instances.
+        movement: which of their tokens moves.
+    """
+    for instance in instances:
+        end = instance.active.end + TIME_TOLERANCE
+        rows = np.flatnonzero((times >= instance.start - TIME_TOLERANCE) & (times <= end))
+        token = instance.slots[movement.slot]
+        turns = (token, "orientation") in trajectory.layout.slices
+        yield ShownMovement(
+            f"{source}/{instance.name}",
+            times[rows],
+            trajectory[token, "position"][rows],
+            trajectory[token, "orientation"][rows] if turns else None,
+        )

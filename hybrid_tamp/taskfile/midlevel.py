@@ -12,8 +12,8 @@ import numpy as np
 
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.control import Hyperparameter
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.parameters import Hyperparameter
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task

@@ -12,12 +12,12 @@ from tempfile import TemporaryDirectory
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.execution.storage import load_recording
-from hybrid_tamp.model.demonstrated import demonstrated_movements
 from hybrid_tamp.model.imitation import FittedPrimitive, ImitationResult, Segmentation
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.outcome import PlannerFigures, PlanningFailure, PlanOutcome
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.planned_network import PlannedNetwork
+from hybrid_tamp.model.recording import demonstrated_movements
 from hybrid_tamp.model.state import State, StateLayout
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.replanning import Progress

@@ -6,7 +6,7 @@ from pathlib import Path
 from hybrid_tamp.execution import replay as replaying
 from hybrid_tamp.execution.storage import load_recording
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.replay_result import ReplayResult
+from hybrid_tamp.model.run_result import ReplayResult
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import load_task

@@ -17,9 +17,8 @@ from validation import val_accepts
 import hybrid_tamp
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.geometry.shapes import Cylinder
-from hybrid_tamp.model.control import CONTROL_PERIOD
+from hybrid_tamp.model.control import CONTROL_PERIOD, Parameters
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.parameters import Parameters
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task

@@ -14,9 +14,8 @@ from validation import val_accepts
 
 import hybrid_tamp
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.control import CONTROL_PERIOD
+from hybrid_tamp.model.control import CONTROL_PERIOD, Parameters
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.parameters import Parameters
 from hybrid_tamp.model.predicate import ANY, Atom, Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task

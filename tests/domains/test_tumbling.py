@@ -25,8 +25,8 @@ from random_tasks.tumbling import forced_push, random_tumbling
 
 from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.control import Parameters
 from hybrid_tamp.model.facts import facts
-from hybrid_tamp.model.parameters import Parameters
 from hybrid_tamp.model.predicate import Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task

@@ -11,7 +11,7 @@ from scenes import rolling_task
 import hybrid_tamp
 from hybrid_tamp.midlevel.measured import measure_run
 from hybrid_tamp.midlevel.rollout import Rollouts
-from hybrid_tamp.model.measure import Measure
+from hybrid_tamp.model.block import Measure
 from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.dmp import DMP

@@ -15,9 +15,9 @@ from scenes import rolling_task
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, quantity
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
+from hybrid_tamp.model.control import Hyperparameter
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork, parse_slot
-from hybrid_tamp.model.parameters import Hyperparameter
 from hybrid_tamp.model.predicate import ANY, Parameter, Predicate
 from hybrid_tamp.testing import check_domain
 

@@ -15,8 +15,7 @@ from scenes import rolling_task
 from serial import COLOURS, Part
 
 from hybrid_tamp.errors import DomainError
-from hybrid_tamp.model.kind import Kind
-from hybrid_tamp.model.predicate import Parameter, Predicate
+from hybrid_tamp.model.predicate import Kind, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import different
 from hybrid_tamp.questions.changes import with_copy

@@ -14,7 +14,7 @@ from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 
 import hybrid_tamp
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.model.parameters import Parameters
+from hybrid_tamp.model.control import Parameters
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply
