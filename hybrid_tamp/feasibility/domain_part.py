@@ -24,7 +24,7 @@ def domain_part(task: Task, blocks: Collection[Block], tokens: Iterable[Token]) 
         classes=tuple(each for each in domain.classes if each in classes),
         predicates=predicates,
         blocks=tuple(blocks),
-        network=domain.network.part({block.name for block in blocks}),
+        network=domain.network.restrict({block.name for block in blocks}),
         sorts=(),
         disjoint=tuple(tuple(member for member in group if member in above) for group in domain.disjoint),
         reduced=True,

@@ -136,4 +136,4 @@ def relevant_part(task: Task) -> Task:
         return token.name in named or not own or any(issubclass(one, sort) for one, sort in product(own, asked))
 
     kept = [token for token in task.tokens if concerns(token)]
-    return task.part({token.name for token in kept}, domain=domain_part(task, blocks, kept))
+    return task.restrict({token.name for token in kept}, domain=domain_part(task, blocks, kept))

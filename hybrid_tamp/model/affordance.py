@@ -1,7 +1,7 @@
 """Object classes: affordance classes, capability classes and places (paper, Sec. II-A).
 
 A class is a pydantic model of *fixed* properties. *Varying* state lives in arrays (`model.state`); a class
-only names which varying properties its members have.
+only names the varying properties of its members.
 """
 
 import math
@@ -23,7 +23,7 @@ def _has_length(vector: Vector3) -> Vector3:
     if length < 1e-9:
         raise ValueError("a direction must not have length zero")
     if abs(length - 1.0) < 1e-15:
-        return vector  # Divided again, it would not be the same to the last bit when it is saved and loaded.
+        return vector  # Another division could change the last bit between saving and loading.
     x, y, z = (component / length for component in vector)
     return (x, y, z)
 
@@ -51,7 +51,7 @@ class VaryingProperty:
         name: name within the token's state.
         size: number of components.
         unit: SI unit.
-        default: value at rest, one number a component.
+        default: value at rest, one number per component.
         description: one line.
     """
 
@@ -96,7 +96,7 @@ class ObjectClass(BaseModel):
     Attributes:
         name: the class's own name, as task files write it, e.g. ``"STATIC END-EFFECTOR"``.
         varying: the varying properties that every member has.
-        basic_actions: what the robot commands directly; empty unless a capability class.
+        basic_actions: the actions that the robot commands directly; empty unless a capability class.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -112,21 +112,21 @@ class ObjectClass(BaseModel):
 
     @classmethod
     def features(cls, shape: Shape) -> float:
-        """Return how characteristic of the class a shape is, 0 to 1: it ranks classes to try and proves nothing."""
+        """Return how typical a shape is of the class, 0 to 1; it ranks classes for trials and proves nothing."""
         return 0.5
 
     @staticmethod
     def consistent(token: Any) -> str | None:
-        """Return a complaint about a token whose properties or shape contradict each other, or None."""
+        """Return a message if the properties or the shape of a token contradict each other, else None."""
         return None
 
     @staticmethod
     def consistent_start(token: Any, state: Any, tokens: Any) -> str | None:
-        """Return a complaint about where a token is at the beginning, or None.
+        """Return a message if the initial state of a token is inconsistent, else None.
 
         Args:
             token: the member of the class.
-            state: the initial state, a single one.
+            state: the initial state, without batch dimensions.
             tokens: all tokens of the task.
         """
         return None
@@ -146,7 +146,7 @@ class CapabilityClass(ObjectClass):
 
 
 class PlaceClass(ObjectClass):
-    """A static place: read as a target, never held in a slot, exempt from assignment."""
+    """A static place: a target that is never in a slot and never assigned."""
 
 
 class TOKEN(ObjectClass):
@@ -161,10 +161,9 @@ def is_place(object_class: type[ObjectClass]) -> bool:
 
 
 class ClassRelations:
-    """Which classes a token may be a member of together.
+    """Which classes may have a token in common.
 
-    Places and things are disjoint. Affordances overlap, so any two other classes may share a token unless the
-    domain declares them disjoint.
+    Places and things are disjoint. Any two other classes may share a token unless the domain declares them disjoint.
     """
 
     def __init__(self, disjoint: Iterable[tuple[type[ObjectClass], ...]] = ()) -> None:

@@ -1,4 +1,4 @@
-"""Affordances: which object affords which block, to whom, and what one token more or less would change."""
+"""Affordances: which object affords which block to whom, and the effect of one more or one fewer token."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,11 +16,11 @@ class Affordance:
     """An object affords a block.
 
     Attributes:
-        agents: to whom; empty in the environment's perspective.
+        agents: the agents that can act; empty in the environment's perspective.
         object: name of the object.
         block: name of the block.
-        slot: the slot that the object can be in.
-        witness: role to token or symbol, of one choice under which it does; empty if classes alone decide.
+        slot: the slot that the object can fill.
+        witness: role to token or symbol, one feasible binding; empty if classes alone decide.
     """
 
     agents: tuple[str, ...]
@@ -31,18 +31,18 @@ class Affordance:
 
     @property
     def key(self) -> tuple[tuple[str, ...], str, str, str]:
-        """What it says, whatever the witness is."""
+        """All attributes but the witness."""
         return (self.agents, self.object, self.block, self.slot)
 
 
 @dataclass(frozen=True)
 class Implication:
-    """What an agent seen acting implies for one with the same capability classes.
+    """An affordance that an observed agent implies for another agent with the same capability classes.
 
     Attributes:
-        affordance: what the agent that was seen is afforded.
+        affordance: the affordance of the observed agent.
         observer: the agent with the same capability classes.
-        witness: how the observer can do the same; empty if a feasibility fact fails.
+        witness: role to token or symbol, a feasible binding of the observer; empty if a feasibility fact fails.
     """
 
     affordance: Affordance
@@ -51,7 +51,7 @@ class Implication:
 
     @property
     def seen(self) -> str:
-        """The agent that was seen."""
+        """The observed agent."""
         return self.affordance.agents[0]
 
     @property
@@ -62,12 +62,12 @@ class Implication:
 
 @dataclass(frozen=True)
 class WhatIf:
-    """What is gained and lost by one token more or less.
+    """The affordances gained and lost by one more or one fewer token.
 
     Attributes:
         question: ``+CLASS`` or ``-TOKEN``.
-        gained: affordances with the change only.
-        lost: affordances without the change only.
+        gained: affordances only with the change.
+        lost: affordances only without the change.
     """
 
     question: str
@@ -77,14 +77,14 @@ class WhatIf:
 
 @dataclass(frozen=True)
 class AffordanceResult(Tabular):
-    """Which object of a task affords which block in a perspective, and what each question changes.
+    """The affordances of a task in a perspective, and the answers to what-if questions.
 
     Attributes:
         task: the task.
         view: the perspective.
-        affordances: what is afforded.
-        implied: what follows for like agents, in the observer's perspective.
-        what_if: an answer for each question.
+        affordances: the affordances.
+        implied: affordances implied for observers, in the observer's perspective.
+        what_if: one answer to each question.
     """
 
     task: Task

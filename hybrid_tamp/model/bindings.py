@@ -1,4 +1,4 @@
-"""The one enumeration of bindings: tokens and symbols for the roles of a block or the places of a predicate."""
+"""Enumeration of bindings: tokens and symbols for the roles of a block or the parameters of a predicate."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,17 +9,17 @@ from hybrid_tamp.model.token import Token
 Choices = Mapping[str, Sequence[Value]]
 """Role to the values that it may have."""
 Holds = Callable[[Literal, Mapping[str, Value]], bool]
-"""Says whether a condition holds whose roles are bound."""
+"""Says whether a condition with bound roles holds."""
 
 
 @dataclass(frozen=True)
 class _Step:
-    """One step of the enumeration: roles that are bound at once, and the conditions that can be decided then.
+    """One step of the enumeration: roles that are bound together, and the conditions that this step decides.
 
     Attributes:
         roles: the roles.
-        rows: the values that they may have together.
-        conditions: conditions all of whose roles are bound after this step, but not before.
+        rows: the combinations of values of the roles.
+        conditions: the conditions whose last role this step binds.
     """
 
     roles: tuple[str, ...]
@@ -30,14 +30,14 @@ class _Step:
 def enumerate_bindings(
     choices: Choices, conditions: Iterable[Literal] = (), holds: Holds | None = None
 ) -> Iterator[dict[str, Value]]:
-    """Yield every way to bind roles to values, lazily: tokens are different from each other, symbols need not be.
+    """Yield every binding of roles to values, lazily; no token is bound twice, but symbols may be.
 
-    The bindings come in the order of the choices, as of nested loops over the roles. Each condition is decided as soon
-    as its roles are bound; a relation over symbols gives the rows for its roles if they follow each other.
+    The order is that of nested loops over the roles. Each condition is decided as soon as its roles are bound. A
+    relation over symbols gives the rows for its roles if these are adjacent.
 
     Args:
         choices: role to the values that it may have.
-        conditions: literals that must hold; arguments that are no roles are symbols.
+        conditions: literals that must hold; an argument that is not a role is a symbol.
         holds: decides them.
     """
     conditions = list(conditions)
@@ -67,7 +67,7 @@ def names_of(bound: Mapping[str, Value]) -> tuple[str, ...]:
 
 
 def order_roles(choices: Choices, conditions: Iterable[Literal]) -> Choices:
-    """Return the choices with the roles of the first conditions first, so that these conditions are decided early."""
+    """Return the choices in the order of the conditions, so that the first conditions are decided early."""
     roles = dict.fromkeys(argument for literal in conditions for argument in literal.arguments if argument in choices)
     return {role: choices[role] for role in (*roles, *(role for role in choices if role not in roles))}
 

@@ -1,4 +1,4 @@
-"""Single changes of a task, as values: what would be different.
+"""Single changes of a task, as values.
 
 `questions.changes.apply_change` makes the changed task. Two changes are equal if they make the same task.
 """
@@ -14,115 +14,101 @@ from hybrid_tamp.model.token import Token
 ChangeKind = Literal["token", "class", "edge", "fact", "property"]
 
 
+class _Described:
+    """A change that is described by the names of its objects and by a phrase."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the token, class, slots, atom or property that changes."""
+        return self._description()[0]
+
+    @property
+    def what(self) -> str:
+        """The change in words."""
+        return self._description()[1]
+
+    def _description(self) -> tuple[tuple[str, ...], str]:
+        raise NotImplementedError
+
+
 @dataclass(frozen=True)
-class CopyToken:
-    """One more token like one that is there.
+class CopyToken(_Described):
+    """One more token like an existing one.
 
     Attributes:
         like: the token that is copied.
-        across_from: the token on whose other side the copy is; None if it is beside the first one.
+        across_from: the token on whose other side the copy is; None if the copy is beside the original.
     """
 
     kind: ClassVar[ChangeKind] = "token"
     like: Token
     across_from: Token | None = None
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of what it is about."""
-        return (self.like.name,) if self.across_from is None else (self.like.name, self.across_from.name)
-
-    @property
-    def what(self) -> str:
-        """The change in words."""
+    def _description(self) -> tuple[tuple[str, ...], str]:
         own = [member.name for member in self.like.classes if member.model_fields]
-        classes = ", ".join(own or [member.name for member in self.like.classes])
-        side = "" if self.across_from is None else f" on the other side of {self.across_from.name}"
-        return f"one more token like {self.like.name} ({classes}){side}"
+        what = f"one more token like {self.like.name} ({', '.join(own or [each.name for each in self.like.classes])})"
+        if self.across_from is None:
+            return (self.like.name,), what
+        return (self.like.name, self.across_from.name), f"{what} on the other side of {self.across_from.name}"
 
 
 @dataclass(frozen=True)
-class IdealToken:
-    """A token of a class that has no members yet; it meets every feasibility fact that is asked of it."""
+class IdealToken(_Described):
+    """A token of a class that has no members yet; it satisfies every feasibility fact."""
 
     kind: ClassVar[ChangeKind] = "token"
     object_class: type[ObjectClass]
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of what it is about."""
-        return (self.object_class.name,)
-
-    @property
-    def what(self) -> str:
-        """The change in words."""
-        return f"a token of class {self.object_class.name} that is able to do what is asked of it"
+    def _description(self) -> tuple[tuple[str, ...], str]:
+        name = self.object_class.name
+        return (name,), f"a token of class {name} that satisfies every feasibility fact"
 
 
 @dataclass(frozen=True)
-class JoinClass:
+class JoinClass(_Described):
     """A token becomes a member of one more class."""
 
     kind: ClassVar[ChangeKind] = "class"
     token: Token
     object_class: type[ObjectClass]
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of what it is about."""
-        return (self.token.name, self.object_class.name)
-
-    @property
-    def what(self) -> str:
-        """The change in words."""
-        return f"{self.token.name} as a member of {self.object_class.name}"
+    def _description(self) -> tuple[tuple[str, ...], str]:
+        names = (self.token.name, self.object_class.name)
+        return names, "{} as a member of {}".format(*names)
 
 
 @dataclass(frozen=True)
-class AddEdge:
+class AddEdge(_Described):
     """One more edge of the reassignment network."""
 
     kind: ClassVar[ChangeKind] = "edge"
     source: SlotName
     target: SlotName
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of what it is about."""
-        return (slot_text(self.source), slot_text(self.target))
-
-    @property
-    def what(self) -> str:
-        """The change in words."""
-        return "an edge {} -> {} of the network".format(*self.names)
+    def _description(self) -> tuple[tuple[str, ...], str]:
+        names = (slot_text(self.source), slot_text(self.target))
+        return names, "an edge {} -> {} of the network".format(*names)
 
 
 @dataclass(frozen=True)
-class GrantFact:
-    """A feasibility fact is as it has to be, whatever its margin is.
+class GrantFact(_Described):
+    """A feasibility fact holds or fails as needed, whatever its margin is.
 
     Attributes:
-        atom: the fact; its sign says how it has to be.
-        shortfall: by how much it fails, as text with its unit.
+        atom: the fact; its sign says whether it has to hold.
+        shortfall: the amount by which it fails, as text with its unit.
     """
 
     kind: ClassVar[ChangeKind] = "fact"
     atom: Atom
     shortfall: str = field(compare=False)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of what it is about."""
-        return (self.atom.text,)
-
-    @property
-    def what(self) -> str:
-        """The change in words."""
-        return f"{self.atom.text} as a fact, which fails by {self.shortfall}"
+    def _description(self) -> tuple[tuple[str, ...], str]:
+        return (self.atom.text,), f"{self.atom.text} as a fact, which fails by {self.shortfall}"
 
 
 @dataclass(frozen=True)
-class SetProperty:
+class SetProperty(_Described):
     """A fixed property of a token has another value.
 
     Attributes:
@@ -132,7 +118,7 @@ class SetProperty:
         before: the old value [unit].
         unit: its unit.
         token: the token with the new value.
-        atom: the feasibility fact that holds then.
+        atom: the feasibility fact that holds with the new value.
     """
 
     kind: ClassVar[ChangeKind] = "property"
@@ -144,16 +130,10 @@ class SetProperty:
     token: Token = field(compare=False)
     atom: Atom = field(compare=False)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of what it is about."""
-        return (self.name, self.label, self.atom.text)
-
-    @property
-    def what(self) -> str:
-        """The change in words."""
+    def _description(self) -> tuple[tuple[str, ...], str]:
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.label.replace('.', ', ')} of {self.name} at {self.value:.4g}{unit} instead of {self.before:.4g}"
+        values = f"at {self.value:.4g}{unit} instead of {self.before:.4g}"
+        return (self.name, self.label, self.atom.text), f"{self.label.replace('.', ', ')} of {self.name} {values}"
 
 
 Change = CopyToken | IdealToken | JoinClass | AddEdge | GrantFact | SetProperty

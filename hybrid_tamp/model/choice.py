@@ -1,6 +1,6 @@
-"""Goals with a choice: `ANY` in an atom stands for any token or symbol at that place.
+"""Goals with a choice: `ANY` in an atom stands for any token or symbol.
 
-A goal with a choice is as good as a number of ground goals, each of which would do.
+Such a goal is the disjunction of several ground goals.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -11,7 +11,7 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.predicate import ANY, Atom, Predicate
 
 MOST_ALTERNATIVES = 1000
-"""A goal that leaves more to choose from is refused."""
+"""Largest number of ground goals of a goal with a choice."""
 
 Goal = tuple[Atom, ...]
 
@@ -22,16 +22,16 @@ def ground_goals(
     groundings: Callable[[Atom], tuple[Atom, ...]],
     margin: Callable[[Atom], float],
 ) -> list[Goal]:
-    """Return the ground goals that a goal leaves to choose from, the nearest first.
+    """Return the ground goals of a goal with a choice, the nearest first.
 
-    The nearest is the one whose chosen atoms have the largest margins in the initial state, in units of violation
-    and summed up; ties are broken by the order of the tokens. Atoms that contradict each other are left out.
+    The nearest goal has the largest sum of the margins of its chosen atoms in the initial state, in units of
+    violation; the order of the tokens breaks ties. Goals with contradictory atoms are omitted.
 
     Args:
         goal: the goal.
         predicates: the domain's predicates by name.
-        groundings: the ground atoms that an atom leaves to choose from.
-        margin: the margin of a ground atom in the initial state.
+        groundings: returns the ground atoms of an atom with a choice.
+        margin: returns the margin of a ground atom in the initial state.
 
     Raises:
         InputError: there are more than `MOST_ALTERNATIVES`, or none.

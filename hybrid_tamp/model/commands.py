@@ -1,4 +1,4 @@
-"""Commands as one flat row a control period, and the limits of what the robot may command."""
+"""Commands as one flat row per control period, and their limits."""
 
 import math
 from collections.abc import Mapping
@@ -18,16 +18,16 @@ Key = tuple[str, str]
 
 
 class CommandError(ValueError):
-    """A command that no backend carries out: unknown, of a wrong size, not finite or above its limit."""
+    """An invalid command: unknown, of a wrong size, not finite or above its limit."""
 
 
 @dataclass(frozen=True)
 class CommandLayout:
-    """Where each basic action of each token lies in a row of commands.
+    """The positions of the tokens' basic actions in a row of commands.
 
     Attributes:
         entries: (token, basic action, size) in order.
-        limits: largest norm of each entry's command, in the action's unit; infinite where there is none.
+        limits: largest norm of each entry's command, in the unit of the action; infinite if it has no limit.
     """
 
     entries: tuple[tuple[str, str, int], ...]
@@ -35,7 +35,7 @@ class CommandLayout:
 
     @classmethod
     def of(cls, task: Task) -> "CommandLayout":
-        """Lay out every basic action of every token of the task, in their order."""
+        """Return the layout of all basic actions of the tokens of the task, in their order."""
         pairs = [(token, action) for token in task.tokens for action in token.basic_actions]
         return cls(
             tuple((token.name, action.name, action.size) for token, action in pairs),
@@ -57,14 +57,14 @@ class CommandLayout:
         return sum(size for _, _, size in self.entries)
 
     def commands(self, row: FloatArray) -> Commands:
-        """Return the commands that a row ``(size,)`` stands for."""
+        """Return the commands in a row ``(size,)``."""
         return {key: row[columns] for key, columns in self.slices.items()}
 
     def row(self, commands: Commands) -> FloatArray:
-        """Return the commands as one row ``(size,)``, zero where nothing is commanded.
+        """Return the commands as one row ``(size,)``; missing commands are zero.
 
         Raises:
-            CommandError: a command is of an unknown token or action, or of a wrong size.
+            CommandError: a command has an unknown token or action, or a wrong size.
         """
         row = np.zeros(self.size)
         for key, command in commands.items():
@@ -79,10 +79,10 @@ class CommandLayout:
         return row
 
     def limited(self, row: FloatArray) -> tuple[FloatArray, tuple[Key, ...]]:
-        """Scale the commands that are too large down to their limits; the framework's one place to do so.
+        """Scale commands above their limits down to them.
 
         Returns:
-            The row, and the commands that were cut.
+            The row, and the commands that were scaled.
         """
         cut: list[Key] = []
         for key, norm, limit in self._norms(row):
@@ -94,7 +94,7 @@ class CommandLayout:
         return row, tuple(cut)
 
     def checked(self, commands: Commands) -> FloatArray:
-        """Return the commands as a row, for a backend, which trusts nobody.
+        """Return the commands as a row for a backend, which checks them again.
 
         Raises:
             CommandError: a command is unknown, of a wrong size, not finite or above its limit.

@@ -1,6 +1,6 @@
 """Law 5 and the goal: whether conditions hold at the instants of reassignment.
 
-They are checked by symbols (effects of blocks, for a plan) or by measured margins (for a recording).
+The effects of blocks (for a plan) or measured margins (for a recording) decide the conditions.
 """
 
 from bisect import bisect_left, bisect_right
@@ -16,12 +16,12 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 
 Measured = Callable[[float], State]
-"""Time [s] to the state measured at that instant."""
+"""Returns the state measured at an instant [s]."""
 
 
 @dataclass(frozen=True)
 class Violation:
-    """One breach of the law: its number, the instant [s], the instance or token, and what is wrong."""
+    """One breach of the law: its number, the instant [s], the instance or token, and the fault."""
 
     law: int
     time: float
@@ -33,20 +33,20 @@ class Violation:
 
 
 def condition_faults(task: Task, plan: TaskPlan, measured: Measured | None) -> list[Violation]:
-    """Return the breaches of law 5 and goal atoms that do not hold, by symbols or, where given, by measured states."""
+    """Return the breaches of law 5 and the goal atoms that do not hold, by measured states or else by symbols."""
     checker = _Symbols(task, plan) if measured is None else _Margins(task, plan, measured)
     return list(checker.violations())
 
 
 class _Instants:
-    """The instances by the instant at which they start, or end."""
+    """The instances, indexed by the instant at which they start or end."""
 
     def __init__(self, instances: Sequence[BlockInstance], side: str) -> None:
         self._instances = instances
         self._order = sorted((getattr(instance, side), index) for index, instance in enumerate(instances))
 
     def at(self, time: float) -> list[BlockInstance]:
-        """Return those of an instant, in the plan's order."""
+        """Return the instances of an instant, in the plan's order."""
         first = bisect_left(self._order, (time - TIME_TOLERANCE, -1))
         last = bisect_right(self._order, (time + TIME_TOLERANCE, len(self._order)))
         return [self._instances[index] for index in sorted(index for _, index in self._order[first:last])]
@@ -94,10 +94,10 @@ class _Checker:
         raise NotImplementedError
 
     def reach(self, time: float) -> None:
-        """Take note of what blocks that hold have brought about by now."""
+        """Apply the effects of blocks that hold, up to now."""
 
     def forget(self, ended: list[BlockInstance]) -> None:
-        """Void what the ended instances maintained."""
+        """Delete the facts that the ended instances maintained."""
 
     def holds(self, time: float, literal: Literal, instance: BlockInstance) -> bool:
         raise NotImplementedError
@@ -107,18 +107,18 @@ class _Checker:
 
 
 class _Symbols(_Checker):
-    """Checks by the declared effects: deletes before adds, at the end of each instance."""
+    """Checks by the declared effects, applied at the end of each instance, deletes before adds."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         super().__init__(task, plan)
-        self.facts = set(facts(task, predicates=self._spoken_of()))
+        self.facts = set(facts(task, predicates=self._read()))
         self.owned: dict[str, set[Atom]] = {}
         self.applied: set[str] = set()
         holding = [(i.reached, i.name, i) for i in plan.instances if i.reached is not None]
         self.to_come = deque(sorted(holding, key=lambda each: each[:2]))
 
-    def _spoken_of(self) -> list[Predicate]:
-        """Return the predicates that the plan's blocks or the goal ask for: of others no facts are needed."""
+    def _read(self) -> list[Predicate]:
+        """Return the predicates in the goal and in entry conditions of the plan's blocks; others need no facts."""
         blocks = {instance.block for instance in self.plan.instances}
         entries = (literal for block in blocks for literal in self.task.domain.block_by_name[block].entry)
         names = {literal.predicate.name for literal in entries} | {atom.predicate for atom in self.task.goal}
@@ -133,7 +133,7 @@ class _Symbols(_Checker):
         return iter(())
 
     def apply(self, instance: BlockInstance) -> None:
-        """Apply the effects of an instance, once: deletes before adds."""
+        """Apply the effects of an instance once, deletes before adds."""
         if instance.name in self.applied:
             return
         self.applied.add(instance.name)

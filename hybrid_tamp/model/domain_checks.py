@@ -1,4 +1,4 @@
-"""What a domain's declarations must satisfy; each fault is refused with its place and its remedy."""
+"""Checks of the declarations of a domain; each fault has its place and its remedy."""
 
 from collections.abc import Iterable, Iterator
 
@@ -11,7 +11,7 @@ from hybrid_tamp.model.token import conflicts
 
 
 def faults_of(domain: Declarations) -> list[Issue]:
-    """Return every fault of the domain; frame faults only where the rest is sound."""
+    """Return every fault of the domain; frame faults only if there are no others."""
     faults = [
         *_twice(domain),
         *_one_namespace(domain),
@@ -31,16 +31,12 @@ def _twice(domain: Declarations) -> Iterator[Issue]:
     }
     for kind, names in kinds.items():
         for name in sorted({name for name in names if names.count(name) > 1}):
-            yield Issue(
-                domain.name,
-                f"every {kind} needs a name of its own",
-                f"two of name {name!r}",
-                remedy="rename one",
-            )
+            wanted = f"every {kind} needs a name of its own"
+            yield Issue(domain.name, wanted, f"two of name {name!r}", remedy="rename one")
 
 
 def _one_namespace(domain: Declarations) -> Iterator[Issue]:
-    """PDDL has one namespace for types and predicates, so a class or sort and a predicate differ in name."""
+    """PDDL has one namespace for types and predicates, so no class or sort has the name of a predicate."""
     mentioned = [*domain.sorts, *(p.sort for q in domain.predicates for p in q.parameters)]
     sorts = {sort.name for sort in mentioned if isinstance(sort, SymbolSort)}
     types = sorts | {object_class.name for object_class in domain.classes}
@@ -68,7 +64,7 @@ def _classes(domain: Declarations) -> Iterator[Issue]:
 
 def _blocks(domain: Declarations) -> Iterator[Issue]:
     if domain.resting not in {block.name for block in domain.blocks}:
-        yield Issue(domain.name, f"a domain needs the block {domain.resting} for what nothing manipulates")
+        yield Issue(domain.name, f"a domain needs the block {domain.resting} for tokens that nothing manipulates")
     for block in domain.blocks:
         names = [slot.name for slot in block.slots] + [target.name for target in block.targets]
         for name in sorted({name for name in names if names.count(name) > 1}):
@@ -77,11 +73,8 @@ def _blocks(domain: Declarations) -> Iterator[Issue]:
             yield Issue(block.name, "the anchor must be a slot of the block", repr(block.anchor), tuple(names))
         for slot in block.slots:
             if is_place(slot.object_class):
-                yield Issue(
-                    f"{block.name}.{slot.name}",
-                    f"{slot.object_class.name} is a place and is never in a slot",
-                    remedy="make it a target",
-                )
+                wanted = f"{slot.object_class.name} is a place and is never in a slot"
+                yield Issue(f"{block.name}.{slot.name}", wanted, remedy="make it a target")
             yield from _ways(domain, block, slot.name)
         if not 0 < block.duration.minimum <= block.duration.maximum:
             yield Issue(block.name, "a duration needs 0 < minimum <= maximum", str(block.duration))
@@ -119,29 +112,24 @@ def _edges(domain: Declarations) -> Iterator[Issue]:
         for end in unknown:
             yield Issue(where, "an edge joins slots of the domain's blocks", repr(".".join(end)), available)
         if not unknown and not domain.relations.can_share_token(slots[source], slots[target]):
-            yield Issue(
-                where,
-                f"no token can be a member of both {slots[source].name} and {slots[target].name}",
-                remedy="remove the edge or change the class of a slot",
-            )
+            wanted = f"no token can be a member of both {slots[source].name} and {slots[target].name}"
+            yield Issue(where, wanted, remedy="remove the edge or change the class of a slot")
 
 
 def _conditions(domain: Declarations) -> Iterator[Issue]:
     known = set(map(id, domain.predicates))
     for block in domain.blocks:
         for literal in (*block.entry, *block.exit):
-            where = f"{block.name}: {literal}"
+            where = f"{block.name}: {literal.text}"
             if id(literal.predicate) not in known:
                 names = tuple(sorted(predicate.name for predicate in domain.predicates))
                 yield Issue(where, "a condition uses a predicate of the domain", literal.predicate.name, names)
             yield from _arguments(block, literal, where)
         for literal in block.entry:
             if not literal.positive and not literal.predicate.static:
-                yield Issue(
-                    f"{block.name}: {literal}",
-                    "a negative entry condition must be on a static predicate",
-                    remedy="declare a predicate that says the opposite and set it in exit conditions",
-                )
+                wanted = "a negative entry condition must be on a static predicate"
+                remedy = "declare a predicate that says the opposite and set it in exit conditions"
+                yield Issue(f"{block.name}: {literal.text}", wanted, remedy=remedy)
         for literal in block.exit:
             yield from _exit(block, literal)
 
@@ -168,26 +156,20 @@ def _arguments(block: Block, literal: Literal, where: str) -> Iterator[Issue]:
 
 def _exit(block: Block, literal: Literal) -> Iterator[Issue]:
     predicate = literal.predicate
-    where = f"{block.name}: {literal}"
+    where = f"{block.name}: {literal.text}"
     if predicate.static:
-        yield Issue(
-            where,
-            "a static predicate cannot be an exit condition",
-            remedy="declare it of another kind or drop the condition",
-        )
+        remedy = "declare it of another kind or drop the condition"
+        yield Issue(where, "a static predicate cannot be an exit condition", remedy=remedy)
     wild = [i for i, argument in enumerate(literal.arguments) if argument == ANY]
     if literal.positive and wild:
         yield Issue(where, "only negative exit conditions have wildcards")
     if not literal.positive and wild and not predicate.maintained and wild != [predicate.functional_index]:
-        yield Issue(
-            where,
-            "a wildcard stands for the functional parameter of the predicate",
-            remedy="declare the predicate functional in that parameter, or maintained",
-        )
+        remedy = "declare the predicate functional in that parameter, or maintained"
+        yield Issue(where, "a wildcard stands for the functional parameter of the predicate", remedy=remedy)
 
 
 def fits(sort: type[ObjectClass] | SymbolSort, parameter: Parameter) -> bool:
-    """Say whether every value of a role's sort is a value of the parameter's."""
+    """Say whether every value of a role's sort is a value of the parameter's sort."""
     wanted = parameter.sort
     if isinstance(sort, SymbolSort) or isinstance(wanted, SymbolSort):
         return sort is wanted
@@ -200,7 +182,7 @@ def sort_name(sort: type[ObjectClass] | SymbolSort) -> str:
 
 
 def _frame(domain: Declarations) -> Iterator[Issue]:
-    """A predicate that reads something written must be set, deleted, maintained or declared kept."""
+    """A predicate that reads a written property must be in an exit condition, maintained or in `keeps`."""
     for block in domain.blocks:
         for slot_name, written in block.writes.items():
             slot_class = block.slot(slot_name).object_class
@@ -209,14 +191,10 @@ def _frame(domain: Declarations) -> Iterator[Issue]:
                     continue
                 for index, parameter in enumerate(predicate.parameters):
                     read = set(predicate.reads.get(parameter.name, ())) & set(written)
-                    sort = parameter.sort
-                    if (
-                        not read
-                        or isinstance(sort, SymbolSort)
-                        or not domain.relations.can_share_token(sort, slot_class)
-                    ):
+                    if not read or isinstance(parameter.sort, SymbolSort):
                         continue
-                    if not _handled(block.exit, predicate, index, slot_name):
+                    shared = domain.relations.can_share_token(parameter.sort, slot_class)
+                    if shared and not _handled(block.exit, predicate, index, slot_name):
                         yield Issue(
                             f"{block.name}.{slot_name}",
                             f"it writes {', '.join(sorted(read))}, which {predicate.name}({parameter.name}) reads",

@@ -1,4 +1,4 @@
-"""Explanations: why a task has no plan and what would give it one; why each token is in a plan."""
+"""Explanations: why a task has no plan, which changes give it one, and why each token is in a plan."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -24,17 +24,17 @@ ReasonKind = Literal[
 
 @dataclass(frozen=True)
 class Reason:
-    """One reason why goal atoms cannot be reached.
+    """One reason why goal atoms are unreachable.
 
     Attributes:
         goal: the goal atoms.
-        block: the block that would bring them about, or empty; the action's name if it is about several modes.
-        kind: what is wrong.
+        block: the block that would achieve them, or empty; the name of the action if several modes fail.
+        kind: the kind of the reason.
         message: the reason in words.
         atom: the failing condition, or None.
         margin: its margin, or None.
         unit: unit of the margin.
-        lacks: what there is too little of: a class, or the slot to which no edge leads; or None.
+        lacks: the class with too few tokens, or the slot to which no edge leads; or None.
     """
 
     goal: tuple[Atom, ...]
@@ -58,7 +58,7 @@ class Reason:
 
     @property
     def lacks_text(self) -> str:
-        """The class or the slot 'BLOCK.slot' of which there is too little, or empty."""
+        """The class with too few tokens, or the slot 'BLOCK.slot' to which no edge leads; or empty."""
         if isinstance(self.lacks, tuple):
             return slot_text(self.lacks)
         return "" if self.lacks is None else self.lacks.name
@@ -66,7 +66,7 @@ class Reason:
 
 @dataclass(frozen=True)
 class Suggestion:
-    """A single change with which the task has a plan: the changed task was planned.
+    """A single change that gives the task a plan; the changed task was planned.
 
     Attributes:
         change: the change.
@@ -78,31 +78,21 @@ class Suggestion:
 
     @property
     def kind(self) -> ChangeKind:
-        """What sort of change it is."""
+        """The kind of the change."""
         return self.change.kind
-
-    @property
-    def what(self) -> str:
-        """The change in words."""
-        return self.change.what
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The token, class, slots, atom or property that it is about."""
-        return self.change.names
 
 
 @dataclass(frozen=True)
 class Explanation(Tabular):
-    """Why a task has no plan, and what would give it one.
+    """Why a task has no plan, and which changes give it one.
 
     Attributes:
         kind: unsolvable, not_found, planner_crashed, plan_refused, class_unknown, not_refined, time or memory.
         message: the same in a sentence.
-        reasons: the reasons; those first that a suggestion takes away.
-        suggestions: single changes with which there is a plan.
-        complete: whether every single change was examined, or as many were found as were asked for.
-        together: changes with which there is a plan if all are made; empty if a single one suffices.
+        reasons: the reasons; those that a suggestion removes come first.
+        suggestions: single changes that give the task a plan.
+        complete: whether every single change was examined, or the requested number of changes was found.
+        together: changes that give the task a plan only together; empty if a single one suffices.
     """
 
     kind: str
@@ -119,29 +109,29 @@ class Explanation(Tabular):
             ("no plan", self.message),
             ("reasons", [f"{each.goal_text}: {each.message}" for each in self.reasons]),
             ("suggestions", [each.change.what for each in self.suggestions]),
-            ("suggested together", [change.what for change in self.together]),
+            ("suggested together", self.together_text),
             ("all single changes examined", self.complete),
         ]
 
     @property
     def together_text(self) -> tuple[str, ...]:
-        """Changes with which there is a plan if all are made, in words; empty if a single one suffices."""
+        """Changes that give the task a plan only together, in words; empty if a single one suffices."""
         return tuple(change.what for change in self.together)
 
     @property
     def text(self) -> str:
-        """The message and the reasons, a line each."""
+        """The message and the reasons, one line each."""
         return "\n".join([self.message, *(f"  {each.goal_text}: {each.message}" for each in self.reasons)])
 
 
 @dataclass(frozen=True)
 class Link:
-    """One link of the causal chain of a plan that ends in the goal.
+    """One causal link of a plan: an effect and its consumer.
 
     Attributes:
-        instance: the instance that brings something about.
-        atom: what it brings about.
-        needed_by: the instance whose entry condition it is, or None if it is the goal's.
+        instance: the instance that has the effect.
+        atom: the effect.
+        needed_by: the instance that has the atom as an entry condition, or None if it is a goal atom.
     """
 
     instance: str
@@ -160,9 +150,9 @@ class Cause:
 
     Attributes:
         token: name of the token.
-        used: whether an instance that the goal needs has it in a slot or as a target.
+        used: whether it is in a slot or a target of an instance that the goal needs.
         why: the reason in a sentence.
-        links: the links in whose instances it is, the goal's first.
+        links: the links of its instances, those of the goal first.
     """
 
     token: str
@@ -173,11 +163,11 @@ class Cause:
 
 @dataclass(frozen=True)
 class TaskExplanation(Tabular):
-    """Why a task has the plan that it has, or why it has none.
+    """Why a task has its plan, or why it has none.
 
     Attributes:
         task: the task.
-        status: what came of planning it.
+        status: the status of planning it.
         explanation: why there is no plan; None if there is one.
         tokens: why each token is in the plan; empty if there is none.
     """

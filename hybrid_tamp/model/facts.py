@@ -1,8 +1,8 @@
-"""The symbolic state, read off the continuous one: nobody writes initial facts by hand.
+"""The symbolic state, computed from the continuous state.
 
-A predicate holds where its margin is zero or positive. A functional predicate has one value at most: where several
-regions hold a thing, the one that the goal asks for, else the one with the largest margin. Maintained predicates
-never come from numbers: their atoms belong to running instances.
+A predicate holds if its margin is zero or positive. A functional predicate has at most one value: if several values
+have such margins, the value in the goal, else the value with the largest margin. Atoms of maintained predicates do not
+follow from the continuous state, because they belong to running instances.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -19,7 +19,7 @@ def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[At
 
     Args:
         task: the task.
-        known: those of a larger task with the same tokens in the same state, where some may be known already.
+        known: the facts of a larger task that has these tokens in the same state; some may be decided already.
     """
     known = known or StaticFacts(task)
     found: set[Atom] = set()
@@ -32,7 +32,7 @@ def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[At
 
 
 class StaticFacts:
-    """The feasibility facts of a task, each decided when it is asked for: there may be very many."""
+    """The feasibility facts of a task, each decided on demand, because there may be very many."""
 
     def __init__(self, task: Task) -> None:
         self._task = task
@@ -45,7 +45,7 @@ class StaticFacts:
         return all(map(_fits, values, predicate.parameters)) and different(values) and self.holds(atom, values)
 
     def holding(self, predicate: Predicate, bindings: Sequence[tuple[Value, ...]]) -> Iterator[Atom]:
-        """Yield the facts among well-typed bindings; those that nobody has asked for yet are decided at once."""
+        """Yield the facts among well-typed bindings; one call decides all that are not known yet."""
         atoms = list(_atoms(predicate, bindings))
         unknown = [place for place, atom in enumerate(atoms) if atom not in self._known]
         margins = predicate.margins(self._task.state, [bindings[place] for place in unknown])
@@ -53,7 +53,7 @@ class StaticFacts:
         return (atom for atom in atoms if self._known[atom])
 
     def holds(self, atom: Atom, values: tuple[Value, ...]) -> bool:
-        """Say whether the positive atom, which is well-typed and has these values, holds."""
+        """Say whether the positive, well-typed atom with these values holds."""
         if atom not in self._known:
             predicate = self._task.domain.predicate_by_name[atom.predicate]
             self._known[atom] = float(predicate.evaluate(self._task.state, *values)) >= 0
@@ -71,8 +71,8 @@ def facts(task: Task, state: State | None = None, predicates: Iterable[Predicate
 
     Args:
         task: the task.
-        state: in which state; by default in the initial one.
-        predicates: of which predicates; by default of all that the domain has.
+        state: the state; the initial state by default.
+        predicates: the predicates; all predicates of the domain by default.
     """
     state = task.state if state is None else state
     found: set[Atom] = set()

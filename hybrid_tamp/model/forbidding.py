@@ -1,9 +1,8 @@
-"""Bindings that may not be used again: what failed in the forward models is denied to the task planner.
+"""Forbidden bindings: bindings that failed in the forward models and that the task planner may not use again.
 
-A forbidden binding is a feasibility fact that fails: one more static predicate among a block's entry conditions, over
-its roles. So the planner, the law and the explanation honour it as they do any other fact. Symbols that follow from
-others by the block's own conditions (of a face and two postures, say, the last) are left out, for every binding is a
-fact that the planner is told.
+One more static predicate over a block's roles is among its entry conditions and fails for the forbidden bindings. The
+planner, the law and the explanations treat it like any other feasibility fact. The predicate omits symbols that follow
+from the others by the block's own conditions, because every binding is a fact in the planning problem.
 """
 
 from dataclasses import dataclass, replace
@@ -20,12 +19,12 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 MOST_FACTS = 200_000
-"""A block with more bindings is not restrained: each of them is a fact for the planner."""
+"""Largest number of bindings of a block with forbidden bindings; each binding is a fact for the planner."""
 
 
 @dataclass(frozen=True)
 class _Permission:
-    """The margin of a binding: 1, or -1 where it is forbidden."""
+    """The margin of a binding: -1 if it is forbidden, else 1."""
 
     forbidden: frozenset[tuple[str, ...]]
 
@@ -35,10 +34,10 @@ class _Permission:
 
 
 def forbid(task: Task, instance: BlockInstance) -> Task:
-    """Return the same task, in which the instance's block may not be bound to the same tokens and targets again.
+    """Return the same task without the binding of an instance: its block may not have the same roles again.
 
     Args:
-        task: the task; bindings that it forbids already stay forbidden.
+        task: the task; bindings that are already forbidden remain so.
         instance: an instance of one of its domain's blocks, e.g. of a plan that failed in the forward models.
 
     Raises:
@@ -63,13 +62,13 @@ def forbidden_bindings(task: Task, block: str) -> frozenset[tuple[str, ...]]:
 
 
 def deciding_roles(block: Block) -> tuple[str, ...]:
-    """Return the roles of a block, but for symbols that follow from the others by its own conditions."""
+    """Return the roles of a block except symbols that follow from the others by its own conditions."""
     kept = list(block.roles)
     for literal in _declared(block):
         twice = len(set(literal.arguments)) < len(literal.arguments)
         if literal.positive and literal.predicate.rows is not None and not twice:
             rows = [dict(zip(literal.arguments, row, strict=True)) for row in literal.predicate.rows]
-            # An argument that is no role is a symbol, which stands for itself.
+            # An argument that is not a role is a symbol and must match.
             rows = [row for row in rows if all(name in (row[name], *block.roles) for name in row)]
             for role in reversed(literal.arguments):
                 others = [name for name in literal.arguments if name in kept and name != role]
@@ -79,19 +78,15 @@ def deciding_roles(block: Block) -> tuple[str, ...]:
 
 
 def _declared(block: Block) -> tuple[Literal, ...]:
-    """Return the entry conditions but that of an earlier call."""
+    """Return the entry conditions except the one that `forbid` added."""
     return tuple(literal for literal in block.entry if not isinstance(literal.predicate.margin, _Permission))
 
 
-def _name(block: str) -> str:
-    return "permitted_" + block.replace(":", "_")
-
-
 def _permitted(block: Block, roles: tuple[str, ...], forbidden: frozenset[tuple[str, ...]]) -> Predicate:
-    """Return the predicate that all bindings of a block but the forbidden ones meet."""
+    """Return the predicate that holds for all bindings of a block except the forbidden ones."""
     said = _sentence(block, roles)
     return Predicate(
-        name=_name(block.name),
+        name="permitted_" + block.name.replace(":", "_"),
         parameters=tuple(Parameter(role, block.roles[role]) for role in roles),
         margin=_Permission(forbidden),
         kind=Kind.STATIC,
@@ -102,7 +97,7 @@ def _permitted(block: Block, roles: tuple[str, ...], forbidden: frozenset[tuple[
 
 
 def _sentence(block: Block, roles: tuple[str, ...]) -> str:
-    """Name block and roles, e.g. ``ROLLING of {object} by {hand} to {region}``."""
+    """Return block and roles as a phrase, e.g. ``ROLLING of {object} by {hand} to {region}``."""
     others = [slot.name for slot in block.others]
     targets = [target.name for target in block.targets if target.name in roles]
     phrases = [f"{block.name} of {{{block.anchor}}}"]

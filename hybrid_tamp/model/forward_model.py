@@ -1,4 +1,4 @@
-"""A block on its own continuous system, driven by its own policy: one instance, or a batch that begins differently."""
+"""Forward models: the continuous system of a block under its policy, for one initial state or a batch of them."""
 
 from collections.abc import Iterable
 from math import isfinite
@@ -16,23 +16,23 @@ from hybrid_tamp.motion.arrays import FloatArray
 BoolArray = NDArray[np.bool_]
 
 _HUGE = 1e300
-"""Squares above this are as good as infinite."""
+"""Larger squares are treated as infinite."""
 
 
 class ForwardModel:
-    """The policy and the continuous system of one instance; all of its states have the batch shape ``(...)``."""
+    """The policy and the continuous system of one instance; its states have the batch shape ``(...)``."""
 
     def __init__(self, block: Block, binding: Binding, start: State, parameters: Parameters) -> None:
-        """Make both from the state at the beginning of the instance."""
+        """Make policy and system from the state at the beginning of the instance."""
         self._policy = None if block.policy is None else block.policy(binding, start, parameters)
         self._system = block.system(binding, start)
         held = (binding[slot.name] for slot in block.slots)
         self._limits = _limits(token for token in held if isinstance(token, Token))
 
     def step(self, elapsed: FloatArray, state: State, dt: float = CONTROL_PERIOD) -> tuple[State, Commands, BoolArray]:
-        """Return the next state, what was commanded within limits, and where both are finite ``(...)``.
+        """Return the next state, the commands within their limits, and whether both are finite ``(...)``.
 
-        Where they are not, the state stays as it is, so that what is computed of it next spoils nothing.
+        A state that would not be finite stays unchanged, so that later computations remain finite.
 
         Args:
             elapsed: time since the beginning [s], ``()`` or ``(...)``.
@@ -43,7 +43,7 @@ class ForwardModel:
         finite = np.ones(state.values.shape[:-1], dtype=bool)
         for key, command in commands.items():
             square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
-            # What is not finite is not within any limit either: one comparison covers both.
+            # Infinities and NaNs fail this comparison, too.
             if not np.maximum.reduce(square, axis=None) <= min(limit**2, _HUGE):
                 sound = np.asarray(np.isfinite(command).all(axis=-1))
                 finite &= sound
@@ -64,9 +64,9 @@ def roll_out(
         block: the block.
         binding: its roles.
         start: a single state.
-        longest: how long it runs at most [s].
+        longest: longest duration [s].
         dt: time step [s].
-        every: after how many steps its exit conditions are measured.
+        every: number of steps between two measurements of its exit conditions.
 
     Returns:
         The state at the beginning and after every step.
@@ -85,13 +85,13 @@ def _done(block: Block, binding: Binding, state: State) -> bool:
 
 
 def _limited(command: FloatArray, limit: float) -> FloatArray:
-    """Scale a command down to the limit of its token, as every backend does."""
+    """Scale a command down to the limit of its token, as execution does."""
     norm = np.sqrt(np.einsum("...i,...i->...", command, command))
     return np.asarray(command * np.minimum(1.0, limit / np.maximum(norm, limit))[..., None])
 
 
 def _limits(tokens: Iterable[Token]) -> dict[tuple[str, str], float]:
-    """Return (token, basic action) to the largest norm of its command, where there is one."""
+    """Return (token, basic action) to the largest norm of its command, for actions with a limit."""
     return {
         (token.name, action.name): float(token[action.limit])
         for token in tokens

@@ -1,7 +1,7 @@
-"""What grasping means to all who ask: which tokens grip, which can be gripped, and the constants of the fingers.
+"""Grasping: which tokens grip, which can be gripped, and the constants of the fingers.
 
-A hand that grips has two virtual fingers, massless, on either side of its centre. They close on the handle of what
-they can reach, and hold it by friction only.
+A hand that grips has two virtual, massless fingers, one on either side of its centre. They close on a handle within
+reach and hold it by friction only.
 """
 
 from hybrid_tamp.model.affordance import VaryingProperty
@@ -10,15 +10,15 @@ from hybrid_tamp.model.token import Token
 GRIP = "grip"
 """The basic action that closes the fingers with a force if positive [N], and opens them otherwise."""
 APERTURE = "aperture"
-"""The varying property that tells the gap between the fingers [m]."""
+"""The varying property for the gap between the fingers [m]."""
 HANDLE = ("handle_from", "handle_to", "handle_width")
-"""The fixed properties of what can be gripped: the ends of its handle in the body frame and its width [m]."""
+"""The fixed properties of a handle: its ends in the body frame and its width [m]."""
 FINGER_SPEED = 0.25
-"""How fast the gap between the fingers changes [m/s]."""
+"""Speed at which the gap between the fingers changes [m/s]."""
 CAPTURE = 0.01
-"""Largest distance from the hand's centre to the axis of a handle that the fingers close on [m]."""
+"""Largest distance from the centre of the hand to the axis of a handle that it can grip [m]."""
 GRIP_FRICTION = 1.0
-"""Largest friction of both fingers together as a share of the grip force: two fingers of friction .5."""
+"""Largest friction of both fingers together as a share of the grip force: two fingers of friction 0.5."""
 
 
 def aperture_property(opened: float) -> VaryingProperty:
@@ -37,5 +37,5 @@ def can_be_gripped(token: Token) -> bool:
 
 
 def pass_through(one: Token, other: Token) -> bool:
-    """Say whether two tokens do not collide: open fingers pass round what can be gripped."""
+    """Say whether two tokens do not collide, because open fingers pass round a handle."""
     return (grips(one) and can_be_gripped(other)) or (grips(other) and can_be_gripped(one))

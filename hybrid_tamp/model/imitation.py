@@ -1,4 +1,4 @@
-"""Imitation: what an agent was seen to do, in words of the domain, and how another agent did likewise."""
+"""Imitation: the observed plan of an agent, and the run of another agent that imitates it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,9 +14,9 @@ class Unexplained:
     """A movement that no block of the domain explains.
 
     Attributes:
-        token: what moved.
-        start: from when [s].
-        end: until when [s].
+        token: the token that moved.
+        start: start of the movement [s].
+        end: end of the movement [s].
     """
 
     token: str
@@ -31,13 +31,13 @@ class Unexplained:
 
 @dataclass(frozen=True)
 class Segmentation:
-    """What an agent was seen to do, in words of the domain.
+    """An observation as a timeline of block instances.
 
     Attributes:
-        plan: the timeline of instances; tokens are in none while a movement is not explained.
+        plan: the timeline; a token is in no instance during an unexplained movement.
         unexplained: the movements that no block explains, by time.
-        violations: how the timeline, judged by the observation, breaks the law; the goal included.
-        cost: number of instances and how well they fit; less is better.
+        violations: breaches of the law by the timeline, with the margins of the observation; the goal included.
+        cost: cost of the number of instances and of their misfit; less is better.
     """
 
     plan: TaskPlan
@@ -48,10 +48,10 @@ class Segmentation:
 
 @dataclass(frozen=True)
 class FittedPrimitive:
-    """How well a motor primitive fits what was shown.
+    """The fit of a motor primitive to a demonstration.
 
     Attributes:
-        rms: root mean square of the distance from it [unit].
+        rms: root mean square distance [unit].
         unit: unit of the distance.
     """
 
@@ -64,10 +64,10 @@ class ImitationResult(Tabular):
     """The result of an imitation.
 
     Attributes:
-        shown: name of the folder or file that shows the demonstration.
-        segmentation: what was seen.
-        roles: token that was seen to the token that took its role.
-        primitives: block to the motor primitive that it was taught.
+        shown: name of the folder or file of the demonstration.
+        segmentation: the observation as a timeline.
+        roles: observed token to the token that took its role.
+        primitives: block to the fit of the motor primitive that it was taught.
         run: the result of the imitator's run.
     """
 
@@ -85,7 +85,7 @@ class ImitationResult(Tabular):
 
     @property
     def instances(self) -> tuple[BlockInstance, ...]:
-        """The instances that were seen, by time."""
+        """The observed instances, by time."""
         return tuple(sorted(self.segmentation.plan.instances, key=lambda i: (i.start, i.end, i.name)))
 
     @property

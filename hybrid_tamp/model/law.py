@@ -3,14 +3,14 @@
 1. At every instant each token is in exactly one slot of exactly one instance; places are exempt.
 2. A running instance has exactly one token in each slot, a member of the slot's class.
 3. A token passes from slot to slot only along an edge of the network.
-4. The tokens of an instance enter it at one instant and leave it at one; none has length zero.
-5. At that instant the exit conditions of every ending and the entry conditions of every starting block hold, and
-   nothing that a running instance reads of its targets is changed by another.
-6. Each instance lasts within its block's bounds; blocks abut, and what must wait holds.
-7. The plan starts in the initial state and assignment, and the goal holds at its end with every bounded block ended.
+4. All tokens of an instance enter it at one instant and leave it at a later one.
+5. At each instant of reassignment, the exit conditions of ending blocks and the entry conditions of starting blocks
+   hold. No other instance changes a property that a running instance reads from its targets.
+6. The duration of each instance is within the bounds of its block; only a block with a hold waits.
+7. The plan starts in the initial state and assignment. At its end the goal holds and only blocks with a hold run.
 
-The checker knows nothing of how a plan was made. It checks conditions by symbols (effects of blocks, for a plan) or
-by measured margins (for a recording).
+The checker is independent of the planner. The effects of blocks (for a plan) or measured margins (for a recording)
+decide the conditions.
 """
 
 from collections import Counter
@@ -28,9 +28,9 @@ def check_law(task: Task, plan: TaskPlan, measured: Measured | None = None) -> l
     """Return every breach of the law by the plan.
 
     Args:
-        task: the task that the plan is for.
-        plan: the timeline; of a recording, with the instants at which reassignments happened.
-        measured: the state at an instant, to check conditions by their measured margins instead of by the
+        task: the task of the plan.
+        plan: the timeline; for a recording, with the measured instants of reassignment.
+        measured: returns the measured state at an instant, whose margins decide the conditions instead of the
             declared effects.
     """
     unknown = list(_names(task, plan))
@@ -56,7 +56,7 @@ def _names(task: Task, plan: TaskPlan) -> Iterator[Violation]:
 
 
 def _instances(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Laws 2 and 4: complete, well-typed instances that have a length and one name each."""
+    """Laws 2 and 4: each instance is complete and well-typed and has a duration and a unique name."""
     names = Counter(instance.name for instance in plan.instances)
     for instance in plan.instances:
         block = task.domain.block_by_name[instance.block]
@@ -64,7 +64,7 @@ def _instances(task: Task, plan: TaskPlan) -> Iterator[Violation]:
         if instance.end - instance.start <= TIME_TOLERANCE:
             yield Violation(4, instance.start, instance.name, "the instance has length zero")
         if names[instance.name] > 1:
-            yield Violation(4, instance.start, instance.name, "tokens of one instance enter or leave apart")
+            yield Violation(4, instance.start, instance.name, "tokens of one instance do not enter and leave together")
 
 
 def _typing(task: Task, block: Block, instance: BlockInstance) -> Iterator[str]:
@@ -89,7 +89,7 @@ def _of_sort(task: Task, name: str, sort: type[ObjectClass] | SymbolSort) -> boo
 
 
 def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Laws 1, 3 and the assignment part of 7: each token's instances tile the time, along edges."""
+    """Laws 1, 3 and the assignment part of 7: each token's instances cover the plan without overlap, along edges."""
     for token in task.assigned:
         timeline = plan.timeline(token.name)
         clock = 0.0
@@ -113,7 +113,7 @@ def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
 
 
 def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Law 6. What the plan's end cuts short may be shorter than its block's minimum."""
+    """Law 6; a holding instance that the end of the plan interrupts may be shorter than the minimum of its block."""
     for instance in plan.instances:
         block = task.domain.block_by_name[instance.block]
         length = instance.end - instance.start
@@ -128,9 +128,9 @@ def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
 
 
 def _targets(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Law 5, last part: nothing changes what a running instance reads of its targets.
+    """Law 5, last part: no other instance changes a property that a running instance reads from its targets.
 
-    A block that holds changes something until its exit conditions hold; from then on others may read it.
+    A block with a hold changes its tokens only until its exit conditions hold.
     """
     for reader in plan.instances:
         for target in task.domain.block_by_name[reader.block].targets:
@@ -148,7 +148,7 @@ def _meet(writer: BlockInstance, reader: BlockInstance) -> bool:
 
 
 def _ends(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Law 7: at the end only blocks that hold are running."""
+    """Law 7: only blocks with a hold run at the end."""
     for instance in plan.instances:
         if at(instance.end, plan.makespan) and not task.domain.block_by_name[instance.block].hold:
             yield Violation(7, plan.makespan, instance.name, "a block without a hold has not ended")

@@ -1,4 +1,4 @@
-"""What trials say about the classes of a token: the verdict on each class, with its confidence."""
+"""The result of membership trials: a verdict on each class of a token, with its confidence interval."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ class Trial:
 
     Attributes:
         success: whether the goal was reached and every measure was within its bounds.
-        why: what was wrong, empty if nothing.
+        why: why it failed; empty if it succeeded.
         measures: the domain's metrics.
     """
 
@@ -29,17 +29,17 @@ class Trial:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is known about one class.
+    """The verdict on one class.
 
     Attributes:
         object_class: name of the class.
-        likelihood: how characteristic the shape is of the class, 0 to 1.
-        labelled: the member from which the properties were carried over, or None.
+        likelihood: how typical the shape is of the class, 0 to 1.
+        labelled: the member whose properties were transferred, or None.
         residual: mean distance between its warped surface and the new one [m].
         properties: the token's properties as a member.
-        contacts: where hands are expected to touch it, in its body frame [m].
-        trials: one for each start.
-        obstacle: why it could not be tried, or empty.
+        contacts: expected contact points of hands, in its body frame [m].
+        trials: one trial for each start.
+        obstacle: why no trial was possible, or empty.
     """
 
     object_class: str
@@ -53,7 +53,7 @@ class Verdict:
 
     @property
     def successes(self) -> int:
-        """How many trials succeeded."""
+        """Number of successful trials."""
         return sum(trial.success for trial in self.trials)
 
     @property
@@ -81,8 +81,8 @@ class MembershipResult(Tabular):
         task: name of the task.
         token: name of the token.
         seed: seed of the starts.
-        resting: the faces on which its shape comes to rest.
-        verdicts: one for each class, the likeliest first.
+        resting: the faces on which its shape can rest.
+        verdicts: one verdict for each class, the likeliest class first.
     """
 
     task: str
@@ -102,8 +102,8 @@ def wilson_interval(successes: int, trials: int) -> tuple[float, float]:
     """Return the 95 % confidence interval of a success rate (Wilson 1927).
 
     Args:
-        successes: how many trials succeeded.
-        trials: how many there were; without trials the interval is 0 to 1.
+        successes: number of successful trials.
+        trials: number of trials; without trials the interval is 0 to 1.
     """
     if trials == 0:
         return 0.0, 1.0

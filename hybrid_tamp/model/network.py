@@ -19,7 +19,7 @@ class ReassignmentNetwork:
 
         Args:
             edges: pairs of slots.
-            blocks: names of blocks with modes, ``"ACTION:mode"``; an edge that names the action alone holds for each.
+            blocks: names of blocks with modes, ``"ACTION:mode"``; an edge with the action alone holds for each mode.
         """
         modes: dict[str, list[str]] = {}
         for block in blocks:
@@ -29,12 +29,12 @@ class ReassignmentNetwork:
             for old, new in product(modes.get(source[0], [source[0]]), modes.get(target[0], [target[0]])):
                 self.graph.add_edge((old, source[1]), (new, target[1]))
 
-    def part(self, blocks: Collection[str]) -> "ReassignmentNetwork":
-        """Return the network between slots of these blocks alone."""
-        part = ReassignmentNetwork(())
+    def restrict(self, blocks: Collection[str]) -> "ReassignmentNetwork":
+        """Return the network between slots of only these blocks."""
+        smaller = ReassignmentNetwork(())
         inside = ((one, other) for one in self.graph if one[0] in blocks for other in self.graph[one])
-        part.graph.add_edges_from((one, other) for one, other in inside if other[0] in blocks)
-        return part
+        smaller.graph.add_edges_from((one, other) for one, other in inside if other[0] in blocks)
+        return smaller
 
     def extended(self, edges: Iterable[tuple[SlotName, SlotName]]) -> "ReassignmentNetwork":
         """Return the network with more edges."""
@@ -52,11 +52,11 @@ class ReassignmentNetwork:
         return bool(self.graph.has_edge(source, target))
 
     def sources(self, slot: SlotName) -> tuple[SlotName, ...]:
-        """Slots from which a token may come into this one, sorted."""
+        """Return the slots from which a token may pass to this one, sorted."""
         return tuple(sorted(self.graph.predecessors(slot))) if slot in self.graph else ()
 
     def destinations(self, slot: SlotName) -> tuple[SlotName, ...]:
-        """Slots to which a token may go from this one, sorted."""
+        """Return the slots to which a token may pass from this one, sorted."""
         return tuple(sorted(self.graph.successors(slot))) if slot in self.graph else ()
 
 

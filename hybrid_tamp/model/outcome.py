@@ -1,4 +1,4 @@
-"""The outcome of planning a task: the plan and how it was found, or why there is none."""
+"""The outcome of planning a task: the plan and its origin, or why there is none."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -17,22 +17,22 @@ Status = Literal["solved", "unsolvable", "unknown", "limit"]
 NOT_REFINED = "not_refined"
 """The kind of failure if plans exist, but no hyperparameters satisfy any of them."""
 CLASS_UNKNOWN = "class_unknown"
-"""The kind of failure if the goal needs a class of which it is unknown whether a token is a member."""
+"""The kind of failure if the goal needs a class and it is unknown whether a token is a member of it."""
 
 MESSAGES: Mapping[str, str] = {
     "unsolvable": "No plan exists; the planner has proven it.",
     "not_found": "The planner found no plan, but has not proven that there is none.",
     "planner_crashed": "The planner crashed.",
-    "plan_refused": "The planner returned a plan that is wrong; it was refused.",
-    CLASS_UNKNOWN: "Whether there is a plan is not known: the goal speaks of a token that nobody has tried yet.",
-    NOT_REFINED: "Plans exist, but none was found that the blocks' own forward models can carry out.",
+    "plan_refused": "The planner returned a wrong plan, which was refused.",
+    CLASS_UNKNOWN: "It is unknown whether a plan exists: the goal names a token whose class has not been tried.",
+    NOT_REFINED: "Plans exist, but the forward models of the blocks cannot carry out any that was found.",
 }
 """Kind of failure to the sentence that explains it."""
 
 
 @dataclass(frozen=True)
 class PlannerFigures:
-    """Which engine answered, how long it took, and how the plan was found.
+    """The planning engine, its time, and how it found the plan.
 
     Attributes:
         name: name of the engine.
@@ -49,11 +49,11 @@ class PlannerFigures:
 
 @dataclass(frozen=True)
 class PlanningFailure:
-    """Why planning gave no plan, as planning itself knows it.
+    """Why planning gave no plan.
 
     Attributes:
-        kind: a key of `MESSAGES`; ``time`` or ``memory`` if that limit was reached; or a word of whoever made the plan.
-        detail: what else is known, e.g. why a plan was refused; empty if the kind says all.
+        kind: a key of `MESSAGES`; ``time`` or ``memory`` if that limit was reached; or the kind that the planner gave.
+        detail: more detail, e.g. why a plan was refused; or empty.
     """
 
     kind: str
@@ -61,7 +61,7 @@ class PlanningFailure:
 
     @property
     def message(self) -> str:
-        """The failure in a sentence or two."""
+        """The failure in one or two sentences."""
         return " ".join(filter(None, [MESSAGES.get(self.kind, ""), self.detail]))
 
     @property
@@ -74,7 +74,7 @@ class PlanningFailure:
 
 @dataclass(frozen=True)
 class Exclusion:
-    """A binding of a block that was excluded, because no hyperparameters satisfy the plan that contains it.
+    """A binding of a block that was excluded because no hyperparameters satisfy the plan that contains it.
 
     Attributes:
         instance: the instance whose binding was excluded.
@@ -98,15 +98,15 @@ class PlanOutcome(Tabular):
     """The outcome of planning a task.
 
     Attributes:
-        task: the task; of a goal with a choice, `chosen` says which ground goal the plan reaches.
-        planner: how the plan was looked for.
+        task: the task; if its goal leaves a choice, `chosen` has the ground goal that the plan reaches.
+        planner: figures of the planner.
         network: the network that was planned on.
         plan: the plan, or None.
-        failure: why there is none, or None.
+        failure: why there is no plan, or None.
         chosen: the task with the ground goal that the plan reaches; None if there is no plan.
-        explanation: why there is no plan in terms of the task, or None if nobody has asked.
+        explanation: why the task has no plan, or None if it was not explained.
         refinement: how the hyperparameters of the plan were optimised, or None.
-        excluded: the bindings that were excluded before this plan, in their order.
+        excluded: the bindings that were excluded before this plan, in order.
     """
 
     task: Task
@@ -136,22 +136,22 @@ class PlanOutcome(Tabular):
 
     @property
     def status(self) -> Status:
-        """Whether there is a plan, is proven to be none, or nothing is known."""
+        """Whether there is a plan, there provably is none, it is unknown, or a limit was reached."""
         return "solved" if self.failure is None else self.failure.status
 
     @property
     def makespan(self) -> float | None:
-        """When the plan ends [s]."""
+        """End of the plan [s], or None if there is no plan."""
         return None if self.plan is None else self.plan.makespan
 
     @property
     def cost(self) -> float | None:
-        """Number of PDDL actions of the plan."""
+        """Number of PDDL actions of the plan, or None if there is no plan."""
         return None if self.plan is None else float(len(self.plan.actions))
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """The stretches of time in which no token is reassigned; empty if there is no plan."""
+        """The steps of the plan; empty if there is no plan."""
         return () if self.plan is None else tuple(self.plan.steps)
 
     @property

@@ -12,17 +12,17 @@ TIME_TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class BlockInstance:
-    """One running of a block.
+    """One execution of a block.
 
     Attributes:
         name: unique name, e.g. ``"ROLLING-1"``.
         block: name of the block.
         slots: slot to the name of the token in it.
-        start: when its tokens enter [s].
-        end: when they leave, or the plan's makespan [s].
+        start: instant at which its tokens enter [s].
+        end: instant at which they leave, or the plan's makespan [s].
         targets: target to the name of the token or symbol.
         hyperparameters: hyperparameter to value.
-        reached: for a block that holds, when its exit conditions first held [s]; from then on it changes nothing.
+        reached: for a block with a hold, when its exit conditions first held [s]; later it changes nothing.
     """
 
     name: str
@@ -41,7 +41,7 @@ class BlockInstance:
 
     @property
     def mode(self) -> str | None:
-        """The block's mode, where it has several."""
+        """The mode of the block, or None."""
         return split_mode(self.block)[1]
 
     @property
@@ -55,13 +55,13 @@ class BlockInstance:
         return f"{self.name}({', '.join(f'{role}={name}' for role, name in self.roles.items())})"
 
     def during(self, start: float, end: float) -> "BlockInstance":
-        """Return the instance at other times; it comes to its exit as long after its start as before."""
+        """Return the instance at other times; the time from its start to its exit is the same."""
         reached = None if self.reached is None else self.reached + start - self.start
         return replace(self, start=start, end=end, reached=reached)
 
     @property
     def active(self) -> "BlockInstance":
-        """The instance until its exit conditions held, or all of it where that is not known."""
+        """The instance until its exit conditions held, or the whole instance if that is unknown."""
         return self if self.reached is None else replace(self, end=min(self.reached, self.end))
 
     def overlaps(self, other: "BlockInstance") -> bool:
@@ -71,11 +71,11 @@ class BlockInstance:
 
 @dataclass(frozen=True)
 class PlannedAction:
-    """One action of a plan, in the names of its PDDL.
+    """One action of a plan, with the names in its PDDL.
 
     Attributes:
         name: name of the operator.
-        arguments: the objects that its parameters are bound to.
+        arguments: the objects bound to its parameters.
     """
 
     name: str
@@ -92,7 +92,7 @@ class PlannedAction:
 
 @dataclass(frozen=True)
 class Step:
-    """A stretch of time in which no token is reassigned."""
+    """An interval in which no token is reassigned, with the instances that run."""
 
     index: int
     start: float
@@ -102,12 +102,12 @@ class Step:
 
 @dataclass(frozen=True)
 class TaskPlan(Tabular):
-    """Which tokens are in which blocks, from when to when.
+    """A timeline of block instances.
 
     Attributes:
-        instances: all block instances, those of RESTING included, by start.
-        makespan: when the plan ends [s].
-        actions: the planner's own actions, empty if the plan came from elsewhere.
+        instances: all block instances, resting ones included, by start.
+        makespan: end of the plan [s].
+        actions: the actions that the planner returned; empty if the plan has another origin.
     """
 
     instances: tuple[BlockInstance, ...]
@@ -137,13 +137,13 @@ class TaskPlan(Tabular):
 
     @property
     def steps(self) -> Iterator[Step]:
-        """The stretches between reassignments, with what runs in each (paper, under Fig. 3)."""
+        """The intervals between reassignments, with the instances that run in each (paper, under Fig. 3)."""
         for index, (start, end) in enumerate(zip(self.instants, self.instants[1:], strict=False), start=1):
             middle = (start + end) / 2
             yield Step(index, start, end, tuple(i for i in self.instances if i.start <= middle < i.end))
 
     def timeline(self, token: str) -> tuple[tuple[BlockInstance, str], ...]:
-        """Return the (instance, slot) pairs that the token is in, by start."""
+        """Return the (instance, slot) pairs of a token, by start."""
         return self._timelines.get(token, ())
 
     @cached_property
@@ -156,13 +156,13 @@ class TaskPlan(Tabular):
 
 
 def split_mode(block: str) -> tuple[str, str | None]:
-    """Split a block's name into action and mode, None where it has but one."""
+    """Split the name of a block into action and mode; the mode is None if the action has only one."""
     action, colon, mode = block.partition(":")
     return (action, mode) if colon else (block, None)
 
 
 def merge_instants(times: Iterable[float]) -> tuple[float, ...]:
-    """Return the distinct instants, ascending; times within the tolerance are one."""
+    """Return the distinct instants, ascending; times within the tolerance are one instant."""
     merged: list[float] = []
     for time in sorted(times):
         if not merged or time - merged[-1] > TIME_TOLERANCE:

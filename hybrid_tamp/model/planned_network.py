@@ -1,4 +1,4 @@
-"""The network that a task was planned on: what it was reduced from, and the objects that were brought in."""
+"""The network that a task was planned on, the task that it was reduced from, and the objects that were added."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,11 +12,11 @@ class WholeNetwork:
     """The task from which a network was reduced.
 
     Attributes:
-        blocks: how many blocks the domain has.
-        edges: how many edges its network has.
-        tokens: how many tokens the task has.
-        blocks_left_out: names of the blocks that were left out, sorted.
-        tokens_left_out: names of the tokens that were left out, sorted; all but places rest all the time.
+        blocks: number of blocks of the domain.
+        edges: number of edges of its network.
+        tokens: number of tokens of the task.
+        blocks_left_out: names of the omitted blocks, sorted.
+        tokens_left_out: names of the omitted tokens, sorted; all but places rest during the whole plan.
     """
 
     blocks: int
@@ -28,13 +28,13 @@ class WholeNetwork:
 
 @dataclass(frozen=True)
 class AddedToken:
-    """An object that was brought into the network as a tool.
+    """An object that was added to the network as a tool.
 
     Attributes:
         token: its name.
         classes: the names of its classes.
-        blocks: names of the blocks that it made fillable, sorted.
-        why: what was wrong without it.
+        blocks: names of the blocks whose slots can be filled only with it, sorted.
+        why: why planning without it failed.
     """
 
     token: str
@@ -50,9 +50,9 @@ class PlannedNetwork:
     Attributes:
         blocks: names of its blocks, sorted.
         edges: its edges, source first.
-        tokens: names of the tokens that were planned with, sorted.
-        reduced_from: what it was reduced from, or None if nothing was left out.
-        expanded_with: objects brought in because there was no plan without them, in their order.
+        tokens: names of its tokens, sorted.
+        reduced_from: the task that it was reduced from, or None if nothing was omitted.
+        expanded_with: objects that were added because there was no plan without them, in order.
     """
 
     blocks: tuple[str, ...]
@@ -63,12 +63,12 @@ class PlannedNetwork:
 
     @classmethod
     def of(cls, whole: Task, part: Task, added: Iterable[AddedToken] = ()) -> "PlannedNetwork":
-        """Return the network of a part of a task.
+        """Return the network of a reduced task.
 
         Args:
             whole: the task.
-            part: what it was reduced to.
-            added: the objects that were brought in.
+            part: the reduced task.
+            added: the objects that were added.
         """
         kept = part.domain.block_by_name
         whole_network = WholeNetwork(

@@ -1,8 +1,8 @@
-"""The plan as an order of events: its instants are estimates, only their order counts.
+"""A plan as a partial order of events; the planned instants are only estimates.
 
-Two events of a plan keep their order if an instance of the one and an instance of the other have a token in common,
-places included, in any role. Conditions speak of an instance's own roles only, so events without a common token can
-happen in either order, and each as soon as it can.
+Two events keep their order if an instance of one and an instance of the other have a token in common (places included,
+in any role). Conditions are over an instance's own roles only, so other events can happen in either order, each as soon
+as its conditions hold.
 """
 
 from collections.abc import Iterable
@@ -17,11 +17,11 @@ class Reassignment:
     """Instances that end and start at one instant.
 
     Attributes:
-        planned: when the plan expects it [s].
+        planned: instant in the plan [s].
         ending: names of the instances that end.
-        starting: the instances that start; none at the plan's end.
-        after: indices of the events that come first.
-        final: whether it is the plan's end.
+        starting: the instances that start; empty at the end of the plan.
+        after: indices of the events that must happen before.
+        final: whether it is the end of the plan.
     """
 
     planned: float
@@ -37,9 +37,9 @@ def initial(plan: TaskPlan) -> tuple[BlockInstance, ...]:
 
 
 def reassignments(task: Task, plan: TaskPlan) -> tuple[Reassignment, ...]:
-    """Return the plan's events, ordered by planned instant, the plan's end last.
+    """Return the events of a plan, ordered by planned instant, the end of the plan last.
 
-    What the plan lets happen at one instant by coincidence, without a common token, becomes several events.
+    Reassignments that are at one instant but have no common token become several events.
     """
     found: list[Reassignment] = []
     touched: list[frozenset[str]] = []

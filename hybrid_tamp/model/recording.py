@@ -15,11 +15,11 @@ from hybrid_tamp.motion.demonstration import ShownMovement
 
 @dataclass(frozen=True)
 class AtomMargin:
-    """One condition of an instance or of the goal, with what was predicted and what was measured.
+    """One condition of an instance or of the goal, with its predicted and measured margins.
 
     Attributes:
         atom: the ground condition.
-        measured: its signed margin in the run, in the predicate's unit; None if it was never measured.
+        measured: its signed margin in the run, in the unit of the predicate; None if it was never measured.
         predicted: its signed margin in the blocks' own forward models; None if not predicted.
     """
 
@@ -35,7 +35,7 @@ class AtomMargin:
 
 @dataclass(frozen=True)
 class Failure:
-    """Why a run stopped before its plan's end."""
+    """The reason why a run stopped before the end of its plan."""
 
     step: int
     instance: str
@@ -45,13 +45,13 @@ class Failure:
 
 @dataclass(frozen=True)
 class Contact:
-    """How hard two tokens pressed on each other at most, while they were in two instances or in one.
+    """The largest contact force between two tokens while they were in the same instances.
 
     Attributes:
         tokens: the two tokens.
-        instances: the instance in which each of them was then; the same one twice where they worked together.
+        instances: the instance of each token then; the same instance twice if they were in one.
         force: largest normal force [N].
-        time: end of the control period in which it was so large [s].
+        time: end of the control period with that force [s].
     """
 
     tokens: tuple[str, str]
@@ -61,29 +61,28 @@ class Contact:
 
     @property
     def between_instances(self) -> bool:
-        """Whether tokens of different instances touched, which nothing intends."""
+        """Whether the tokens were in different instances, so that the contact was not intended."""
         return self.instances[0] != self.instances[1]
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Everything that one run measured and commanded.
+    """The measurements and commands of one run.
 
     Attributes:
-        layout: where each token's state lies in a row of `states`.
+        layout: layout of a row of `states`.
         commands_layout: (token, basic action, size) of a row of `commands`.
         times: instant of each row of `states` [s], shape ``(t + 1,)``.
         states: measured states, shape ``(t + 1, layout.size)``; the first row is the start.
         commands: commands between consecutive rows, shape ``(t, c)``.
-        instances: the instances that ran, with the instants at which they really began and ended, and the
-            hyperparameters that they used.
-        exits: instance to its exit conditions as they were when it ended.
+        instances: the instances that ran, with their measured start and end and their hyperparameters.
+        exits: instance to its exit conditions at its end.
         goal: the goal atoms at the end.
         backend: name of the physics backend.
         timestep: control period [s].
         failure: why the run stopped early, or None.
-        warnings: what is worth knowing beyond that.
-        contacts: who touched whom, the floor excepted; empty if the backend does not measure it.
+        warnings: further remarks for the user.
+        contacts: contacts between tokens, without the floor; empty if the backend does not measure them.
     """
 
     layout: StateLayout
@@ -112,7 +111,7 @@ class Recording:
 
     @property
     def plan(self) -> TaskPlan:
-        """The timeline that was really run."""
+        """The timeline of the run."""
         return TaskPlan(self.instances, self.duration)
 
     def state(self, row: int) -> State:

@@ -1,4 +1,4 @@
-"""The refined plan: a task plan whose hyperparameters were optimised together (paper, Sec. II-D)."""
+"""The refined plan: a task plan with jointly optimised hyperparameters (paper, Sec. II-D)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 
 GOAL = "goal"
-"""Stands in place of an instance's name where a condition is one of the goal."""
+"""Stands for the goal in place of the name of an instance."""
 
 MeasureKey = tuple[str, str]
 """(instance, performance measure)."""
@@ -23,12 +23,12 @@ class Tuned:
         unit: its unit.
         lower: lower bound [unit].
         upper: upper bound [unit].
-        default: what it was by default [unit].
-        value: what it is now [unit].
-        status: ``optimised``; ``fixed`` by its bounds; ``free``, without an effect over its whole bounds, left at its
-            default; or ``kept`` there because the defaults meet every condition and no measure could be improved.
-        moves: the performance measures on which it has an effect, e.g. ``("STRIKING-1", "hand_speed")``.
-        apart: its value where each action is optimised on its own [unit], or None if that was not asked.
+        default: its default value [unit].
+        value: its value in the refined plan [unit].
+        status: ``optimised``; ``fixed`` by its bounds; ``free``: without effect within its bounds and left at its
+            default; or ``kept``: left at its default, because all conditions hold there and no measure can improve.
+        moves: the performance measures that it affects, e.g. ``("STRIKING-1", "hand_speed")``.
+        apart: its value if each action is optimised separately [unit], or None if that was not requested.
     """
 
     instance: str
@@ -45,16 +45,16 @@ class Tuned:
 
 @dataclass(frozen=True)
 class Performance:
-    """One performance measure of one instance as it is expected.
+    """One performance measure of one instance.
 
     Attributes:
         instance: name of the instance.
         measure: name of the measure.
         unit: its unit.
-        weight: what one `scale` of it adds to the value of the plan.
+        weight: value of one `scale` of the figure in a plan.
         scale: size of the figure that counts as one [unit].
-        figure: what is expected [unit].
-        measured: what a run measured [unit], or None.
+        figure: expected figure [unit].
+        measured: figure measured in a run [unit], or None.
     """
 
     instance: str
@@ -68,7 +68,7 @@ class Performance:
 
 @dataclass(frozen=True)
 class Shortfall:
-    """The first condition of a plan that the forward models cannot meet.
+    """The first condition of a plan that fails in the forward models.
 
     Attributes:
         where: name of the instance, or `GOAL`.
@@ -85,7 +85,7 @@ class Shortfall:
 
 @dataclass(frozen=True)
 class Value:
-    """How good a choice of hyperparameters is: V first, then J (smaller, larger is better)."""
+    """The violation V (less is better) and then the value J (more is better) of hyperparameters."""
 
     violation: float
     value: float
@@ -93,7 +93,7 @@ class Value:
 
 @dataclass(frozen=True)
 class Milestone:
-    """The best after so many evaluations: a point of the convergence curve."""
+    """A point of the convergence curve: the best V and J after a number of evaluations."""
 
     evaluations: int
     violation: float
@@ -102,13 +102,13 @@ class Milestone:
 
 @dataclass(frozen=True)
 class Retuning:
-    """What came of going on in physics from the optimum that the forward models expect.
+    """The result of further optimisation in physics, from the optimum of the forward models.
 
     Attributes:
         before: V and J of that optimum in physics.
-        best: V and J in physics of the values that were kept, never worse.
-        evaluations: runs that were made.
-        seconds: how long it took [s].
+        best: V and J of the final hyperparameters in physics, never worse.
+        evaluations: number of runs in physics.
+        seconds: time for it [s].
         stopped: why it ended.
         history: the convergence curve.
     """
@@ -127,19 +127,19 @@ class RefinedPlan:
 
     Attributes:
         plan: the plan, its instances with all their hyperparameters.
-        hyperparameters: each of them, in the order of the plan.
-        performance: the measures that are expected.
-        best: V and J of the plan as it is now, by the forward models as all else that is expected.
+        hyperparameters: all hyperparameters, in the order of the plan.
+        performance: the expected performance measures.
+        best: V and J of the plan by the forward models.
         defaults: V and J with the defaults.
-        apart: V and J with each action optimised on its own, in the plan's order; None if that was not asked.
-        shortfall: the first condition that is not met, in physics where it was tried there, or None.
-        expected: (instance or `GOAL`, atom) to the margin expected.
-        optimiser: by which optimiser, or empty if there was nothing to optimise.
-        evaluations: rollouts that were made.
-        seconds: how long it took [s].
+        apart: V and J with each action optimised separately, in the plan's order; None if that was not requested.
+        shortfall: the first condition that fails, in physics if the plan was optimised there; or None.
+        expected: (instance or `GOAL`, atom) to the expected margin.
+        optimiser: name of the optimiser; empty if there was nothing to optimise.
+        evaluations: number of rollouts.
+        seconds: time for it [s].
         stopped: why the optimiser ended.
         history: the convergence curve.
-        physics: what came of going on in physics, or None if that was not asked.
+        physics: the result of further optimisation in physics, or None if that was not requested.
     """
 
     plan: TaskPlan

@@ -1,4 +1,4 @@
-"""Relations over symbols: rows of symbols, their order, and the margin that says whether a row is among them."""
+"""Relations over symbols: their rows, the order of the rows, and the margin of a row."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class Membership:
 
 
 def order_rows(rows: Iterable[Row], sorts: Sequence[Row]) -> tuple[Row, ...]:
-    """Return each row once, in the order of the symbols of the sorts."""
+    """Return the distinct rows, in the order of the symbols of the sorts."""
     orders = [{symbol: index for index, symbol in enumerate(symbols)} for symbols in sorts]
 
     def place(row: Row) -> list[int]:
@@ -34,7 +34,7 @@ def order_rows(rows: Iterable[Row], sorts: Sequence[Row]) -> tuple[Row, ...]:
 
 
 def row_faults(name: str, rows: Iterable[Row], sorts: Sequence[Row]) -> Iterator[Issue]:
-    """Yield a fault for every row that does not consist of one symbol of each sort."""
+    """Yield a fault for each row that does not have one symbol of each sort."""
     for row in rows:
         if len(row) != len(sorts) or any(symbol not in symbols for symbol, symbols in zip(row, sorts, strict=True)):
             yield Issue(name, "a row of a relation has a symbol of each parameter's sort", repr(row))

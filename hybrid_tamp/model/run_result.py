@@ -17,8 +17,8 @@ class ExecutedInstance:
     """One block instance that ran.
 
     Attributes:
-        instance: the instance, with the instants at which it really began and ended.
-        exits: its exit conditions when it ended.
+        instance: the instance, with its measured start and end.
+        exits: its exit conditions at its end.
     """
 
     instance: BlockInstance
@@ -31,10 +31,10 @@ class RunResult(Tabular):
 
     Attributes:
         outcome: the outcome of planning, with the plan that was run.
-        recording: what was measured, with what was predicted beside it.
-        metrics: the domain's own measures and those of every run, name (with unit) to value.
-        wall_seconds: how long all the work took [s].
-        versions: versions of what the result depends on.
+        recording: the recording, with measured and predicted margins.
+        metrics: the domain's metrics and those of every run, name (with unit) to value.
+        wall_seconds: time for all the work [s].
+        versions: versions of the software that the result depends on.
         performance: performance measures, predicted and measured.
         law: breaches of the law of assignment by the recording.
     """
@@ -54,7 +54,7 @@ class RunResult(Tabular):
 
     @property
     def replans(self) -> int:
-        """How many plans were given up before the one that was run."""
+        """Number of plans that were discarded before the plan of the run."""
         return len(self.outcome.excluded)
 
     @property
@@ -76,13 +76,7 @@ class RunResult(Tabular):
             ("success", self.success),
             ("goal", [f"{each.atom.text}: {cell(each.measured)}" for each in self.recording.goal]),
             ("failure", self.recording.failure and self.recording.failure.reason),
-            (
-                "blocks",
-                [
-                    f"{each.instance.start:.2f} to {each.instance.end:.2f} s  {each.instance.name}"
-                    for each in self.blocks
-                ],
-            ),
+            ("blocks", [f"{i.start:.2f} to {i.end:.2f} s  {i.name}" for i in self.recording.instances]),
             ("performance", {f"{each.measure} of {each.instance}": each.measured for each in self.performance}),
             ("metrics", self.metrics),
             ("law", self.law),
@@ -94,7 +88,7 @@ class RunResult(Tabular):
 
 @dataclass(frozen=True)
 class StateDifference:
-    """Where the two runs part.
+    """The first difference between two runs.
 
     Attributes:
         time: first instant at which a state differs [s].
@@ -114,9 +108,9 @@ class ReplayResult(Tabular):
     """The result of a replay.
 
     Attributes:
-        identical: whether every state is the same to the last bit.
-        steps: control periods that were simulated.
-        first_difference: where the runs part, or None.
+        identical: whether all states are bit-identical.
+        steps: number of simulated control periods.
+        first_difference: the first difference of a state, or None.
         refusal: why the backend refused a logged command; empty if it did not.
     """
 

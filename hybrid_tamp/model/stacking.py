@@ -1,7 +1,7 @@
-"""Bindings stacked: many bindings of a predicate's arguments as one batch of states.
+"""Stacks: many bindings of a predicate's arguments as one batch of states.
 
-Margins follow from the fixed properties and the state of their arguments, and take batches of states. So bindings whose
-tokens have the same fixed properties are one batch of states of one binding's tokens; no margin is written for that.
+A margin depends on the fixed properties and the states of its arguments and accepts batches of states. So one call
+evaluates all bindings whose tokens have the same fixed properties, as a batch of states of the first binding's tokens.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,10 +17,10 @@ Values = tuple[Token | str, ...]
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """Bindings that one call decides.
+    """Bindings that one call evaluates.
 
     Attributes:
-        places: where they are among all bindings, k of them.
+        places: indices of its k bindings among all bindings.
         state: the states of their tokens, batch shape ``(k, ...)``, in the layout of the first binding's tokens.
         values: the first binding.
     """
@@ -36,11 +36,11 @@ def stack(state: State, bindings: Sequence[Values], *, apart: bool = False) -> I
     Args:
         state: the state of all tokens, batch shape ``(...)``.
         bindings: tokens or symbols for each argument.
-        apart: whether tokens of equal properties are told apart, too.
+        apart: whether tokens with equal properties are in different stacks.
     """
     groups: dict[object, list[int]] = {}
     for place, values in enumerate(bindings):
-        first = [values.index(value) for value in values]  # one token may stand at two places
+        first = [values.index(value) for value in values]  # one token may be two arguments
         known = (value if isinstance(value, str) else value.name if apart else value.fixed for value in values)
         groups.setdefault((*first, *known), []).append(place)
     for places in groups.values():
@@ -55,6 +55,6 @@ def _tokens(values: Values) -> list[Token]:
 
 
 def _columns(state: State, values: Values) -> list[int]:
-    """Return where the varying properties of the tokens lie in the state."""
+    """Return the columns of the varying properties of the tokens in the state."""
     slices = (state.layout.slices[token.name, varying.name] for token in _tokens(values) for varying in token.varying)
     return [column for each in slices for column in range(each.start, each.stop)]

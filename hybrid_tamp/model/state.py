@@ -13,7 +13,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True)
 class StateLayout:
-    """Where each token's varying properties lie in the flat array.
+    """The positions of the tokens' varying properties in the flat array.
 
     Attributes:
         entries: (token, property, size) in order.
@@ -23,7 +23,7 @@ class StateLayout:
 
     @classmethod
     def of(cls, tokens: Iterable[Token]) -> "StateLayout":
-        """Lay out the varying properties of the tokens, in their order."""
+        """Return the layout of the varying properties of the tokens, in their order."""
         return cls(tuple((t.name, varying.name, varying.size) for t in tokens for varying in t.varying))
 
     @cached_property

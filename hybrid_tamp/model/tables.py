@@ -1,4 +1,4 @@
-"""Results as tables of their own fields: plain text for terminals, HTML for notebooks."""
+"""Results as tables: plain text for terminals, HTML for notebooks."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
@@ -10,7 +10,7 @@ Rows = Sequence[tuple[str, Any]]
 
 
 class Tabular:
-    """A dataclass that prints as a table of its fields; `rows` may choose and name them."""
+    """A dataclass that prints as a table; `rows` are its fields unless a subclass overrides them."""
 
     @property
     def rows(self) -> Rows:
@@ -25,7 +25,7 @@ class Tabular:
 
 
 def text_table(rows: Rows) -> str:
-    """Return a table of two columns as plain text; a value of several lines has its label beside the first."""
+    """Return a table of two columns as plain text; a label is beside the first line of its value."""
     width = max((len(label) for label, _ in rows), default=0)
     lines = []
     for label, value in rows:
@@ -35,7 +35,7 @@ def text_table(rows: Rows) -> str:
 
 
 def html_table(rows: Rows) -> str:
-    """Return a table of two columns as HTML; what labels and values say is escaped."""
+    """Return a table of two columns as HTML, with labels and values escaped."""
     body = "".join(
         f"<tr><th>{escape(label)}</th><td>{'<br>'.join(map(escape, lines_of(value) or ['none']))}</td></tr>"
         for label, value in rows
@@ -44,7 +44,7 @@ def html_table(rows: Rows) -> str:
 
 
 def lines_of(value: Any) -> list[str]:
-    """Return a value as lines of text: of a sequence or a mapping, the lines of each entry."""
+    """Return a value as lines of text; a sequence or mapping gives the lines of each entry."""
     if isinstance(value, Mapping):
         return [f"{cell(key)}: {cell(each)}" for key, each in value.items()]
     if isinstance(value, Iterable) and not isinstance(value, str):
@@ -53,7 +53,7 @@ def lines_of(value: Any) -> list[str]:
 
 
 def cell(value: Any) -> str:
-    """Return a single value as text: what it says of itself (`text`), else its name, a number to four digits."""
+    """Return a single value as text: its `text` or `name` if it has one; numbers have four digits."""
     if value is None:
         return "none"
     if isinstance(value, bool):

@@ -1,4 +1,4 @@
-"""A task: tokens of a domain, where they are, who they belong to, and what is wanted."""
+"""A task: tokens of a domain with their initial state, their agents, and the goal."""
 
 import math
 from collections.abc import Collection, Mapping
@@ -25,7 +25,7 @@ class Limits:
     Attributes:
         time: wall-clock time of the planner [s].
         memory: memory of the planner and its children together [MiB].
-        refinements: how often the planner is asked again after a refused plan.
+        refinements: largest number of further calls of the planner after refused plans.
     """
 
     time: float = 60.0
@@ -35,12 +35,12 @@ class Limits:
 
 @dataclass(frozen=True)
 class Range:
-    """What a task says of a hyperparameter, in its own unit; None leaves what the block declares.
+    """A task's settings of a hyperparameter, in its unit; None keeps the block's declaration.
 
     Attributes:
         lower: lower bound, not below the block's own.
         upper: upper bound, not above the block's own.
-        default: its value if nothing optimises it, within the bounds.
+        default: its value without optimisation, within the bounds.
     """
 
     lower: float | None = None
@@ -54,11 +54,11 @@ class MidLevel:
 
     Attributes:
         optimiser: ``cma`` (CMA-ES) or ``grid`` (direct sampling on a grid, as the paper did).
-        evaluations: budget of candidates that are rolled out.
+        evaluations: budget of rollouts.
         seconds: budget of time [s].
-        refine: ``none``, or ``physics``: go on from the analytic optimum in the physics backend.
-        weights: ``BLOCK.measure`` to its weight in the value of a plan, as the task's domain has it.
-        hyperparameters: ``BLOCK.name`` to narrower bounds or to its value, as the task's domain has them.
+        refine: ``none``, or ``physics`` for further optimisation in the physics backend.
+        weights: ``BLOCK.measure`` to its weight in the value of a plan; the task's domain has it already.
+        hyperparameters: ``BLOCK.name`` to narrower bounds or to its value; the task's domain has them already.
     """
 
     optimiser: str = "cma"
@@ -74,20 +74,20 @@ class Task:
     """One problem of a domain.
 
     Attributes:
-        name: name of the task, by default its file's stem.
+        name: name of the task, by default the stem of its file.
         domain: the domain.
         tokens: all tokens, places included, in the file's order.
         state: the initial continuous state.
-        goal: atoms over tokens that hold at the end; `ANY` in one of them leaves a choice.
+        goal: atoms over tokens that must hold at the end; `ANY` in an atom leaves a choice.
         agents: agent to the names of its capability tokens.
         assignment: token to the block in which it starts.
         planner: name of the planning engine.
         limits: bounds on the work.
-        seed: seed of everything random.
-        objective: what a plan should be short in: ``length`` (actions) or ``makespan`` (time).
+        seed: seed of all random numbers.
+        objective: the minimised quantity, ``length`` (number of actions) or ``makespan`` (time).
         midlevel: how hyperparameters are optimised.
-        source: the file that it came from, or None.
-        primitives: block or action to the file of the motor primitive that it was taught; the domain has it already.
+        source: the task file, or None.
+        primitives: block or action to the file of its learned motor primitive; the domain has it already.
     """
 
     name: str
@@ -119,8 +119,8 @@ class Task:
         """Return a copy with other values of some attributes."""
         return replace(self, **changes)  # type: ignore[arg-type]
 
-    def part(self, names: Collection[str], **changes: object) -> "Task":
-        """Return the task with these tokens alone, and with other values of some attributes."""
+    def restrict(self, names: Collection[str], **changes: object) -> "Task":
+        """Return the task with only these tokens, and with other values of some attributes."""
         tokens = tuple(token for token in self.tokens if token.name in names)
         return self.replaced(
             tokens=tokens,
@@ -145,7 +145,7 @@ class Task:
         return {role: self.value(name) for role, name in roles.items()}
 
     def choices(self, block: Block, fixed: Mapping[str, Value] | None = None) -> dict[str, tuple[Value, ...]]:
-        """Return the values that each role of a block may have by its class or sort, and by what is fixed."""
+        """Return role to its possible values, by its class or sort and by the fixed roles."""
         every = {role: self.values_of(sort) for role, sort in block.roles.items()}
         fixed = fixed or {}
         return {
@@ -154,10 +154,9 @@ class Task:
         }
 
     def margin(self, atom: Atom, state: State | None = None) -> float:
-        """Return the signed margin of an atom, in the initial state unless another is given.
+        """Return the signed margin of an atom, in the initial state by default.
 
-        Where the atom leaves a choice, the best one counts; it does not hold if none does. Where there is nothing to
-        choose from, that is minus infinity.
+        The margin of an atom with a choice is the largest of its groundings; minus infinity if it has none.
         """
         if ANY in atom.arguments:
             best = max((self.margin(each, state) for each in self.groundings(atom)), default=-math.inf)
@@ -167,7 +166,7 @@ class Task:
 
     @cached_property
     def unsettled(self) -> tuple[tuple[Atom, Token, type[ObjectClass]], ...]:
-        """The goal atoms that ask of a token to be a member of a class in which it is unknown."""
+        """(goal atom, token, class) where the atom needs a membership of the token that is unknown."""
         return tuple(
             (atom, token, parameter.sort)
             for atom in self.goal
@@ -181,11 +180,11 @@ class Task:
 
     @property
     def definite(self) -> bool:
-        """Whether the goal makes one planning problem: it leaves no choice, and nothing about it is unknown."""
+        """Whether the task is one planning problem: the goal leaves no choice and needs no unknown membership."""
         return not self.unsettled and len(self.alternatives()) == 1
 
     def groundings(self, atom: Atom) -> tuple[Atom, ...]:
-        """Return the positive ground atoms that an atom leaves to choose from, all tokens different."""
+        """Return the positive groundings of an atom with a choice, over different tokens."""
         parameters = self.domain.predicate_by_name[atom.predicate].parameters
         choices = {
             parameter.name: self.values_of(parameter.sort) if argument == ANY else (self.value(argument),)
@@ -194,7 +193,7 @@ class Task:
         return tuple(Atom(atom.predicate, names_of(bound)) for bound in enumerate_bindings(choices))
 
     def alternatives(self) -> tuple["Task", ...]:
-        """Return the tasks with the ground goals that this one leaves to choose from, the nearest first.
+        """Return the tasks with the ground goals of this one, the nearest first.
 
         Raises:
             InputError: there are too many, or none.

@@ -29,7 +29,7 @@ class PropertyConflictError(ValueError):
 
 
 def _declaration(field: FieldInfo) -> dict[str, str]:
-    """Return what must agree where two classes share a property."""
+    """Return the declarations of a property on which all its classes must agree."""
     extra = field.json_schema_extra
     return {
         "type": str(field.annotation),
@@ -40,7 +40,7 @@ def _declaration(field: FieldInfo) -> dict[str, str]:
 
 
 def conflicts(classes: Iterable[type[ObjectClass]]) -> list[Issue]:
-    """Return one issue for every property that two of the classes declare differently."""
+    """Return one issue for each difference between two classes' declarations of one property."""
     seen: dict[str, tuple[str, dict[str, str]]] = {}
     found = []
     for object_class in _ordered(classes):
@@ -69,7 +69,7 @@ def union_of(classes: Iterable[type[ObjectClass]], unknown: Iterable[type[Object
 
     Args:
         classes: object classes in any order.
-        unknown: further classes, whose properties may be missing.
+        unknown: further classes; their properties may be missing.
 
     Raises:
         PropertyConflictError: two classes declare one property with another type, unit, bound or default.
@@ -88,7 +88,7 @@ def _union(classes: tuple[type[ObjectClass], ...], unknown: tuple[type[ObjectCla
             fields.setdefault(name, (field.annotation, field))
     for object_class in unknown:
         for name, field in object_class.model_fields.items():
-            # What is not given is None, which no property is.
+            # A missing property is None, which is no valid value.
             fields.setdefault(name, (field.annotation, FieldInfo.merge_field_infos(field, default=None)))
     return create_model(
         " + ".join(object_class.name for object_class in classes) or "no class",
@@ -105,8 +105,8 @@ class Token:
         name: the user's own name.
         classes: the object classes that the token is a member of, the root class included, sorted by name.
         properties: the union of the classes' fixed properties, name to value.
-        shape: its geometry, or None for a place that has none.
-        unknown: the classes of which it is not known whether it is a member.
+        shape: its geometry, or None for a place without one.
+        unknown: the classes for which its membership is unknown.
     """
 
     name: str
@@ -124,7 +124,7 @@ class Token:
         shape: Shape | None = None,
         unknown: Iterable[type[ObjectClass]] = (),
     ) -> "Token":
-        """Validate the properties against the union of the classes; of the unknown classes they may be missing.
+        """Validate the properties against the union of the classes; those of unknown classes may be missing.
 
         Raises:
             PropertyConflictError: the classes contradict each other.
@@ -151,12 +151,12 @@ class Token:
         return any(issubclass(member, object_class) for member in self.classes)
 
     def may_be_member(self, object_class: type[ObjectClass]) -> bool:
-        """Say whether it is unknown whether the token is a member of the class."""
+        """Say whether the token's membership of the class is unknown."""
         return not self.is_member(object_class) and any(issubclass(each, object_class) for each in self.unknown)
 
     @cached_property
     def fixed(self) -> Hashable:
-        """All that never varies of it but its name: equal for tokens that only their states tell apart."""
+        """Its classes, properties and shape: equal for tokens that differ only in name and state."""
         key = (self.classes, tuple(sorted(self.properties.items())), self.shape)
         try:
             hash(key)
@@ -171,18 +171,18 @@ class Token:
 
     @property
     def varying(self) -> tuple[VaryingProperty, ...]:
-        """The token's varying properties, the union over its classes, each once."""
+        """The distinct varying properties of the token's classes."""
         merged = {varying.name: varying for member in self.classes for varying in member.varying}
         return tuple(merged.values())
 
     @property
     def basic_actions(self) -> tuple[BasicAction, ...]:
-        """The basic actions of the token's capability classes, each once, sorted by name."""
+        """The distinct basic actions of the token's capability classes, sorted by name."""
         merged = {action.name: action for member in self.classes for action in member.basic_actions}
         return tuple(merged[name] for name in sorted(merged))
 
 
 def different(values: Iterable[object]) -> bool:
-    """Say whether no token is there twice; symbols may be."""
+    """Say whether all tokens are different; symbols may repeat."""
     names = [value.name for value in values if isinstance(value, Token)]
     return len(set(names)) == len(names)

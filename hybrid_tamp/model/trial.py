@@ -1,7 +1,7 @@
-"""How a domain tries whether a token is a member of one of its classes, which blocks ground (paper, Sec. II-B).
+"""Recipes of a domain for trials of whether a token is a member of a class (paper, Sec. II-B).
 
-Ranking, warping and counting are the same for all domains (`hybrid_tamp.questions.probe`). A domain says what a
-labelled member teaches about a new token, and what a trial is.
+`hybrid_tamp.questions.probe` ranks classes, warps shapes and counts successes for all domains. A recipe estimates the
+properties of a new token from a labelled member, and makes the task of a trial.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,19 +15,19 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
 TaskType = TypeVar("TaskType")
-"""The class of tasks. A task knows its domain, whose recipes therefore do not know the class."""
+"""The class of tasks; a type variable, because `Task` imports the domain and its recipes."""
 
 Carry = Callable[[FloatArray], FloatArray]
-"""Points on a labelled token ``(n, 3)`` [m] to where the warp has carried them on the new one, both in body frames."""
+"""Warps points ``(n, 3)`` [m] on a labelled token to the new token, both in body frames."""
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What the labelled token taught.
+    """The estimate for a new token from a labelled one.
 
     Attributes:
         properties: the new token's properties as a member of the class.
-        contacts: name to the point ``(3,)`` [m] in its body frame that a hand is expected to touch.
+        contacts: name to the expected contact point ``(3,)`` [m] of a hand, in the body frame.
     """
 
     properties: Mapping[str, Any]
@@ -36,16 +36,16 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class TrialRecipe(Generic[TaskType]):
-    """How membership of one class is tried.
+    """A recipe for trials of membership of one class.
 
     Attributes:
         object_class: the class.
-        align: ``align(task, token, labelled)`` is the rotation ``(3, 3)`` from the labelled token's body frame to the
-            new one's with which the warp begins.
+        align: ``align(task, token, labelled)``, the initial rotation ``(3, 3)`` of the warp from the body frame of the
+            labelled token to that of the new one.
         estimate: ``estimate(task, token, labelled, carry)``; both tokens have a shape.
-        task: ``task(task, member, rng)`` is a task in which the token, now taken for a member, is tried from a start
-            that `rng` draws; without `rng` from the exact one. The plan of one start must do for all.
-        bounds: the domain's metrics (after the instance's name) to the bounds within which they must be.
+        task: ``task(task, member, rng)``, a task that tests the token as a member from a start that `rng` draws, or
+            from the exact start without `rng`. One plan must serve all starts.
+        bounds: metric of the domain (without the name of the instance) to its bounds.
     """
 
     object_class: type[ObjectClass]

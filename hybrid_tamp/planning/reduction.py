@@ -44,7 +44,7 @@ class Reduction:
     def task(self) -> Task:
         """What is left of the task, of a domain with what is left of the network."""
         kept = [token for token in self.whole.tokens if token.name in self.tokens]
-        return self.whole.part(self.tokens, domain=domain_part(self.whole, self.blocks, kept))
+        return self.whole.restrict(self.tokens, domain=domain_part(self.whole, self.blocks, kept))
 
     @cached_property
     def blocks_left_out(self) -> tuple[str, ...]:

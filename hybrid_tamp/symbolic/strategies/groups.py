@@ -114,7 +114,7 @@ def most_helpers(task: Task) -> int:
 
 def own_task(task: Task, group: Group, chosen: Iterable[str], places: Collection[str]) -> Task:
     """Return the task of a group with the chosen helpers and places, and nothing else."""
-    return task.part({*group.tokens, *chosen, *places}, goal=group.goal)
+    return task.restrict({*group.tokens, *chosen, *places}, goal=group.goal)
 
 
 class Helpers:
