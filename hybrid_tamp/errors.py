@@ -8,9 +8,9 @@
     ├── NoPlan                      10   proven unsolvable, or 11, none found
     ├── LimitReached                20   a time or memory limit
     ├── ExecutionFailed             40   the plan was run and the goal was not reached
-    └── LawBroken                    1   a plan or recording of ours breaks the law of assignment
+    └── LawBroken                    1   a plan or recording that we made breaks the law of assignment
 
-Everything else that escapes is a fault of ours, exit status 1.
+Any other exception that escapes is a bug of hybrid_tamp, exit status 1.
 """
 
 from collections.abc import Iterable, Sequence
@@ -25,9 +25,9 @@ class Issue:
     Attributes:
         where: place of the fault: ``file:line:column`` or ``block.slot``.
         wanted: what was expected there.
-        came: what was found instead; empty where nothing was.
+        came: what was found instead; empty if nothing was found.
         available: the values that would have been accepted, if they are few.
-        remedy: what the user can do; empty where ``wanted`` says it all.
+        remedy: what the user can do; empty if ``wanted`` says enough.
     """
 
     where: str
@@ -65,7 +65,7 @@ class HybridTampError(Exception):
 
 
 class InputError(HybridTampError):
-    """The input is wrong; every fault found is in `issues`."""
+    """The input is wrong; `issues` has every fault that was found."""
 
     exit_status = 30
 
@@ -114,4 +114,4 @@ class ExecutionFailed(HybridTampError):
 
 
 class LawBroken(HybridTampError):
-    """A plan or a recording breaks the law of assignment; the message lists how."""
+    """A plan or a recording breaks the law of assignment; the message lists the violations."""

@@ -1,4 +1,4 @@
-"""For authors of domains: does a domain's symbolic face agree with its continuous one?"""
+"""For authors of domains: check that the declared exit conditions of blocks agree with their forward models."""
 
 import math
 from collections import Counter
@@ -14,14 +14,14 @@ from hybrid_tamp.model.predicate import ANY, Binding, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 
-_WALKS = 4  # At most, for each sample.
+_WALKS = 4  # Largest number of walks per sample.
 _LONGEST_HOLD = 30.0  # [s]
-_STEPS_A_BLOCK = 4  # How long a walk is, in steps a block of the domain.
+_STEPS_A_BLOCK = 4  # Length of a walk, in steps per block of the domain.
 
 
 @dataclass(frozen=True)
 class Disagreement:
-    """An exit condition that a block declares, but that does not hold after its forward model has run."""
+    """An exit condition of a block that does not hold after the block's forward model has run."""
 
     block: str
     binding: tuple[tuple[str, str], ...]
@@ -36,21 +36,21 @@ class Disagreement:
 
 
 def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 / 240) -> list[Disagreement]:
-    """Roll every block out from states that the domain itself brings about; compare the ends with what it declares.
+    """Roll every block out from reachable states and compare the final states with the declared exit conditions.
 
-    Each walk begins in the task's initial state, with hands displaced at random, and goes on with a block whose
-    entry conditions hold there, one that never has been first: what one brings about is where the next can
-    begin, so a box is tipped before it is lowered.
+    Each walk begins in the task's initial state with hands displaced at random. Each step of a walk rolls out a block
+    whose entry conditions hold and prefers a block that was never rolled out. The next step begins where the block
+    ended, so a box is tipped before it is lowered.
 
     Args:
-        task: a task of the domain, with tokens for every block that is to be checked.
-        samples: how often each block is rolled out at least, if it can be.
-        seed: seed of displacements and choices.
+        task: a task of the domain, with tokens for every block to check.
+        samples: least number of roll-outs of each block, if it can begin that often.
+        seed: seed of the displacements and choices.
         dt: time step of the roll-out [s].
 
     Returns:
         Every declared exit condition that did not hold at the end of its block's longest duration, and every block
-        that has tokens for its slots and that no walk could enter.
+        that no walk could enter although the task has tokens for its slots.
     """
     rng = np.random.default_rng(seed)
     blocks = [block for block in task.domain.blocks if all(map(task.values_of, block.roles.values()))]
@@ -72,7 +72,7 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
 
 
 def _displaced(task: Task, rng: np.random.Generator) -> State:
-    """Return the initial state with hands displaced a little; other tokens stay, so that the task's facts hold."""
+    """Return the initial state with slightly displaced hands; other tokens stay, so that the task's facts hold."""
     moves = {
         (token.name, "position"): task.state[token, "position"] + rng.uniform(-0.05, 0.05, 3)
         for token in task.tokens
@@ -84,10 +84,10 @@ def _displaced(task: Task, rng: np.random.Generator) -> State:
 def _next(
     task: Task, blocks: list[Block], state: State, done: Counter[str], rng: np.random.Generator, samples: int
 ) -> tuple[Block, Binding] | None:
-    """Return a block that can begin in the state, preferably one that never began; None if all began often enough."""
+    """Return a block that can begin in the state, if possible one that never began; None if all began often enough."""
     if min(done.values()) >= samples:
         return None
-    # Of those that have been rolled out, any: the way to some states leads through blocks that are rolled out often.
+    # Blocks that have been rolled out are equal: some states are reached only through blocks that occur often.
     for block in sorted(blocks, key=lambda block: (done[block.name] > 0, rng.random())):
         possible = list(enumerate_bindings(task.choices(block), block.entry, partial(_holds, task, state)))
         if possible:
@@ -96,14 +96,14 @@ def _next(
 
 
 def _holds(task: Task, state: State, condition: Literal, binding: Binding) -> bool:
-    # Feasibility was decided in the initial state.
+    # Static conditions are evaluated in the initial state.
     return float(condition.margin(task.state if condition.predicate.static else state, binding)) >= 0
 
 
 def _disagreements(block: Block, binding: Binding, end: State) -> list[Disagreement]:
     names = tuple(sorted((role, v if isinstance(v, str) else v.name) for role, v in binding.items()))
     return [
-        Disagreement(block.name, names, str(literal), float(literal.margin(end, binding)))
+        Disagreement(block.name, names, literal.text, float(literal.margin(end, binding)))
         for literal in block.exit
         if ANY not in literal.arguments and literal.margin(end, binding) < 0
     ]

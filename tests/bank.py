@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from brute_force import solvable
 from scenes import rolling_task
+from texts import load_task_text
 from workshop import at, cut, workshop_task
 
 from hybrid_tamp.errors import DomainError
@@ -17,7 +18,6 @@ from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.taskfile.loader import load_task_text
 
 PROBLEMS = Path(__file__).resolve().parents[1] / "problems"
 ALONG_Y = "rpy: [1.5707963267948966, 0, 0]"

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from ruamel.yaml import YAML
+from texts import load_task_text
 
 import hybrid_tamp
 from hybrid_tamp.midlevel.objective import Evaluator, Objective, RollOut
@@ -34,7 +35,6 @@ from hybrid_tamp.midlevel.separate import optimise_apart
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.taskfile.loader import load_task_text
 
 PROBLEMS = Path(__file__).resolve().parent.parent / "problems"
 FILES = {"push": "hammer_push", "strike": "hammer_strike", "both": "hammer_push_then_strike"}

@@ -1,8 +1,8 @@
-"""Convex bodies in the world: how low they reach, and whether two of them share space.
+"""Convex bodies in the world: their lowest points and their overlaps.
 
-Everything is asked through support points, the furthest ones of a body along a direction, so that each pair of shapes
-is treated alike (Gilbert, Johnson and Keerthi 1988, "A fast procedure for computing the distance between complex
-objects in three-dimensional space").
+All computations use support points, the furthest points of a body along a direction, so that they treat all pairs of
+shapes alike (Gilbert, Johnson and Keerthi 1988, "A fast procedure for computing the distance between complex objects
+in three-dimensional space").
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -17,7 +17,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 
 CONTACT = 1e-3
-"""Bodies that overlap by at most this still only touch [m]: written poses are rounded."""
+"""Largest overlap of bodies that only touch [m]: written poses are rounded."""
 _MOST_STEPS = 64
 
 
@@ -26,9 +26,9 @@ class ConvexBody:
     """A box, cylinder, sphere or convex hull at a pose.
 
     Attributes:
-        half: half extents ``(3,)`` [m] of a core along the body's axes; of a cylinder's, x and y are zero.
-        disc: radius [m] of the disc across the body's z axis that is swept over the core.
-        ball: radius [m] of the ball that is swept over the core.
+        half: half extents ``(3,)`` [m] of a core along the body's axes; x and y are zero for a cylinder.
+        disc: radius [m] of a disc perpendicular to the body's z axis that is swept over the core.
+        ball: radius [m] of a ball that is swept over the core.
         position: of the centre ``(3,)`` [m].
         axes: the body's axes in the world as rows ``(3, 3)``.
         points: corners of a hull ``(n, 3)`` [m] in its frame, instead of half, disc and ball; or None.
@@ -50,7 +50,7 @@ class ConvexBody:
         return float(np.linalg.norm(half)) + self.ball
 
     def support(self, direction: FloatArray) -> FloatArray:
-        """Return the furthest point ``(3,)`` [m] of the body along a direction ``(3,)`` of any length but zero."""
+        """Return the furthest point ``(3,)`` [m] of the body along a direction ``(3,)`` of non-zero length."""
         local = self.axes @ direction
         if self.points is not None:
             return np.asarray(self.position + self.points[np.argmax(self.points @ local)] @ self.axes)
@@ -75,7 +75,7 @@ class ConvexBody:
 
 
 Body = Sequence[ConvexBody]
-"""The convex solids of a body; one unless it is a compound or a mesh."""
+"""The convex solids of a body; several for a compound or a mesh."""
 
 
 def placed(shape: Shape, position: FloatArray, orientation: FloatArray) -> Body:
@@ -92,7 +92,7 @@ def placed(shape: Shape, position: FloatArray, orientation: FloatArray) -> Body:
 
 
 def _hull(part: Hull, position: FloatArray, axes: FloatArray) -> ConvexBody:
-    """Return a hull about the middle of its box, so that its position is within it."""
+    """Return a hull about the middle of its bounding box, so that its position is inside."""
     middle = (part.vertices.min(axis=0) + part.vertices.max(axis=0)) / 2.0
     return ConvexBody(np.zeros(3), 0.0, 0.0, position + middle @ axes, axes, part.vertices - middle)
 
@@ -111,10 +111,10 @@ def lowest_height(body: Body) -> float:
 
 
 def overlap(one: Body, other: Body) -> FloatArray | None:
-    """Return a short way ``(3,)`` [m] by which `other` gets clear of `one`, or None if they only touch or are apart.
+    """Return a short displacement ``(3,)`` [m] that moves `other` clear of `one`; None if they only touch or are apart.
 
-    The way is the shortest one along the parts' axes, edges and the lines between their centres, those aside that lead
-    down, where there may be a floor; it does clear them. Of compounds it clears the convex hulls.
+    It is the shortest one along the solids' axes, edges and the lines between their centres, except those that lead
+    down, where there may be a floor. It separates the convex hulls of compounds.
     """
     pairs = list(product(one, other))
     ways = [way for mine, theirs in pairs if (way := _overlap(mine, theirs)) is not None]
@@ -130,7 +130,7 @@ def overlap(one: Body, other: Body) -> FloatArray | None:
 
 
 def _overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
-    """Return a short way by which one convex body gets clear of another, or None."""
+    """Return a short displacement that moves one convex body clear of another, or None."""
     best: FloatArray | None = None
     least = np.inf
     for direction in _directions(one, other):
@@ -148,11 +148,11 @@ def overlaps(
 ) -> Iterator[tuple[int, int, FloatArray]]:
     """Yield each pair of bodies that share space: (earlier, later, displacement that moves the later one clear).
 
-    Of a heap each body is told once, with one other: all pairs of it would be as many as nobody reads.
+    Each body is the later one of at most one pair, because nobody reads all pairs of a heap.
 
     Args:
         bodies: all bodies.
-        pass_through: which pairs, (earlier, later), may share space.
+        pass_through: says whether a pair (earlier, later) may share space.
     """
     corners = np.array([_corners(body) for body in bodies]).reshape(-1, 2, 3)
     for later, body in enumerate(bodies):
@@ -166,7 +166,7 @@ def overlaps(
 
 
 def _corners(body: Body) -> FloatArray:
-    """Return the lower and the upper corner ``(2, 3)`` [m] of the smallest upright box about a body."""
+    """Return the lower and upper corners ``(2, 3)`` [m] of the axis-aligned bounding box of a body."""
     corners = np.array(
         [[[part.support(sign * axis)[i] for i, axis in enumerate(np.eye(3))] for part in body] for sign in (-1.0, 1.0)]
     )
@@ -174,10 +174,10 @@ def _corners(body: Body) -> FloatArray:
 
 
 def _directions(one: ConvexBody, other: ConvexBody) -> Iterator[FloatArray]:
-    """Unit vectors along which the bodies may be apart: for two boxes these are enough."""
+    """Yield unit vectors along which the bodies may be apart; for two boxes they suffice."""
     between = other.position - one.position
     crossed = [np.cross(mine, theirs) for mine in one.axes for theirs in other.axes]
-    # From the axis of each to the other's centre: what is round about its axis is left fastest along it.
+    # From the axis of each to the other's centre: the shortest way out of a body that is round about its axis.
     radial = [between - axis * float(between @ axis) for axis in (one.axes[2], other.axes[2])]
     for direction in (between, *one.axes, *other.axes, *radial, *crossed):
         length = float(np.linalg.norm(direction))
@@ -187,10 +187,10 @@ def _directions(one: ConvexBody, other: ConvexBody) -> Iterator[FloatArray]:
 
 
 def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
-    """Say whether the bodies meet: whether the set of differences of their points contains zero.
+    """Say whether the bodies meet, that is, whether the set of differences of their points contains zero.
 
-    Each step adds the difference furthest towards zero, and keeps the corners of that part of their hull which is
-    nearest to zero. What is still undecided after many steps merely touches.
+    Each step adds the difference furthest towards zero and keeps the corners of the face of the simplex that is nearest
+    to zero. Bodies that are undecided after `_MOST_STEPS` steps merely touch.
     """
 
     def furthest(direction: FloatArray) -> FloatArray:
@@ -204,7 +204,7 @@ def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
             return True
         corner = furthest(-nearest)
         if float(corner @ nearest) > 0:
-            # The plane through zero across `nearest` lies between the bodies.
+            # The plane through zero perpendicular to `nearest` separates the bodies.
             return False
         corners.append(corner)
     return False

@@ -1,7 +1,7 @@
-"""Geometric features of shapes: how round about an axis, how flat to stand on; they rank classes and prove nothing.
+"""Geometric features of shapes: roundness about an axis, flatness of a face. They rank classes and prove nothing.
 
-All of them are told by the support function h(u) = max p u over the points p of a body: how far it reaches along a
-unit vector u from its centre of mass. A body rolls and stands on its convex hull, which is what h knows.
+All features derive from the support function h(u) = max p u over the points p of a body, its reach from the centre of
+mass along a unit vector u. h describes the convex hull, on which a body rolls and stands.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ _ANGLES = 720
 _LEAST_ROUND = float(np.sqrt(0.5))
 """Roundness of a square prism, which does not roll."""
 _LAYER = 0.01
-"""How deep a face reaches into the body, as a share of the body's extent along its normal."""
+"""Thickness of the layer of points that form a face, as a share of the body's extent along its normal."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class RestingPose:
     Attributes:
         down: its outward normal in the body frame.
         height: of the centre of mass above the floor [m].
-        share: with which probability it comes to rest so, dropped in any orientation.
+        share: probability that the body comes to rest on the face after a drop in a random orientation.
     """
 
     down: tuple[float, float, float]
@@ -48,7 +48,7 @@ def silhouette(points: FloatArray, axis: FloatArray) -> FloatArray:
 
 
 def across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return two unit vectors ``(3,)`` across an axis and each other, right-handed with it."""
+    """Return two unit vectors ``(3,)`` perpendicular to an axis and each other, right-handed with it."""
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
     one = np.cross(axis, helper)
     one /= np.linalg.norm(one)
@@ -56,41 +56,41 @@ def across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def roundness(shape: Shape, axis: FloatArray) -> float:
-    """Return the ratio of the smallest to the largest reach across an axis: 1 for a cylinder, 0.92 for an octagon."""
+    """Return the ratio of smallest to largest reach across an axis: 1 for a cylinder, 0.92 for an octagonal prism."""
     reach = silhouette(points_of(shape), axis)
     return float(reach.min() / reach.max())
 
 
 def rolling_radius(shape: Shape, axis: FloatArray) -> float:
-    """Return the distance per angle of a full turn [m]: the mean reach, because the hull's outline is 2 pi times it.
+    """Return the distance per angle of a full turn [m].
 
-    (Cauchy's formula for the perimeter of a convex outline.)
+    It is the mean reach, because the perimeter of a convex outline is 2 pi times its mean reach (Cauchy's formula).
     """
     return float(silhouette(points_of(shape), axis).mean())
 
 
 def roundest_axis(shape: Shape) -> FloatArray:
-    """Return the axis of the body frame ``(3,)`` about which a shape is roundest; if several are equal, the longest."""
+    """Return the axis of the body frame ``(3,)`` about which a shape is roundest; among equals, the longest one."""
     points = points_of(shape)
     rated = [(round(roundness(shape, axis), 3), round(float(np.ptp(points @ axis)), 6)) for axis in np.eye(3)]
     return np.asarray(np.eye(3)[rated.index(max(rated))])
 
 
 def rolling_likelihood(shape: Shape) -> float:
-    """Return how round a shape is about its best axis, from 0 for a square prism or less to 1."""
+    """Return the roundness of a shape about its best axis, scaled from 0 for a square prism to 1 for a cylinder."""
     best = roundness(shape, roundest_axis(shape))
     return float(np.clip((best - _LEAST_ROUND) / (1.0 - _LEAST_ROUND), 0.0, 1.0))
 
 
 def tumbling_likelihood(shape: Shape) -> float:
-    """Return the share of its bounding box that a shape stands on, 0 to 1, on the worst side about its best axis."""
+    """Return the relative size, 0 to 1, of the smallest face on which a shape tumbles about its best axis."""
     points = points_of(shape)
     grounds = np.array([[_ground(points, sign * axis) for sign in (-1.0, 1.0)] for axis in np.eye(3)]).min(axis=1)
     return float(max(np.delete(grounds, turn).min() for turn in range(3)))
 
 
 def _ground(points: FloatArray, down: FloatArray) -> float:
-    """Return how far the contact area reaches from below the centre, on its worst side, as a share of the box."""
+    """Return the shortest reach of the contact area from below the centre, as a share of the bounding box."""
     depth = points @ down
     face = points[depth >= depth.max() - _LAYER * np.ptp(depth)]
     shares = [
@@ -107,7 +107,7 @@ def resting_poses(shape: Shape, least: float = 0.01) -> tuple[RestingPose, ...]:
 
     Args:
         shape: the shape; its frame's origin is the centre of mass.
-        least: rarer ones are left out.
+        least: least probability; rarer faces are omitted.
     """
     from trimesh.poses import compute_stable_poses
 

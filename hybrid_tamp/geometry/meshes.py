@@ -1,4 +1,4 @@
-"""A body of convex parts given by their surfaces, as read from a mesh file. All lengths in metres."""
+"""Bodies of convex parts given by their surfaces, as read from a mesh file. All lengths are in metres."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ _CENTRE = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """A convex part by its surface, in the frame of its body.
+    """The surface of a convex part, in the frame of its body.
 
     Attributes:
         vertices: ``(n, 3)`` [m].
@@ -34,7 +34,7 @@ class Hull:
 
     @property
     def integrals(self) -> tuple[float, FloatArray, FloatArray]:
-        """Volume [m^3], first moments ``(3,)`` [m^4] and second ones ``(3, 3)`` [m^5] about the frame's origin.
+        """Volume [m^3], first moments ``(3,)`` [m^4] and second moments ``(3, 3)`` [m^5] about the frame's origin.
 
         The part is the sum of the tetrahedra between its triangles and the origin, each with the sign of its volume.
         """
@@ -48,7 +48,7 @@ class Hull:
 
 @dataclass(frozen=True)
 class MeshShape:
-    """A rigid body of convex parts, whose frame's origin is its centre of mass and whose axes are those of the file.
+    """A rigid body of convex parts; its frame has the origin in the centre of mass and the axes of the file.
 
     Attributes:
         path: the mesh file.
@@ -56,7 +56,7 @@ class MeshShape:
         digest: of the file's content, so that shapes of equal files are equal.
         parts: the convex parts; they touch and do not overlap.
         volume: [m^3].
-        moments: moments about the axes over the mass ``3`` [m^2].
+        moments: moments of inertia about the axes, divided by the mass, ``3`` [m^2].
         skew: largest product of inertia over the largest moment; 0 if the axes are the principal ones.
     """
 
@@ -86,7 +86,7 @@ class MeshShape:
 
     @property
     def corners(self) -> FloatArray:
-        """Lower and upper corner ``(2, 3)`` [m] of the smallest box along the body's axes."""
+        """Lower and upper corners ``(2, 3)`` [m] of the bounding box along the body's axes."""
         vertices = self.vertices
         return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 

@@ -1,4 +1,4 @@
-"""Points and segments."""
+"""Distances between points and segments."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -7,7 +7,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 def nearest_on_segment(points: ArrayLike, begin: ArrayLike, end: ArrayLike) -> FloatArray:
-    """Return the points of segments that are nearest to points.
+    """Return the nearest points on segments.
 
     Args:
         points: points [m], shape ``(..., 3)``.

@@ -1,4 +1,4 @@
-"""Shapes of tokens, for physics, pictures and geometric margins. All lengths in metres."""
+"""Shapes of tokens, for physics, pictures and geometric margins. All lengths are in metres."""
 
 from typing import Annotated, Literal
 
@@ -68,7 +68,7 @@ Part = Annotated[CylinderPart | BoxPart | SpherePart, Field(discriminator="kind"
 
 
 def _not_empty(solids: tuple[Part, ...]) -> tuple[Part, ...]:
-    # pydantic's own bound on the length would complain whenever a part is wrong.
+    # pydantic's own bound on the length would also complain if a part is wrong.
     if not solids:
         raise ValueError("a compound needs at least one part")
     return solids
@@ -108,7 +108,7 @@ _CENTRE = (0.0, 0.0, 0.0)
 
 
 def solids_of(shape: Shape) -> tuple[CylinderPart | BoxPart | SpherePart | Hull, ...]:
-    """Return the convex solids of a shape; a shape that is no compound or mesh is its only solid, at the origin."""
+    """Return the convex solids of a shape; a box, cylinder or sphere is its own only solid, at the origin."""
     if isinstance(shape, Compound | MeshShape):
         return shape.parts
     if isinstance(shape, Box):

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 _OUTSIDE = 1e-5
-"""How far outside a triangle another solid is searched for [m]."""
+"""Distance outside a triangle at which another solid covers it [m]."""
 
 
 def hulls_of(shape: Shape) -> list[Hull]:
-    """Return the convex solids of a shape as triangles in its body frame; round solids have many small sides."""
+    """Return the convex solids of a shape as triangles in its body frame; round solids have many small faces."""
     meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in solids_of(shape)]
     return [Hull(mesh.vertices, mesh.triangles) for mesh in meshes]
 
@@ -52,7 +52,7 @@ def outer_surface(shape: Shape) -> "Trimesh":
 
 
 def _uncovered(hull: Hull, others: Sequence[Hull]) -> FloatArray:
-    """Say for each triangle ``(m,)`` whether no other solid is just outside it."""
+    """Return for each triangle ``(m,)`` whether no other solid covers it."""
     corners, normals = _planes(hull)
     outside = corners.mean(axis=1) + normals * _OUTSIDE
     covered = np.zeros(len(outside), dtype=bool)

@@ -1,4 +1,4 @@
-"""Triangle meshes with normals of their own, so that edges look sharp and round sides smooth."""
+"""Triangle meshes with a normal per vertex, so that edges look sharp and round sides smooth."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ _RINGS = 20
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles seen from outside counterclockwise.
+    """Triangles that are counterclockwise seen from outside.
 
     Attributes:
         vertices: ``(n, 3)`` [m].
@@ -59,7 +59,7 @@ def solid(shape: Solid | Hull) -> Mesh:
 
 
 def faceted(hull: Hull) -> Mesh:
-    """Return a surface of flat triangles, each with corners of its own."""
+    """Return a surface of flat triangles that share no corners."""
     corners = hull.vertices[hull.triangles]
     crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals = crossed / np.linalg.norm(crossed, axis=1, keepdims=True)
@@ -97,7 +97,7 @@ def box(half_extents: ArrayLike) -> Mesh:
     corners = np.array([[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
     top = Mesh(corners, np.tile([0.0, 0.0, 1.0], (4, 1)), np.array([[0, 1, 2], [0, 2, 3]]))
     faces = []
-    # Cyclic permutations keep the orientation; so does turning by half a turn about an axis.
+    # Cyclic permutations keep the orientation, and so does half a turn about an axis.
     for order in ([0, 1, 2], [1, 2, 0], [2, 0, 1]):
         for turn in (np.ones(3), np.array([1.0, -1.0, -1.0])):
             faces.append(Mesh((top.vertices * turn)[:, order], (top.normals * turn)[:, order], top.triangles))
@@ -119,10 +119,10 @@ def sphere(radius: float) -> Mesh:
 
 
 def tiles(lower: ArrayLike, upper: ArrayLike, size: float) -> tuple[Mesh, Mesh]:
-    """Return the two colours of a chequered floor at height zero, its lines at multiples of the tile's size.
+    """Return the tiles of either colour of a chequered floor at height zero, with lines at multiples of the size.
 
     Args:
-        lower: corner ``(2,)`` that the floor reaches to at least [m].
+        lower: corner ``(2,)`` that the floor covers [m].
         upper: the opposite corner ``(2,)`` [m].
         size: edge of a tile [m].
     """

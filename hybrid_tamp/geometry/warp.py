@@ -1,8 +1,8 @@
-"""Warp a labelled object's surface onto a new one, and carry points on it along.
+"""Warp the surface of a labelled object onto a new one, together with points on it.
 
 Non-rigid registration by locally affine regularisation (Amberg, Romdhani and Vetter 2007, "Optimal Step Nonrigid ICP
-Algorithms for Surface Registration"), as trimesh has it. The paper's Sec. III-A carries contact points to new objects
-by non-parametric shape warping (Hillenbrand 2010).
+Algorithms for Surface Registration"), in trimesh's implementation. The paper's Sec. III-A transfers contact points to
+new objects by non-parametric shape warping (Hillenbrand 2010).
 """
 
 from dataclasses import dataclass
@@ -26,11 +26,11 @@ _TARGET_EDGES = 30
 
 @dataclass(frozen=True, eq=False)
 class Warp:
-    """One surface before and after.
+    """A surface before and after the warp.
 
     Attributes:
         before: vertices of the labelled surface ``(n, 3)`` [m] in its own body frame.
-        after: the same ones on the new surface, in its body frame.
+        after: the same vertices on the new surface, in its body frame.
         triangles: indices of vertices ``(m, 3)``.
         residual: mean distance of `after` from the new surface [m].
     """
@@ -46,7 +46,7 @@ class Warp:
         return np.array([self._carried(point, corners) for point in np.asarray(points)])
 
     def _carried(self, point: FloatArray, corners: FloatArray) -> FloatArray:
-        """Carry a point with its nearest triangle, by its weights over the corners."""
+        """Return the warped position of a point, by its weights over the corners of its nearest triangle."""
         edges = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=-1)
         inner = np.einsum("mij,mi->mj", np.linalg.pinv(edges).transpose(0, 2, 1), point - corners[:, 0])
         weights = np.clip(np.column_stack([1.0 - inner.sum(axis=1), inner]), 0.0, 1.0)
@@ -60,10 +60,10 @@ def warp(labelled: Shape, new: Shape, rotation: FloatArray) -> Warp:
     """Warp a labelled shape onto a new one.
 
     Args:
-        labelled: the shape whose points are known.
-        new: the shape to which they are carried.
-        rotation: how the labelled shape is turned to begin with, ``(3, 3)``, from its frame to the new one's; it is
-            then stretched to the new one's box, so that the registration has only the form left to find.
+        labelled: the shape with known points.
+        new: the shape onto which the points are transferred.
+        rotation: initial rotation ``(3, 3)`` from the labelled shape's frame to the new one's. The labelled shape is
+            then scaled to the new one's bounding box, so that the registration finds only the form.
     """
     from scipy.spatial import cKDTree
     from trimesh import Trimesh
@@ -83,7 +83,7 @@ def warp(labelled: Shape, new: Shape, rotation: FloatArray) -> Warp:
 
 
 def _cut(surface: "Trimesh", edge: float) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Return vertices and triangles of a surface whose edges are cut until none is longer than `edge` [m]."""
+    """Return the vertices and triangles of a surface after cutting all edges longer than `edge` [m]."""
     from trimesh.remesh import subdivide_to_size
 
     vertices, triangles = subdivide_to_size(surface.vertices, surface.faces, max_edge=edge, max_iter=20)
@@ -91,7 +91,7 @@ def _cut(surface: "Trimesh", edge: float) -> tuple[FloatArray, NDArray[np.intp]]
 
 
 def _subdivided(shape: Shape, edges: int) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Return vertices and triangles of a surface, cut so that no edge is much longer than the others."""
+    """Return the vertices and triangles of a surface, cut so that no edge is much longer than the others."""
     surface = outer_surface(shape)
     size = float(np.ptp(surface.vertices, axis=0).max())
     vertices, triangles = _cut(surface, 1.5 * size / edges)

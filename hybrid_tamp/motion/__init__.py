@@ -1,4 +1,4 @@
-"""The mathematics that policies are made of: poses, profiles and movement primitives, on numpy alone.
+"""The mathematics of policies: poses, profiles and movement primitives, on numpy only.
 
 Conventions
 ===========
@@ -8,16 +8,16 @@ Frames
     otherwise.
 
 Units
-    SI: metre, second, radian, kilogram, newton. Degrees occur nowhere.
+    SI: metre, second, radian, kilogram, newton. Degrees are not used.
 
 Quaternions
     Unit quaternions in the order ``(x, y, z, w)``, as in PyBullet; the identity is ``(0, 0, 0, 1)``. The
     product is Hamilton's: ``quaternion_multiply(a, b)`` turns by ``b`` first, then by ``a``. ``q`` and ``-q``
-    are the same rotation; what returns an angle goes the shortest way.
+    are the same rotation; functions that return an angle take the shortest way.
 
 Names of rotations
     ``target_from_source`` takes the coordinates of a vector in the source frame to its coordinates in the
-    target frame, so that neighbours cancel by eye::
+    target frame, so that neighbouring names cancel::
 
         world_from_hand = quaternion_multiply(world_from_object, object_from_hand)
         grip_in_world = rotate(world_from_object, grip_in_object)
@@ -26,15 +26,14 @@ Names of rotations
 
 Batches
     Batch dimensions lead: a vector is ``(..., 3)``, a quaternion ``(..., 4)``, a scalar quantity ``(...)``,
-    and ``...`` broadcasts between the arguments of a call. A whole population of policies is thus evaluated
-    in one call, and a single one with ``...`` empty. A series in time has time in front of the batch:
-    ``(t, ..., 3)``.
+    and ``...`` broadcasts between the arguments of a call. One call thus evaluates a whole population of
+    policies, or a single one with ``...`` empty. A series in time has time in front of the batch: ``(t, ..., 3)``.
 
 Purity
     No function changes its arguments or keeps a state; the same arguments give the same bits.
 
 Normalised time
-    Profiles and primitives live in normalised time, elapsed time over duration: 0 at the beginning of a
-    movement, 1 at its end. Derivatives in normalised time are divided by the duration once for a velocity
-    and twice for an acceleration.
+    Profiles and primitives use normalised time, elapsed time over duration: 0 at the beginning of a
+    movement, 1 at its end. Divide a first derivative in normalised time by the duration for a velocity, and a
+    second derivative by its square for an acceleration.
 """

@@ -1,7 +1,7 @@
-"""The array type that everything numeric shares."""
+"""The common type of numeric arrays."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
-"""An array of floats; its shape is said where it is used."""
+"""An array of floats; docstrings give its shape."""

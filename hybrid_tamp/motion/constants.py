@@ -1,4 +1,4 @@
 """Constants of nature."""
 
 GRAVITY = 9.81
-"""Acceleration of free fall, down along the world's z axis [m/s^2]."""
+"""Acceleration of free fall, along the world's negative z axis [m/s^2]."""

@@ -1,4 +1,4 @@
-"""What was shown, and the primitive that is learnt from it."""
+"""Demonstrated movements, and the primitive that is learnt from them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,10 +19,10 @@ class ShownMovement:
     """One measured movement from rest to rest.
 
     Attributes:
-        source: what messages call it.
+        source: name of the movement in messages.
         time: times of the samples [s], shape ``(t,)``, increasing.
         positions: positions [m], shape ``(t, n)``.
-        orientations: unit quaternions, shape ``(t, 4)``, or None where only positions were measured.
+        orientations: unit quaternions, shape ``(t, 4)``, or None if only positions were measured.
     """
 
     source: str
@@ -31,18 +31,18 @@ class ShownMovement:
     orientations: FloatArray | None = None
 
     def way(self, moves: str, dimensions: int) -> tuple[FloatArray, float]:
-        """Return what a primitive imitates, and how much one of it is.
+        """Return the samples for a primitive, and their scale.
 
         Args:
             moves: ``position`` or ``orientation``.
-            dimensions: of the primitive: 1 for the travelled share of the path's length or of the angle, else the
-                positions themselves.
+            dimensions: dimensions of the primitive: 1 for the travelled share of the path's length or of the angle;
+                otherwise the samples are the positions.
 
         Returns:
-            The samples ``(t, dimensions)`` and, for a share, the length of the way [m] or its angle [rad]; else 1.
+            The samples ``(t, dimensions)`` and, for a share, the length [m] or angle [rad] of the movement, else 1.
 
         Raises:
-            ValueError: the movement has not got what is asked for; says what is missing.
+            ValueError: the movement lacks the required data; the message says which.
         """
         if dimensions != _SHARE:
             if self.positions.shape[1] != dimensions:
@@ -70,7 +70,7 @@ class ShownMovement:
 
 
 def learnt(movements: Sequence[ShownMovement], moves: str, dimensions: int, n_weights: int) -> tuple[DMP, float]:
-    """Return the primitive that imitates all movements, and how far from them it stays.
+    """Return the primitive that imitates all movements, and its distance from them.
 
     Args:
         movements: one or more.

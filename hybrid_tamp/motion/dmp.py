@@ -1,4 +1,4 @@
-"""Discrete dynamic movement primitives: a spring to the goal, bent on its way by a learnt forcing term.
+"""Discrete dynamic movement primitives: a spring to the goal with a learnt forcing term.
 
 The primitive is that of Ijspeert, Nakanishi and Schaal (NIPS 2003; reviewed in Ijspeert et al. 2013, Neural
 Computation 25:328-373), in the form of Pastor, Hoffmann, Asfour and Schaal and of Hoffmann, Pastor, Park and
@@ -9,8 +9,8 @@ one axis or in all. In normalised time ``p = t / duration``::
     s'  = -alpha_phase s,                                                          s(0) = 1
     f(s) = s sum_i psi_i(s) w_i / sum_i psi_i(s),   psi_i(s) = exp(-widths_i (s - centres_i)^2)
 
-``alpha = 4 beta`` damps the spring critically. f, and with it every weight, is in metres: it displaces the
-point to which the spring pulls.
+``alpha = 4 beta`` damps the spring critically. The forcing term f and the weights are in metres: f displaces
+the point to which the spring pulls.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ from hybrid_tamp.motion.transformation_system import TransformationSystem, settl
 
 @dataclass(frozen=True, eq=False)
 class DMP:
-    """A discrete dynamic movement primitive; the module's docstring has its equations.
+    """A discrete dynamic movement primitive; the docstring of the module has its equations.
 
     Attributes:
         weights: displacements of the attractor [m], shape ``(k, d)`` or, for a population that explores
@@ -36,9 +36,9 @@ class DMP:
         alpha: damping of the spring, per normalised time.
         beta: stiffness over damping, per normalised time; a quarter of ``alpha`` damps critically.
         alpha_phase: decay of the phase s, per normalised time; at 10, s ends at 4.5e-5.
-        soft_start: whether the pull to the goal grows from 0 as s decays (Hoffmann et al. 2009), or begins
-            with a jump of the acceleration by ``alpha beta (goal - start) / duration^2`` (Ijspeert et al.
-            2003). With zero weights only the latter is the plain spring.
+        soft_start: whether the pull to the goal grows from 0 as s decays (Hoffmann et al. 2009). If not, the
+            acceleration jumps at the beginning by ``alpha beta (goal - start) / duration^2`` (Ijspeert et al.
+            2003), and zero weights give the plain spring.
     """
 
     weights: FloatArray
@@ -48,7 +48,7 @@ class DMP:
     soft_start: bool = False
 
     def __post_init__(self) -> None:
-        """Check the fields; what is wrong is a ``ValueError``."""
+        """Raise a ``ValueError`` if a field is wrong."""
         if self.weights.ndim < 2 or 0 in self.weights.shape or not np.all(np.isfinite(self.weights)):
             raise ValueError(f"weights must be finite and of shape (..., k, d), got {self.weights.shape}")
         for name in ("alpha", "beta", "alpha_phase"):
@@ -82,16 +82,16 @@ class DMP:
     ) -> "DMP":
         """Learn the weights from one or more demonstrations that begin and end at rest.
 
-        The weights are the least-squares solution for the positions, as explained in
-        :func:`~hybrid_tamp.motion.imitation.fitted_weights`. Each demonstration brings its own start, goal
-        and duration.
+        The weights are the least-squares solution for the positions, see
+        :func:`~hybrid_tamp.motion.imitation.fitted_weights`. Each demonstration has its own start, goal and
+        duration.
 
         Args:
-            time: times of the samples [s], shape ``(t,)``; or one such array a demonstration.
-            positions: positions [m], shape ``(t, d)``; or one such array a demonstration.
+            time: times of the samples [s], shape ``(t,)``; or one such array per demonstration.
+            positions: positions [m], shape ``(t, d)``; or one such array per demonstration.
             n_weights: number k of basis functions.
-            soft_start: as the attribute; on by default, so that for another goal the shape of the beginning,
-                such as lifting before travelling, is kept better.
+            soft_start: as the attribute; on by default, because it better keeps the shape of the beginning,
+                such as lifting before travelling, for another goal.
 
         Returns:
             The primitive, with the default spring.

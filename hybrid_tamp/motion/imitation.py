@@ -1,4 +1,4 @@
-"""Fit of a movement primitive's weights to demonstrations, by linear least squares on positions."""
+"""Fit the weights of a movement primitive to demonstrations by linear least squares on positions."""
 
 from collections.abc import Iterable, Sequence
 
@@ -20,7 +20,7 @@ _END_EMPHASIS = np.array([[300.0], [30.0]])
 def fitted_weights(system: TransformationSystem, demonstrations: Sequence[Demonstration]) -> FloatArray:
     """Return the weights whose movements are closest to all demonstrations together.
 
-    A movement is linear in the weights, so that the fit is to the positions themselves. The usual fit to the
+    A movement is linear in the weights, so that the positions themselves can be fitted. The usual fit to the
     forcing term (Ijspeert et al. 2013, Sec. 2.1.3) needs the demonstration's acceleration, whose second
     differences amplify the noise of a recording.
 
@@ -33,8 +33,8 @@ def fitted_weights(system: TransformationSystem, demonstrations: Sequence[Demons
     """
     equations = [_equations(system, demonstration) for demonstration in demonstrations]
     design, target = (np.concatenate(rows) for rows in zip(*equations, strict=True))
-    # A basis function acts through s, at its centre. In units of that, the forcing term is asked to be
-    # smooth, so weakly that it shows only where the samples are fewer than the weights.
+    # A basis function acts through s, at its centre. In units of that, a weak penalty keeps the forcing term
+    # smooth; it matters only if there are fewer samples than weights.
     centres = system.centres()
     roughness = _SMOOTHNESS * np.diff(np.eye(system.n_weights), 2, axis=0)
     design = np.concatenate([design / centres, roughness])
@@ -46,7 +46,7 @@ def fitted_weights(system: TransformationSystem, demonstrations: Sequence[Demons
 def _equations(system: TransformationSystem, demonstration: Demonstration) -> tuple[FloatArray, FloatArray]:
     """Return the design matrix ``(n, k)`` and the targets ``(n, d)`` of one demonstration."""
     time, positions = demonstration
-    # It is held at its end for the settling time, so that what is faded out then is as good as at rest.
+    # The final position is held for the settling time, so that the fading there starts nearly at rest.
     n_held = max(2, round(SETTLE * len(time)))
     normalised = np.minimum((time - time[0]) / (time[-1] - time[0]), 1.0)
     normalised = np.append(normalised, 1.0 + SETTLE * np.arange(1, n_held + 1) / n_held)
@@ -54,7 +54,7 @@ def _equations(system: TransformationSystem, demonstration: Demonstration) -> tu
     span = positions[-1] - positions[0]
     responses = system.combined(system.responses_to_inputs(normalised))
     target = held - positions[0] - responses[:, 0, :1] * span
-    # Position and velocity at the very end count for as good as fixed: there is what the hand reaches for.
+    # Large weights nearly fix position and velocity at the end, where the hand reaches its goal.
     at_end = responses[len(time) - 1, :2]
     end_target = (np.array([[1.0], [0.0]]) - at_end[:, :1]) * span
     design = np.concatenate([responses[:, 0, 1:], _END_EMPHASIS * at_end[:, 1:]])
@@ -67,8 +67,8 @@ def checked_demonstrations(
     """Return one or more demonstrations as a list, checked.
 
     Args:
-        time: times [s], shape ``(t,)``; or one such array a demonstration.
-        positions: positions [m], shape ``(t, d)``; or one such array a demonstration.
+        time: times [s], shape ``(t,)``; or one such array per demonstration.
+        positions: positions [m], shape ``(t, d)``; or one such array per demonstration.
 
     Returns:
         The demonstrations.
@@ -91,7 +91,7 @@ def checked_demonstrations(
 
 
 def _checked(time: object, positions: object, number: int) -> Demonstration:
-    """Return one demonstration as arrays, or raise ``ValueError`` with what is wrong in it."""
+    """Return one demonstration as arrays, or raise a ``ValueError`` that says what is wrong."""
     times, samples = np.array(time, dtype=np.float64), np.array(positions, dtype=np.float64)
     where = f"demonstration {number}"
     if times.ndim != 1 or samples.ndim != 2 or len(times) != len(samples) or samples.shape[1] == 0:

@@ -11,13 +11,13 @@ def _clipped(phase: ArrayLike) -> FloatArray:
 
 
 def minimum_jerk(phase: ArrayLike) -> FloatArray:
-    """Return the travelled part of the way, ``10 p^3 - 15 p^4 + 6 p^5`` (Flash and Hogan 1985).
+    """Return the travelled share of the way, ``10 p^3 - 15 p^4 + 6 p^5`` (Flash and Hogan 1985).
 
     Args:
         phase: elapsed time over duration, shape ``(...)``; clipped to [0, 1].
 
     Returns:
-        Part of the way, from 0 to 1, shape ``(...)``.
+        Share of the way, from 0 to 1, shape ``(...)``.
     """
     p = _clipped(phase)
     return np.asarray(p**3 * (10.0 + p * (6.0 * p - 15.0)))

@@ -1,4 +1,4 @@
-"""Sums of products of components, such as products of quaternions, in few calls for a whole batch."""
+"""Batched sums of products of components, such as products of quaternions, in few calls of numpy."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +9,10 @@ IntArray = NDArray[np.intp]
 
 
 def sums(*rows: dict[tuple[int, int], float]) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return what makes sums of products of components: which of either factor, and with which weights, a column a sum.
+    """Return the table for `products`: the component of either factor in each product, and weights, a column per sum.
 
     Args:
-        rows: of each sum, (component of one factor, component of the other) to its weight.
+        rows: for each sum, (component of one factor, component of the other) to the weight of their product.
     """
     pairs = sorted({pair for row in rows for pair in row})
     weights = np.array([[row.get(pair, 0.0) for row in rows] for pair in pairs])
@@ -36,12 +36,12 @@ TURN = sums(
     {(1, 2): 2.0, (0, 3): 2.0},
     {(0, 0): -2.0, (1, 1): -2.0},
 )
-"""The matrix of a rotation, row by row, less the identity, from the quaternion twice."""
+"""The matrix of a rotation minus the identity, row by row, from products of the quaternion with itself."""
 EACH_ROW, ROW_SUMS = np.tile(np.arange(3), 3), np.kron(np.eye(3), np.ones((3, 1)))
-"""What multiplies it by a vector: the components of the vector at each element, and the sum of each row."""
+"""Multiplication of that matrix by a vector: the vector's component at each element, and the sum of each row."""
 
 
 def products(a: FloatArray, b: FloatArray, table: tuple[IntArray, IntArray, FloatArray]) -> FloatArray:
-    """Return sums of products of components: one multiplication and one matrix product for a whole batch."""
+    """Return sums of products of components, by one multiplication and one matrix product for a whole batch."""
     one, other, weights = table
     return np.asarray((a.take(one, -1) * b.take(other, -1)) @ weights)

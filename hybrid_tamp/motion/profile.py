@@ -1,6 +1,6 @@
-"""A profile: how a movement along a given way, or about a given axis, goes from its beginning to its end.
+"""A profile: the progress of a movement along a given path or about a given axis.
 
-It is the movement of a primitive in one dimension from 0 to 1, evaluated once and read by interpolation.
+It is the movement of a one-dimensional primitive from 0 to 1, evaluated once and read by interpolation.
 """
 
 from dataclasses import dataclass
@@ -19,19 +19,19 @@ class Profile:
     """The travelled share of the way over normalised time, from rest to rest.
 
     Attributes:
-        primitive: a primitive in one dimension, whose movement from 0 to 1 it is; weights of shape ``(k, 1)``.
+        primitive: a one-dimensional primitive, which moves from 0 to 1; weights of shape ``(k, 1)``.
     """
 
     primitive: DMP
 
     def __post_init__(self) -> None:
-        """Check the primitive; another shape of its weights is a ``ValueError``."""
+        """Raise a ``ValueError`` if the primitive's weights have another shape."""
         if self.primitive.weights.ndim != 2 or self.primitive.weights.shape[1] != 1:
             raise ValueError(f"a profile needs weights of shape (k, 1), got {self.primitive.weights.shape}")
 
     @cached_property
     def trajectory(self) -> Trajectory:
-        """The movement in normalised time; from its end on, the settling included, the share is 1."""
+        """The movement in normalised time; after its end, settling included, the share is 1."""
         return self.primitive.trajectory([0.0], [1.0], 1.0)
 
     @cached_property
@@ -48,7 +48,7 @@ class Profile:
         Args:
             phase: elapsed time over duration, shape ``(...)``; settling ends a little after 1.
         """
-        # One table serves a whole batch, so that this is ten times as fast as `Trajectory.at`.
+        # One table for a whole batch makes this ten times as fast as `Trajectory.at`.
         time, share, _ = self._table
         return np.asarray(np.interp(np.asarray(phase, dtype=np.float64), time, share))
 
@@ -62,17 +62,17 @@ class Profile:
         return np.asarray(np.interp(np.asarray(phase, dtype=np.float64), time, rate, left=0.0))
 
     def arrival(self, amount: ArrayLike, duration: ArrayLike, near: float, slow: float) -> FloatArray:
-        """Return when a movement is, for good, as near to its end and as slow as exit conditions ask, ``(...)`` [s].
+        """Return the time from which a movement stays near its end and slow, as exit conditions require, ``(...)`` [s].
 
         Args:
-            amount: how far it goes, ``(...)`` [m or rad].
-            duration: how long it takes without settling, ``(...)`` [s].
+            amount: length of the movement, ``(...)`` [m or rad].
+            duration: duration without settling, ``(...)`` [s].
             near: largest distance from the end [m or rad].
             slow: largest speed [m/s or rad/s].
         """
         phase, share, rate = self._table
         far, time = np.abs(np.asarray(amount))[..., None], np.asarray(duration)[..., None]
         not_yet = (far * np.abs(1.0 - share) > near) | (far * np.abs(rate) / time > slow)
-        # It is from the sample after the last one where it is not yet.
+        # The sample after the last one that is too far or too fast.
         after = np.minimum(np.max(np.where(not_yet, np.arange(1, len(phase) + 1), 0), axis=-1), len(phase) - 1)
         return np.asarray(phase[after] * duration)

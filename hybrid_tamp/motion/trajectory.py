@@ -1,4 +1,4 @@
-"""A movement sampled in normalised time, from which a policy reads its reference."""
+"""A movement sampled in normalised time, the reference of a policy."""
 
 from dataclasses import dataclass
 
@@ -27,7 +27,7 @@ class Trajectory:
 
     @property
     def end(self) -> FloatArray:
-        """Time from which the goal is held, the settling included [s], shape ``(...)``."""
+        """Time from which the goal is held, settling included [s], shape ``(...)``."""
         return np.asarray(self.duration * (self.spacing * (len(self.samples) - 1)))
 
     def at(self, elapsed: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -37,8 +37,8 @@ class Trajectory:
             elapsed: time since the beginning [s], shape ``(...)``; before 0 it counts as 0.
 
         Returns:
-            Position [m], velocity [m/s] and acceleration [m/s^2], each of broadcast shape ``(..., d)``. From
-            :attr:`end` on they are the goal, 0 and 0.
+            Position [m], velocity [m/s] and acceleration [m/s^2], each of broadcast shape ``(..., d)``; from
+            :attr:`end` on, the goal, 0 and 0.
         """
         batch = self.samples.shape[1:-2]
         now = np.asarray(elapsed, dtype=np.float64) / (self.duration * self.spacing)
@@ -46,7 +46,7 @@ class Trajectory:
         last = len(self.samples) - 1
         place = np.clip(now, 0.0, last)
         below = np.minimum(place.astype(np.intp), last - 1)
-        # An open grid over the batch makes each member look into its own samples.
+        # An open grid over the batch lets each member read its own samples.
         members = np.indices(batch, sparse=True)
         at_lower, at_upper = (below, *members), (below + 1, *members)
         lower, upper = self.samples[at_lower], self.samples[at_upper]

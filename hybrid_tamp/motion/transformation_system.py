@@ -1,8 +1,8 @@
 """The transformation system of a movement primitive, a damped spring, and its response to the basis.
 
-The spring is linear, and so is the movement in start, goal and weights: it is a sum of the spring's
-responses to a few inputs. These are integrated once per grid and cached; the rollout of a whole batch is then
-one matrix product. The equations are in :mod:`hybrid_tamp.motion.dmp`.
+The spring is linear, so the movement is linear in start, goal and weights: it is a sum of the spring's
+responses to a few inputs. The responses are integrated once per grid and cached; the rollout of a whole batch
+is then one matrix product. The equations are in :mod:`hybrid_tamp.motion.dmp`.
 """
 
 from functools import lru_cache
@@ -39,7 +39,7 @@ class TransformationSystem(NamedTuple):
 
     def widths(self) -> FloatArray:
         """Return the factors of ``(s - centre)^2`` in the basis functions' exponents, shape ``(k,)``."""
-        # One centre away from its own, a basis function has fallen to 1 / e.
+        # At the neighbouring centre, a basis function has fallen to 1 / e.
         gaps = -np.diff(self.centres()) if self.n_weights > 1 else np.ones(1)
         return np.asarray(np.append(gaps, gaps[-1])[: self.n_weights] ** -2.0)
 
@@ -54,13 +54,13 @@ class TransformationSystem(NamedTuple):
         """
         s = np.exp(-self.alpha_phase * times)[..., None]
         exponents = -self.widths() * (s - self.centres()) ** 2
-        # Relative to the largest, so that the sum is not 0 where s has left all centres behind.
+        # Relative to the largest, so that the sum is not 0 when s has passed all centres.
         psi = np.exp(exponents - np.max(exponents, axis=-1, keepdims=True))
         psi *= s / np.sum(psi, axis=-1, keepdims=True)
         return np.concatenate([np.ones_like(s), s, psi], axis=-1)
 
     def transition(self, steps: FloatArray) -> FloatArray:
-        """Return the matrices that take ``(y, y')`` over steps without input, the spring's exponential.
+        """Return the matrices that advance ``(y, y')`` by steps without input, the spring's matrix exponential.
 
         Args:
             steps: normalised times, shape ``(...)``.
@@ -69,8 +69,8 @@ class TransformationSystem(NamedTuple):
             Transition matrices, shape ``(..., 2, 2)``.
         """
         stiffness = self.alpha * self.beta
-        # With the mean decay split off, the square of the rest is a multiple of the identity, so that its
-        # exponential is cosh and sinh of a root that is 0 for critical and imaginary for weak damping.
+        # Without the mean decay, the square of the matrix is a multiple of the identity. Its exponential is then
+        # cosh and sinh of a root that is 0 for critical and imaginary for weak damping.
         rest = np.array([[0.5 * self.alpha, 1.0], [-stiffness, -0.5 * self.alpha]])
         root = np.sqrt(complex(0.25 * self.alpha**2 - stiffness))
         even = np.cosh(root * steps).real
@@ -79,7 +79,7 @@ class TransformationSystem(NamedTuple):
         return np.asarray((decay * even)[..., None, None] * np.eye(2) + (decay * odd)[..., None, None] * rest)
 
     def driven(self, begins: FloatArray, steps: FloatArray) -> FloatArray:
-        """Return what the inputs make of a spring at rest within short steps.
+        """Return the states of a spring after short steps from rest under each input.
 
         Args:
             begins: normalised times at which the steps begin, shape ``(n,)``.
@@ -104,8 +104,8 @@ class TransformationSystem(NamedTuple):
         Returns:
             Values and first and second derivatives, shape ``(t, 3, 2 + k)``.
         """
-        # The nodes are close against basis functions and time constants and do not depend on the times asked
-        # for, each of which is one more step from the node before it: thus all grids agree.
+        # The nodes are dense compared with the basis functions and time constants and do not depend on `times`.
+        # Each time is one more step from the node before it, so that all grids agree.
         density = max(8 * self.n_weights, ceil(4.0 * max(self.alpha, self.beta, self.alpha_phase)))
         nodes = np.arange(ceil(density * np.max(times)) + 1) / density
         steps = np.full(len(nodes), 1.0 / density)
@@ -121,7 +121,7 @@ class TransformationSystem(NamedTuple):
         return np.concatenate([states, accelerations[:, None]], axis=1)
 
     def combined(self, responses: FloatArray) -> FloatArray:
-        """Return the responses to goal - start and to the weights from those to the inputs.
+        """Return the responses to ``goal - start`` and to the weights, given the responses to the inputs.
 
         Args:
             responses: responses to the inputs 1, s and ``s psi_i / sum psi``, shape ``(..., 2 + k)``.
@@ -135,12 +135,12 @@ class TransformationSystem(NamedTuple):
 
 @lru_cache(maxsize=16)
 def settling_responses(system: TransformationSystem, n_steps: int, n_settle: int) -> FloatArray:
-    """Return the responses on a uniform grid that goes on beyond the end, where they settle.
+    """Return the responses on a uniform grid that continues beyond the end, where they settle.
 
-    How the goal is reached: after the duration the spring goes on for the settling time, and what the inputs
-    that decay with s still displace is faded out by a minimum-jerk profile, so that the movement ends on the
-    goal whatever the weights. The response to the goal itself stays the spring's own; with the default
-    constants it is ``(1 + 12.5 p) exp(-12.5 p)`` from its limit, 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
+    After the duration the spring continues for the settling time. A minimum-jerk profile fades out the remaining
+    displacement by the inputs that decay with s, so that the movement ends on the goal for all weights. The
+    response to the goal itself is not faded; with the default constants its distance from the limit is
+    ``(1 + 12.5 p) exp(-12.5 p)``, 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
 
     Args:
         system: the spring and its inputs.

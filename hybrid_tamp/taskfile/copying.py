@@ -1,23 +1,29 @@
-"""A task file for another folder: its text, with the files that it names beside it."""
+"""Copy a task's file to another folder, with the files that it names, and teach its blocks more primitives."""
 
+import logging
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.taskfile.loader import load_task
+from hybrid_tamp.taskfile.loader import FindDomain, load_task
 from hybrid_tamp.taskfile.meshfile import MOST_BYTES
+from hybrid_tamp.taskfile.primitives import PrimitiveFile
 from hybrid_tamp.taskfile.saving import differences, task_text
 from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 
+_logger = logging.getLogger(__name__)
+
 
 def portable(task: Task) -> tuple[str, dict[str, str]]:
-    """Return the text of a task's file as it may stand in another folder, and the files that go beside it.
+    """Return the text of a task's file for another folder, and the files that go beside it.
 
-    The text of the file that the task came from stays as it is, letter for letter, but for the names of those files.
-    If there is no such file, or it describes another scene or goal by now, the text is made from the task.
+    The text is that of the file that the task came from, with new names of those files only. If there is no such file,
+    or it now describes another scene or goal, the text is made from the task.
 
     Returns:
-        The text, and name to text of the primitive and mesh files that it names.
+        The text, and name to content of the primitive and mesh files that it names.
 
     Raises:
         InputError: a file cannot be read.
@@ -60,3 +66,38 @@ def _with_files(path: Path) -> tuple[str, dict[str, str]]:
     for first, last, name in sorted(places, reverse=True):
         text = text[:first] + name + text[last:]
     return text, files
+
+
+def teach_task(task: Task, primitives: Mapping[str, PrimitiveFile], folder: Path, find_domain: FindDomain) -> Task:
+    """Return the task with further motor primitives, also in its file, unless the task has primitives already.
+
+    Args:
+        task: the task.
+        primitives: block to the primitive that it is taught.
+        folder: folder of the new task file and the files that it names.
+        find_domain: finds the domain by the name in the file.
+
+    Raises:
+        InputError: a file cannot be read or written.
+    """
+    if not primitives:
+        return task
+    if task.primitives:
+        _logger.warning("the task %s names primitives itself: nothing is taught", task.name)
+        return task
+    names = {name: f"primitive-{number:02d}.json" for number, name in enumerate(primitives, start=1)}
+    for name, primitive in primitives.items():
+        (folder / names[name]).write_text(primitive.text, encoding="utf-8")
+    if task.source is None:
+        blocks = [task.domain.block_by_name[name] for name in primitives]
+        taught = [block.taught(primitives[block.name].primitive) for block in blocks if block.taught is not None]
+        files = {name: folder / file for name, file in names.items()}
+        return task.replaced(domain=task.domain.with_blocks(taught), primitives=files)
+    text, files_beside = portable(task)
+    for name, content in files_beside.items():
+        (folder / name).write_text(content, encoding="utf-8")
+    lines = [f'  "{name}": {file}\n' for name, file in names.items()]
+    path = folder / task.source.name
+    path.write_text("".join([text.rstrip("\n"), "\n\nprimitives:\n", *lines]), encoding="utf-8")
+    loaded = load_task(path, find_domain)
+    return replace(task, domain=loaded.domain, primitives=loaded.primitives, source=path)

@@ -1,11 +1,11 @@
-"""Demonstrations as files: a table of time and position, or of time and pose, with every fault at its place.
+"""Read a demonstration: a table of time and position, or of time and pose.
 
 ::
 
     time [s], x [m], y [m], z [m]
     0.00, 0.250, -0.450, 0.300
 
-The first line names the columns; units may follow in brackets. Poses have the columns qx, qy, qz, qw as well.
+The first line names the columns; units may follow in brackets. Poses also have the columns qx, qy, qz, qw.
 """
 
 import re
@@ -46,11 +46,11 @@ def read_demonstration(path: Path | str) -> ShownMovement:
 
 
 def _check_header(cells: list[Cell], faults: Faults) -> int:
-    """Return the number of columns; raise the faults if they are not those of a demonstration."""
+    """Return the number of columns, or raise the faults if the columns are not those of a demonstration."""
     found = [_NAME.match(cell.text.casefold()) for cell in cells]
     names = tuple(match.group(1) if match else "" for match in found)
     if names not in (_POSITION, _POSE):
-        wanted = f"the first line names the columns {', '.join(_POSITION)}; of poses, {', '.join(_POSE[4:])} as well"
+        wanted = f"the first line must name the columns {', '.join(_POSITION)}; for poses also {', '.join(_POSE[4:])}"
         faults.add(Mark(), wanted, shown(",".join(cell.text for cell in cells)) if cells else "an empty file")
         faults.raise_all()
     return len(names)

@@ -28,10 +28,10 @@ def available_domains() -> tuple[str, ...]:
 
 
 def installed_domain(name: str) -> Domain:
-    """Return an installed domain by its name. No name starts code other than that of installed domains.
+    """Return an installed domain by its name. This runs no code but that of installed domains.
 
     Raises:
-        InputError: there is none of this name, or its module does not load.
+        InputError: no domain has this name, or its module does not load.
     """
     entry = _entry(name)
     if entry is not None:
@@ -46,18 +46,18 @@ def installed_domain(name: str) -> Domain:
 
 
 def find_domain(name_or_path: str) -> Domain:
-    """Return a domain by the name of an installed one, as ``package.module:ATTRIBUTE`` or by the path of its file.
+    """Return a domain by its installed name, as ``package.module:ATTRIBUTE`` or by the path of its file.
 
-    A file is imported once, by its resolved path, and has the domain in its attribute ``DOMAIN``. Modules and files
-    are code that runs: pass only names that you trust, never those of somebody else's task file.
+    A file is imported once, by its resolved path; its attribute ``DOMAIN`` is the domain. Modules and files are code
+    that runs: pass only names that you trust, never names from somebody else's task file.
 
     Raises:
-        InputError: nothing of this name is there, or its module does not load.
+        InputError: nothing has this name, or its module does not load.
     """
     if _entry(name_or_path) is not None:
         return installed_domain(name_or_path)
     if name_or_path.endswith(".py"):
-        # os.path, because impossible names are simply not there for it.
+        # os.path returns False for impossible names; Path raises.
         if not os.path.isfile(name_or_path):
             raise InputError([Issue("", "the path of a domain's file", f"{shown(name_or_path)}, which is not there")])
         path = Path(name_or_path).resolve()
@@ -74,7 +74,7 @@ def _entry(name: str) -> EntryPoint | None:
 
 
 def _loaded(load: Callable[[], Any], source: str) -> Any:
-    """Import a domain's code; whatever it raises is reported as a fault of that code."""
+    """Import a domain's code; report whatever it raises as a fault of that code."""
     try:
         return load()
     except InputError as error:
@@ -86,7 +86,7 @@ def _loaded(load: Callable[[], Any], source: str) -> Any:
 
 
 def _line_of(error: BaseException, source: str) -> str:
-    """Return where in the source an error came from, if its traceback says so."""
+    """Return the line of the source at which an error arose, if its traceback has it."""
     if isinstance(error, SyntaxError) and error.filename == source:
         return f"{source}:{error.lineno}:{error.offset or 1}"
     line, trace = 0, error.__traceback__
@@ -109,7 +109,7 @@ def _domain(found: Any, source: str, attribute: str | None = None) -> Domain:
 
 
 def _import_file(path: Path) -> ModuleType:
-    """Import a file once: the same file gives the same module, even if an installed package contains it."""
+    """Import a file once: the same file gives the same module, even if it is part of an installed package."""
     known = _module_of(path)
     if known is not None:
         return import_module(known)
@@ -122,7 +122,7 @@ def _import_file(path: Path) -> ModuleType:
     try:
         spec.loader.exec_module(module)
     except BaseException:
-        # A half-made module must not be found the next time.
+        # The next call must not find an incomplete module.
         del sys.modules[name]
         raise
     return module
@@ -134,12 +134,12 @@ def _module_of(path: Path) -> str | None:
         try:
             spec = find_spec(entry.module)
         except ImportError:
-            # Another package's entry point is broken; that is no fault of this file.
+            # The entry point of another package is broken, which is no fault of this file.
             continue
         if spec is not None and spec.origin is not None and Path(spec.origin).resolve() == path:
             return entry.module
     for name, module in list(sys.modules.items()):
-        # Through vars, because asking some modules for an attribute imports more of them.
+        # vars, because attribute access makes some modules import others.
         file = vars(module).get("__file__") if isinstance(module, ModuleType) else None
         if name != "__main__" and isinstance(file, str) and file.endswith(path.name) and Path(file).resolve() == path:
             return name
@@ -147,20 +147,20 @@ def _module_of(path: Path) -> str | None:
 
 
 def bundled_tasks() -> tuple[str, ...]:
-    """Return the names of the bundled task files without their ending, sorted; none if they are not installed."""
+    """Return the sorted names of the bundled task files without their ending; none if they are not installed."""
     if find_spec(PROBLEMS) is None:
         return ()
     return tuple(sorted(file.name[:-5] for file in files(PROBLEMS).iterdir() if file.name.endswith(".yaml")))
 
 
 def find_task_file(text: str) -> Path:
-    """Return the path of a task file: an existing file, or else a bundled one by name.
+    """Return the path of a task file: that of an existing file, or of a bundled one by its name.
 
     Args:
         text: a path, or e.g. ``roll_cylinder``, ``roll_cylinder.yaml`` or ``problems/roll_cylinder.yaml``.
 
     Raises:
-        InputError: there is neither; the message lists the bundled names.
+        InputError: neither exists; the message lists the bundled names.
     """
     if os.path.isfile(text):
         return Path(text)
@@ -168,7 +168,7 @@ def find_task_file(text: str) -> Path:
     if str(Path(text).parent) in (".", "problems") and name in bundled:
         return Path(str(files(PROBLEMS).joinpath(f"{name}.yaml")))
     if os.path.exists(text):
-        # A folder, say: reading it tells what it is.
+        # For example a folder: reading it raises a better message.
         return Path(text)
     wanted = "no task file of this path, and no bundled task of this name"
     raise InputError([Issue("", wanted, shown(text), bundled)])

@@ -1,6 +1,6 @@
 """The form of a task file: every key with its type, unit, bounds and description, as pydantic models.
 
-Everything else that speaks of the form is made from these models: the checks, the JSON Schema and the reference page.
+The checks, the JSON Schema and the reference page are all derived from these models.
 """
 
 import math
@@ -14,10 +14,8 @@ from hybrid_tamp.model.task import DEFAULT_PLANNER, Limits, MidLevel
 
 Text = Annotated[str, Strict(), Field(min_length=1)]
 Whole = Annotated[int, Strict()]
-Coordinate = Annotated[Number, Field(ge=-1000, le=1000)]
-"""Bounded, so that its square cannot overflow."""
-Angle = Annotated[Number, Field(ge=-1000, le=1000)]
-Component = Annotated[Number, Field(ge=-1000, le=1000)]
+Bounded = Annotated[Number, Field(ge=-1000, le=1000)]
+"""A coordinate, angle or component, bounded so that its square cannot overflow."""
 
 
 def _has_length(quaternion: tuple[float, ...]) -> tuple[float, ...]:
@@ -26,7 +24,7 @@ def _has_length(quaternion: tuple[float, ...]) -> tuple[float, ...]:
     return quaternion
 
 
-Quaternion = Annotated[tuple[Component, Component, Component, Component], AfterValidator(_has_length)]
+Quaternion = Annotated[tuple[Bounded, Bounded, Bounded, Bounded], AfterValidator(_has_length)]
 
 
 class _Entry(BaseModel):
@@ -36,8 +34,8 @@ class _Entry(BaseModel):
 class Pose(_Entry):
     """Where a token is at the beginning, in the world."""
 
-    position: tuple[Coordinate, Coordinate, Coordinate] = quantity("m", "of the body frame's origin: x, y, z")
-    rpy: tuple[Angle, Angle, Angle] | None = quantity(
+    position: tuple[Bounded, Bounded, Bounded] = quantity("m", "of the body frame's origin: x, y, z")
+    rpy: tuple[Bounded, Bounded, Bounded] | None = quantity(
         "rad", "roll, pitch and yaw about the world's fixed axes x, y, z in this order", default=None
     )
     quaternion: Quaternion | None = quantity("1", "rotation as x, y, z, w instead of rpy; is normalised", default=None)
@@ -95,7 +93,7 @@ NumberOrRange = Annotated[
     Annotated[Number, Tag(float.__name__)] | Annotated[RangeEntry, Tag(RangeEntry.__name__)],
     Discriminator(_form_of_range),
 ]
-"""The tags are the names of the types; `wording` finds the type of a value by them."""
+"""The tags are the names of the types, by which `wording` finds the type of a value."""
 
 
 class MidLevelEntry(_Entry):

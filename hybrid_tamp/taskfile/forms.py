@@ -1,4 +1,4 @@
-"""Pydantic models as JSON Schema, and JSON Schema in words; `schema` and `reference` use both."""
+"""Turn pydantic models into JSON Schema, and JSON Schema into words, for `schema` and `reference`."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,9 +13,9 @@ class Form:
     """The keys of a model.
 
     Attributes:
-        keys: key to its JSON Schema, units in the descriptions.
+        keys: key to its JSON Schema; the descriptions contain the units.
         required: keys without a default, in order.
-        definitions: what the schemas refer to, by name.
+        definitions: name to each schema that the keys refer to.
     """
 
     keys: dict[str, JsonObject]
@@ -28,7 +28,7 @@ def form_of(model: type[BaseModel], prefix: str = "") -> Form:
 
     Args:
         model: a pydantic model, e.g. an object class.
-        prefix: what the names of its definitions begin with, so that those of many models have room in one schema.
+        prefix: of the names of its definitions, so that one schema can hold the definitions of many models.
     """
     schema = model.model_json_schema(ref_template=f"#/$defs/{prefix}{{model}}")
     definitions = {f"{prefix}{name}": one for name, one in schema.pop("$defs", {}).items()}
@@ -40,7 +40,7 @@ def form_of(model: type[BaseModel], prefix: str = "") -> Form:
 
 
 def _with_units(schema: Any) -> Any:
-    """Return a copy in which every description ends with the unit, because editors show descriptions only."""
+    """Return a copy in which every description ends with the unit, because editors show only descriptions."""
     if isinstance(schema, list):
         return [_with_units(item) for item in schema]
     if not isinstance(schema, dict):
@@ -92,5 +92,5 @@ def bounds_in_words(schema: JsonObject) -> str:
 
 
 def number_in_words(value: float) -> str:
-    """Return a number as text, without a fraction of zero."""
+    """Return a number as text; whole numbers have no decimal point."""
     return str(int(value)) if float(value).is_integer() else f"{value:g}"

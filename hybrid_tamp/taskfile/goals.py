@@ -1,4 +1,4 @@
-"""The goal of a task file: atoms, their arguments' types, and whether they can hold together."""
+"""Read the goal of a task file: check the atoms, the types of their arguments and that they can hold together."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ _FORM = "an atom of the goal is 'predicate: [tokens]'"
 
 
 def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> tuple[Atom, ...]:
-    """Read the goal's atoms, note their faults and return the sound ones, each once."""
+    """Read the goal's atoms, record their faults and return the sound atoms, each once."""
     items = data.get("goal")
     if not isinstance(items, list):
         return ()
@@ -35,7 +35,6 @@ def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene
 def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[Atom, KeyPath] | None:
     """Return the atom and the path of its arguments, or None if the item is no atom."""
     if isinstance(item, dict) and "not" in item:
-        # Plans are judged by what their blocks bring about.
         remedy = "say what is to hold instead, or leave it out"
         faults.at((*path, "not"), "a goal says what holds at the end", "'not'", remedy=remedy, key=True)
         return None
@@ -61,7 +60,7 @@ def _predicate(atom: Atom, path: KeyPath, faults: Faults, domain: Domain | None)
     predicate = domain.predicate_by_name.get(atom.predicate)
     if predicate is None:
         wanted = f"unknown predicate in the domain {domain.name}"
-        # The key alone is at fault: its arguments are still checked.
+        # Only the key is at fault: the arguments are still checked.
         faults.at(path, wanted, shown(atom.predicate), sorted(domain.predicate_by_name), key=True, sound=True)
     elif len(atom.arguments) != len(predicate.parameters):
         wanted = f"{predicate.name} takes {_signature(predicate)}"
@@ -75,7 +74,7 @@ def _signature(predicate: Predicate) -> str:
 
 
 def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Note arguments that name no token, or a token of a class that the predicate does not take."""
+    """Record arguments that name no token, or a token of a class that the predicate does not accept."""
     typed = predicate is not None and len(predicate.parameters) == len(atom.arguments)
     parameters = predicate.parameters if predicate is not None and typed else [None] * len(atom.arguments)
     for index, (argument, parameter) in enumerate(zip(atom.arguments, parameters, strict=True)):
@@ -87,7 +86,7 @@ def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, fau
                 wanted = f"{parameter.name} of {atom.predicate} must be a {parameter.sort.name}"
                 faults.at(here, wanted, shown(argument), parameter.sort.symbols)
         elif scene.names is not None and argument not in scene.names:
-            # Without a predicate the argument might be a symbol.
+            # If the predicate is unknown, the argument might be a symbol.
             if predicate is not None:
                 faults.at(here, "the goal is about a token that is not there", shown(argument), scene.names)
         elif parameter is not None and argument in scene.outlines:
@@ -115,7 +114,7 @@ def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) ->
 
 def _check_class(argument: str, atom: Atom, parameter: Parameter, path: KeyPath, faults: Faults, scene: Scene) -> None:
     sort, outline = parameter.sort, scene.outlines[argument]
-    # Whether a token that is unknown in the class is a member, a probe finds out; until then there is no plan.
+    # A probe finds out whether an unknown token is a member; until then there is no plan.
     if isinstance(sort, SymbolSort) or outline.is_member(sort) or outline.may_be_member(sort):
         return
     members = ", ".join(member.name for member in outline.classes)
@@ -143,7 +142,7 @@ def _check_company(
         faults.at(
             path,
             wanted,
-            f"{plain(str(other))} and {plain(str(atom))}{faults.on_line(atoms[other], 'the first')}",
+            f"{plain(other.text)} and {plain(atom.text)}{faults.on_line(atoms[other], 'the first')}",
             remedy="remove one",
         )
 

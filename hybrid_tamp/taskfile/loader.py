@@ -6,7 +6,6 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Limits, MidLevel, Range, Task
@@ -15,13 +14,13 @@ from hybrid_tamp.taskfile.entries import MidLevelEntry, RangeEntry, TaskFile
 from hybrid_tamp.taskfile.goals import read_goal
 from hybrid_tamp.taskfile.midlevel import check_bindings, read_midlevel
 from hybrid_tamp.taskfile.names import check_printable
-from hybrid_tamp.taskfile.places import Faults, KeyPath
+from hybrid_tamp.taskfile.places import Faults
 from hybrid_tamp.taskfile.primitives import teach
 from hybrid_tamp.taskfile.roles import read_agents, read_assignment
 from hybrid_tamp.taskfile.starts import check_starts
 from hybrid_tamp.taskfile.tokens import read_scene
 from hybrid_tamp.taskfile.wording import add_validation_faults
-from hybrid_tamp.taskfile.yaml.nodes import check_size, parse, read_text
+from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 
 FindDomain = Callable[[str], Domain]
 """Name to domain; raises InputError for a name that it does not know."""
@@ -34,13 +33,13 @@ def load_task(
     find_domain: FindDomain = installed_domain,
     check_planner: CheckPlanner | None = None,
 ) -> Task:
-    """Load a task file, or return the task that is given: every verb takes its task through this function.
+    """Load a task file, or return the given task; every verb takes its task through this function.
 
     Args:
         source: a task, the path of a YAML file, or a text: a path or the name of a bundled task.
-        find_domain: how the domain is found that the file names. The default knows installed domains only, so that
-            no file can run code; `domains.find_domain` also takes modules and paths.
-        check_planner: how the planner that the file names is checked, or None to leave that to whoever plans.
+        find_domain: finds the domain by the name in the file. The default knows installed domains only, so that no
+            file can run code; `domains.find_domain` also takes modules and paths.
+        check_planner: checks the name of the planner in the file, or None to leave that check to planning.
 
     Raises:
         InputError: everything that is wrong with the file, each fault with its line and column, in order.
@@ -48,41 +47,9 @@ def load_task(
     if isinstance(source, Task):
         return source
     path = source if isinstance(source, Path) else find_task_file(source)
-    return _load(read_text(path), str(path), path.stem, path, find_domain, check_planner)
-
-
-def load_task_text(
-    text: str,
-    name: str,
-    find_domain: FindDomain = installed_domain,
-    check_planner: CheckPlanner | None = None,
-) -> Task:
-    """Load a task from the text of its file.
-
-    Args:
-        text: YAML.
-        name: what messages call the text, and the task's name if the text does not say.
-        find_domain: as in `load_task`.
-        check_planner: as in `load_task`.
-
-    Raises:
-        InputError: as in `load_task`.
-    """
-    return _load(text, name, name, None, find_domain, check_planner)
-
-
-def _load(
-    text: str,
-    source: str,
-    name: str,
-    path: Path | None,
-    find_domain: FindDomain,
-    check_planner: CheckPlanner | None,
-) -> Task:
-    check_size(len(text.encode("utf-8", "surrogatepass")), source)
-    document = parse(text, source)
-    folder = path.parent if path else Path()
-    return read_task(document.data, document.faults, name, folder, find_domain, check_planner).replaced(source=path)
+    document = parse(read_text(path), str(path))
+    task = read_task(document.data, document.faults, path.stem, path.parent, find_domain, check_planner)
+    return task.replaced(source=path)
 
 
 def read_task(
@@ -97,9 +64,9 @@ def read_task(
 
     Args:
         data: keys to lists, mappings, texts and numbers, as a task file has them.
-        faults: the places of its parts, and the faults found so far.
+        faults: the places of the values, and the faults found so far.
         name: the task's name if the data do not say.
-        folder: what the paths in it are relative to.
+        folder: relative paths in the data start here.
         find_domain: as in `load_task`.
         check_planner: as in `load_task`.
 
@@ -133,7 +100,9 @@ def read_task(
         primitives={key: (folder / named).absolute() for key, named in file.primitives.items()},
     )
     check_bindings(task, data, faults)
-    _check_choices(task, faults)
+    with faults.collecting(("goal",)):
+        # It raises if the goal leaves too many alternatives, or none.
+        task.alternatives()
     faults.raise_if_any()
     return task
 
@@ -157,36 +126,13 @@ def _check_form(data: dict[str, Any], faults: Faults) -> TaskFile | None:
 
 
 def _find(data: dict[str, Any], faults: Faults, find_domain: FindDomain) -> Domain | None:
-    path = ("domain",)
-    if "domain" not in data or not faults.sound(path):
-        return None
-    try:
-        return find_domain(data["domain"])
-    except InputError as error:
-        _place(error, path, faults)
-        return None
+    if "domain" in data and faults.sound(("domain",)):
+        with faults.collecting(("domain",)):
+            return find_domain(data["domain"])
+    return None
 
 
 def _check_planner(data: dict[str, Any], faults: Faults, check_planner: CheckPlanner | None) -> None:
-    path = ("planner",)
-    if check_planner is None or "planner" not in data or not faults.sound(path):
-        return
-    try:
-        check_planner(data["planner"])
-    except InputError as error:
-        _place(error, path, faults)
-
-
-def _check_choices(task: Task, faults: Faults) -> None:
-    """Note a goal that leaves too many choices, or none."""
-    try:
-        task.alternatives()
-    except InputError as error:
-        _place(error, ("goal",), faults)
-
-
-def _place(error: InputError, path: KeyPath, faults: Faults) -> None:
-    """Note at a place of the file what is wrong with the domain, planner or goal named there."""
-    for issue in error.issues:
-        wanted = issue.wanted if issue.where in ("", *path) else f"{issue.where}: {issue.wanted}"
-        faults.at(path, wanted, issue.came, issue.available, issue.remedy)
+    if check_planner is not None and "planner" in data and faults.sound(("planner",)):
+        with faults.collecting(("planner",)):
+            check_planner(data["planner"])

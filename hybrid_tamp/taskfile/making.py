@@ -1,4 +1,4 @@
-"""Build a task from Python values: the keys of a task file, checked in the same way."""
+"""Build a task from Python values, which have the keys of a task file and are checked in the same way."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, is_dataclass
@@ -39,19 +39,19 @@ def make_task(
         domain: the domain, or the name of an installed one.
         tokens: name of each token to its ``classes`` (names or classes), ``properties``, ``shape`` and ``pose``
             (``position`` [m] with ``rpy`` [rad] or ``quaternion`` x, y, z, w); arrays and tuples count as lists.
-        goal: what holds at the end, each an `Atom` or ``{predicate: [tokens]}``.
+        goal: the atoms that hold at the end, each an `Atom` or ``{predicate: [tokens]}``.
         agents: agent to the names of its capability tokens.
         assignment: token to the block in which it starts; the domain's resting block by default.
         primitives: block or action to the file of the motor primitive that it is taught.
         planner: name of the planning engine.
         objective: ``length`` or ``makespan``.
         limits: bounds on the work.
-        midlevel: how hyperparameters are optimised, their bounds and the weights of measures.
+        midlevel: how hyperparameters are optimised, with their bounds and the weights of measures.
         seed: seed of everything random.
         name: name of the task.
 
     Raises:
-        InputError: everything that is wrong, each fault with the keys that lead to it, e.g. ``tokens.drum.pose``.
+        InputError: everything that is wrong, each fault with its path of keys, e.g. ``tokens.drum.pose``.
     """
     found = installed_domain(domain) if isinstance(domain, str) else domain
     optional = {
@@ -69,7 +69,7 @@ def make_task(
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as a task file would have it."""
+    """Return a value in the form of a task file."""
     if isinstance(value, type) and issubclass(value, ObjectClass):
         return value.name
     if isinstance(value, Atom):

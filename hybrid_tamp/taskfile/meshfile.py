@@ -1,6 +1,8 @@
-"""Read mesh files; refuse those that physics cannot use, with the wrong figure."""
+"""Read mesh files (Wavefront OBJ) and refuse those that physics cannot use, with the offending figure."""
 
 import hashlib
+from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,6 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.geometry.meshes import Hull, MeshShape
 from hybrid_tamp.geometry.shapes import MeshFile
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.taskfile.objfile import Surface, read_objects
 from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 MOST_TRIANGLES = 200_000
@@ -21,11 +22,66 @@ SMALLEST, LARGEST = 0.001, 10.0
 MOST_SKEW = 0.05
 _WHAT = "a mesh file"
 _THINNEST = 1e-6
-"""A solid's least volume, as a share of the cube of its longest edge."""
+"""Least volume of a solid, as a share of the cube of its longest edge."""
 _DENT = 1e-3
-"""How deep a dent of a convex solid may be, as a share of its longest edge: numbers in files are rounded."""
+"""Deepest dent of a convex solid, as a share of its longest edge: numbers in files are rounded."""
 _SAME = 1e-7
 """Corners closer than this are one corner, as a share of the body's longest edge."""
+
+
+@dataclass
+class _Surface:
+    """One object of the file.
+
+    Attributes:
+        name: its name, or a number if it has none.
+        triangles: indices of the file's vertices, three per triangle; polygons are cut into fans.
+    """
+
+    name: str
+    triangles: list[tuple[int, int, int]] = field(default_factory=list)
+
+
+def _read_objects(text: str, source: str) -> tuple[FloatArray, list[_Surface]]:
+    """Return the vertices ``(n, 3)`` of a file and its objects that have triangles.
+
+    Args:
+        text: the file.
+        source: name of the file in messages.
+
+    Raises:
+        InputError: a vertex is not three finite numbers, or a face names a vertex that does not exist.
+    """
+    vertices: list[tuple[float, float, float]] = []
+    objects = [_Surface("1")]
+    for number, line in enumerate(text.splitlines(), start=1):
+        keyword, *words = line.split() or ("",)
+        try:
+            if keyword == "v":
+                x, y, z = (float(word) for word in words[:3])
+                vertices.append((x, y, z))
+            elif keyword == "f":
+                corners = [_index(word, len(vertices)) for word in words]
+                fans = pairwise(corners[1:])
+                objects[-1].triangles += [(corners[0], one, other) for one, other in fans]
+            elif keyword in ("o", "g"):
+                objects.append(_Surface(" ".join(words) or str(len(objects))))
+        except (ValueError, IndexError) as error:
+            wanted = "a vertex 'v x y z' of three numbers" if keyword == "v" else "a face 'f i j k' of vertices above"
+            raise InputError([Issue(f"{source}:{number}", wanted, repr(line[:60]))]) from error
+    found = np.array(vertices, dtype=float).reshape(-1, 3)
+    if not np.isfinite(found).all():
+        raise InputError([Issue(source, "a mesh of finite coordinates", "one that is not finite")])
+    return found, [surface for surface in objects if surface.triangles]
+
+
+def _index(word: str, count: int) -> int:
+    """Return the index of a face's corner, e.g. ``3``, ``3/1/2`` or ``-1``, which counts from the last vertex."""
+    number = int(word.split("/")[0])
+    index = number - 1 if number > 0 else count + number
+    if not 0 <= index < count or number == 0:
+        raise IndexError(word)
+    return index
 
 
 def read_mesh(path: Path, written: MeshFile) -> MeshShape:
@@ -33,12 +89,11 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
 
     Args:
         path: the file.
-        written: what the task file says of it.
+        written: the entry of the task file.
 
     Raises:
-        InputError: it is missing, no OBJ, empty, too large, of the wrong unit, or one of its objects is not
-            watertight, degenerate, not in one piece or not convex, or its axes are far from the principal ones; with
-            the figure.
+        InputError: the file is missing, not OBJ, empty, too large or in the wrong unit; or an object is degenerate,
+            not watertight, not in one piece or not convex; or the axes are far from the principal axes.
     """
     source = str(path)
     if path.suffix.lower() != ".obj":
@@ -48,7 +103,7 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
     if path.is_file() and path.stat().st_size > MOST_BYTES:
         _check_count(_triangles_in(path), source)
     text = read_text(path, _WHAT, MOST_BYTES)
-    vertices, surfaces = read_objects(text, source)
+    vertices, surfaces = _read_objects(text, source)
     _check_count(sum(len(surface.triangles) for surface in surfaces), source)
     if len(surfaces) > MOST_SOLIDS:
         raise InputError([Issue(source, f"a mesh of at most {MOST_SOLIDS} convex parts", str(len(surfaces)))])
@@ -89,16 +144,16 @@ def _check_count(count: int, source: str) -> None:
         raise InputError([Issue(source, "a mesh with triangles", "none")])
     if count > MOST_TRIANGLES:
         wanted = f"a mesh of at most {MOST_TRIANGLES} triangles"
-        raise InputError([Issue(source, wanted, str(count), remedy="simplify it: its convex hulls are what matters")])
+        raise InputError([Issue(source, wanted, str(count), remedy="simplify it: only its convex hulls matter")])
 
 
-def _size(vertices: FloatArray, surfaces: list[Surface]) -> float:
+def _size(vertices: FloatArray, surfaces: list[_Surface]) -> float:
     used = vertices[np.unique([index for surface in surfaces for triangle in surface.triangles for index in triangle])]
     return float(np.ptp(used, axis=0).max())
 
 
-def _solid(vertices: FloatArray, surface: Surface, size: float, source: str) -> Hull:
-    """Return one object as a convex solid; equal corners become one corner."""
+def _solid(vertices: FloatArray, surface: _Surface, size: float, source: str) -> Hull:
+    """Return one object as a convex solid; equal corners are merged."""
     corners = vertices[np.array(surface.triangles)].reshape(-1, 3)
     _, first, names = np.unique(np.round(corners / (_SAME * size)), axis=0, return_index=True, return_inverse=True)
     solid = Hull(corners[first], names.reshape(-1, 3).astype(np.intp))
@@ -110,9 +165,9 @@ def _solid(vertices: FloatArray, surface: Surface, size: float, source: str) -> 
 
 
 def _fault(solid: Hull) -> tuple[str, str] | None:
-    """Return what an object should be and what it is instead, or None.
+    """Return the violated requirement and what was found instead, or None.
 
-    What is closed, in one piece of the sphere's topology and nowhere dented across an edge is convex.
+    A closed surface of the sphere's topology without a dent across any edge is convex.
     """
     size = float(np.ptp(solid.vertices, axis=0).max())
     corners = solid.vertices[solid.triangles]
@@ -142,7 +197,7 @@ def _fault(solid: Hull) -> tuple[str, str] | None:
 
 
 def _partners(edges: NDArray[np.intp]) -> NDArray[np.intp] | None:
-    """Return for each directed edge ``(e, 2)`` the index of its opposite, or None if one has none or several."""
+    """Return the index of the opposite of each directed edge ``(e, 2)``; None if an edge has none or several."""
     count = int(edges.max()) + 1
     keys, mirrored = edges @ [count, 1], edges @ [1, count]
     order = np.argsort(keys)

@@ -1,6 +1,6 @@
 """Read a task file's weights and bounds of hyperparameters, and apply them to the domain.
 
-``BLOCK.name`` speaks of a block, mode included, or of all modes of an action; what is said of a mode goes first.
+``BLOCK.name`` means a block, mode included, or all modes of an action; an entry for a mode takes precedence.
 """
 
 from collections.abc import Mapping
@@ -21,9 +21,9 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 
 MOST_BINDINGS = 10_000
-"""At most this many bindings of a block are checked."""
+"""Largest number of bindings of a block that are checked."""
 MOST_SHOWN = 5
-"""At most this many of their bounds are shown."""
+"""Largest number of their bounds that are shown."""
 
 Declared = Literal["weights", "hyperparameters"]
 _WORDS: Mapping[Declared, str] = {"weights": "measure", "hyperparameters": "hyperparameter"}
@@ -31,7 +31,7 @@ _WORDS: Mapping[Declared, str] = {"weights": "measure", "hyperparameters": "hype
 
 @dataclass(frozen=True)
 class _Constant:
-    """The initial value that a task gives."""
+    """An initial value from the task file."""
 
     value: float
 
@@ -40,7 +40,7 @@ class _Constant:
 
 
 def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -> Domain | None:
-    """Return the domain with the task's weights and bounds, or the same domain if there are none; note faults."""
+    """Return the domain with the task's weights and bounds, or the same domain if there are none; record faults."""
     if domain is None:
         return None
     weights = _said(data, "weights", faults, domain)
@@ -51,7 +51,7 @@ def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -
 
 
 def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
-    """Note bounds that no tokens of the task can satisfy, e.g. a grasp beyond the end of every handle."""
+    """Record bounds that no tokens of the task can satisfy, e.g. a grasp beyond the end of every handle."""
     for (block, name), (path, _) in _said(data, "hyperparameters", faults, task.domain).items():
         own = next(each for each in task.domain.block_by_name[block].hyperparameters if each.name == name)
         if own.within is None:
@@ -76,7 +76,7 @@ def names_of(domain: Domain, kind: Declared) -> dict[str, list[tuple[Block, str]
 
 
 _Said = dict[tuple[str, str], tuple[KeyPath, Any]]
-"""(Block, hyperparameter or measure) to the place in the file and the value there."""
+"""(Block, hyperparameter or measure) to the path in the file and the value there."""
 
 
 def _said(data: dict[str, Any], kind: Declared, faults: Faults, domain: Domain) -> _Said:
@@ -85,7 +85,7 @@ def _said(data: dict[str, Any], kind: Declared, faults: Faults, domain: Domain) 
     entries = given if isinstance(given, dict) else {}
     known = names_of(domain, kind)
     found: _Said = {}
-    # What is said of an action comes first, so that what is said of a mode replaces it.
+    # Entries for actions come first, so that entries for modes replace them.
     for key in sorted(entries, key=lambda key: ":" in key):
         path: KeyPath = ("midlevel", kind, key)
         if key not in known:

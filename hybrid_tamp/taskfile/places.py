@@ -1,20 +1,21 @@
-"""The places of a file's parts, and the faults found in them.
+"""The places of the values in a file, and the faults found in them.
 
-A part is named by its path, e.g. ``("tokens", "drum", "pose")``. A fault makes its part unsound; what reads a part
-asks first, so that one fault is not reported again by everything that depends on it.
+The path of a value names it, e.g. ``("tokens", "drum", "pose")``. A fault makes the value unsound. Readers check that
+first, so that nothing that depends on the value reports the same fault again.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from hybrid_tamp.errors import InputError, Issue
 
 KeyPath = tuple[str | int, ...]
-"""Keys and indices from the root of a file to one of its parts."""
+"""Keys and indices from the root of a file to a value."""
 
 MOST_FAULTS = 100
-"""At most this many faults are listed; of the others, only the number."""
+"""Largest number of faults that are listed; the others are counted."""
 _LONGEST = 60
 
 
@@ -33,13 +34,13 @@ def mark_of(text: str, offset: int) -> Mark:
 
 
 class Faults:
-    """The places of a file's parts and the faults found so far.
+    """The places of a file's values and the faults found so far.
 
     Attributes:
-        source: the file's name as messages show it; None for a task built in Python, whose parts have no line.
+        source: name of the file in messages; None for a task built in Python, whose values have no line.
         keys: path to the place of its key.
         values: path to the place of its value.
-        spans: path to the first character of a scalar value and the one behind its last.
+        spans: path to the first character of a scalar value and the one after its last.
         written: path to a number, truth value or null as the file writes it.
     """
 
@@ -62,7 +63,7 @@ class Faults:
         available: Iterable[str] = (),
         remedy: str = "",
     ) -> None:
-        """Note a fault at a place of the file."""
+        """Record a fault at a place of the file."""
         self._note(mark, f"{self.source}:{mark.line}:{mark.column}", wanted, came, available, remedy)
 
     def at(
@@ -76,16 +77,16 @@ class Faults:
         key: bool = False,
         sound: bool = False,
     ) -> None:
-        """Note a fault of a part.
+        """Record a fault of a value.
 
         Args:
-            path: the part; a fault of a part that is missing is shown at what should hold it.
+            path: the value; the fault of a missing value is shown at the value that should contain it.
             wanted: what was expected there.
             came: what was found instead.
             available: the values that would have been accepted.
             remedy: what the user can do.
-            key: whether the fault is shown at the part's key rather than at its value.
-            sound: whether the part can be read all the same.
+            key: whether the fault is shown at the key rather than at the value.
+            sound: whether the value can be used all the same.
         """
         if any(prefix in self._unreadable for prefix in _prefixes(path)):
             return
@@ -95,17 +96,27 @@ class Faults:
         where = dotted(path) if self.source is None else f"{self.source}:{mark.line}:{mark.column}"
         self._note(mark, where, wanted, came, available, remedy)
 
+    @contextmanager
+    def collecting(self, path: KeyPath) -> Iterator[None]:
+        """Record the issues of an `InputError` raised in the block as faults of a value."""
+        try:
+            yield
+        except InputError as error:
+            for issue in error.issues:
+                wanted = issue.wanted if issue.where in ("", *path) else f"{issue.where}: {issue.wanted}"
+                self.at(path, wanted, issue.came, issue.available, issue.remedy)
+
     def unreadable(self, path: KeyPath) -> None:
-        """Declare that the value of a part could not be read; nothing more is said about it."""
+        """Declare that a value could not be read; later faults of it are ignored."""
         self._taint(path)
         self._unreadable.add(path)
 
     def sound(self, path: KeyPath) -> bool:
-        """Say whether no fault was found in the part, inside it or in a part that contains it."""
+        """Say whether no fault was found in the value, inside it or in a value that contains it."""
         return path not in self._above and not any(prefix in self._faulty for prefix in _prefixes(path))
 
     def mark(self, path: KeyPath, *, key: bool = False) -> Mark:
-        """Return the place of a part, or of the nearest part that contains it."""
+        """Return the place of a value, or of the nearest value that contains it."""
         if path in self.values:
             return self.keys.get(path, self.values[path]) if key else self.values[path]
         while path:
@@ -115,11 +126,11 @@ class Faults:
         return Mark()
 
     def on_line(self, path: KeyPath, what: str) -> str:
-        """Return ``, what on line N`` for a part of a file, nothing for a part of a task built in Python."""
+        """Return ``, what on line N`` for a value of a file, nothing for a task built in Python."""
         return "" if self.source is None else f", {what} on line {self.mark(path).line}"
 
     def shown(self, path: KeyPath, value: Any) -> str:
-        """Return a value as messages show it: as the file writes it, shortened."""
+        """Return a value for messages: as the file writes it, shortened."""
         return cut(self.written[path]) if path in self.written else shown(value)
 
     @property
@@ -128,16 +139,16 @@ class Faults:
         return tuple(issue for _, issue in sorted(self._found, key=lambda found: found[0]))
 
     def raise_if_any(self) -> None:
-        """Raise what was found.
+        """Raise the faults, if there are any.
 
         Raises:
-            InputError: at least one fault was found.
+            InputError: a fault was found.
         """
         if self._found:
             self.raise_all()
 
     def raise_all(self) -> NoReturn:
-        """Raise the faults, but not more than `MOST_FAULTS`.
+        """Raise the first `MOST_FAULTS` faults.
 
         Raises:
             InputError: always.
@@ -162,12 +173,12 @@ def _prefixes(path: KeyPath) -> list[KeyPath]:
 
 
 def dotted(path: KeyPath) -> str:
-    """Return a path in words, e.g. ``tokens.drum.pose.position[2]``."""
+    """Return a path as text, e.g. ``tokens.drum.pose.position[2]``."""
     return "".join(f"[{step}]" if isinstance(step, int) else f".{plain(step)}" for step in path).lstrip(".")
 
 
 def shown(value: Any) -> str:
-    """Return a value as messages show it, e.g. ``'drum'`` or ``[0, 0, 0]``."""
+    """Return a value for messages, e.g. ``'drum'`` or ``[0, 0, 0]``."""
     if isinstance(value, str):
         return repr(cut(value))
     if value is None:
@@ -183,10 +194,10 @@ def shown(value: Any) -> str:
 
 
 def plain(text: str) -> str:
-    """Return a name without quotes, unless it has characters that would disturb a terminal."""
+    """Return a name without quotes, unless it has unprintable characters."""
     return cut(text) if text.isprintable() else shown(text)
 
 
 def cut(text: str) -> str:
-    """Return a text, shortened if it is long."""
+    """Return a text, shortened to at most 60 characters."""
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

@@ -1,12 +1,12 @@
-"""Demonstrations of whole scenes as files: a table of time and of tokens' poses, with every fault at its place.
+"""Read a demonstration of a whole scene: a table of time and of tokens' poses.
 
 ::
 
     time [s], hand.x, hand.y, hand.z, drum.x, drum.y, drum.z, drum.qx, drum.qy, drum.qz, drum.qw
     0.00, 0.250, -0.450, 0.300, 0.0, 0.0, 0.1, 0.7071, 0.0, 0.0, 0.7071
 
-A token without qx, qy, qz, qw does not turn, and one that is not there stays where its task has it. What else varies
-about a token, e.g. ``hand.aperture``, may have a column.
+A token without qx, qy, qz, qw does not turn, and a token without columns stays at its initial pose. Other varying
+properties of a token, e.g. ``hand.aperture``, may have columns too.
 """
 
 import re
@@ -31,9 +31,9 @@ _COLUMNS_OF = {"position": ("x", "y", "z"), "orientation": ("qx", "qy", "qz", "q
 _RATE_OF = {"position": "velocity", "orientation": "angular_velocity"}
 _NAME = re.compile(r"^(.*?)\s*(\[[^]]*\])?$")
 _SPANS = (0.03, 0.15)
-"""Over how long velocities are taken at least and at most [s]; the less exact poses are, the longer."""
+"""Shortest and longest span over which velocities are estimated [s]; noisy poses need a longer one."""
 _SPAN_PER_DEVIATION = 100.0
-"""[s/m]."""
+"""Span per standard deviation of the noise [s/m or s/rad]."""
 Columns = Mapping[tuple[str, str], list[int]]
 """(token, property) to the columns of its components."""
 
@@ -43,11 +43,11 @@ def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State, State]:
 
     Args:
         path: the file.
-        task: whose tokens it shows; where they are is read from the file.
+        task: the task with the tokens of the demonstration.
 
     Returns:
-        Instants at the control period [s], shape ``(t,)``; the states then, batch shape ``(t,)``, with velocities; and
-        the standard deviation of the noise of everything that varies, a state without batch.
+        Times at the control period [s], shape ``(t,)``; the states at these times, batch shape ``(t,)``, with
+        velocities; and the standard deviations of the noise of all varying properties, a state without batch.
 
     Raises:
         InputError: everything that is wrong with the file, each fault with its line and column.
@@ -72,11 +72,11 @@ def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State, State]:
 
 
 def _columns(header: list[Cell], task: Task, faults: Faults) -> Columns:
-    """Return the columns of every token's properties; note the faults of the first line."""
+    """Return the columns of every token's properties; record the faults of the first line."""
     names = [str(_NAME.sub(r"\1", cell.text)) for cell in header]
     if not names or names[0].casefold() != "time":
         came = shown(names[0]) if names else "an empty file"
-        faults.add(Mark(), "the first line names the columns: time, then token.x, token.y, token.z and so on", came)
+        faults.add(Mark(), "the first line must name the columns: time, then token.x, token.y, token.z and so on", came)
         return {}
     wanted = _available(task)
     found: dict[str, int] = {}
@@ -132,7 +132,7 @@ def _states(table: FloatArray, columns: Columns, task: Task) -> tuple[FloatArray
         changes[token, name] = values
         if name in _RATE_OF:
             noise[token, name] = np.full(values.shape[-1], _deviation(column))
-            # Half the angle is in a quaternion.
+            # A quaternion contains half the angle.
             way, deviation = (_turned(values), 2.0) if name == "orientation" else (values, 1.0)
             deviation *= noise[token, name][0]
             span = float(np.clip(_SPAN_PER_DEVIATION * deviation, *_SPANS))
@@ -144,13 +144,13 @@ def _states(table: FloatArray, columns: Columns, task: Task) -> tuple[FloatArray
 
 
 def _turned(quaternions: FloatArray) -> FloatArray:
-    """Return rotation vectors ``(t, 3)`` [rad] that change as the orientations ``(t, 4)`` turn."""
+    """Return the accumulated rotation vectors ``(t, 3)`` [rad] of orientations ``(t, 4)``."""
     turns = rotation_vector(quaternion_multiply(quaternions[1:], quaternion_conjugate(quaternions[:-1])))
     return np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
 
 
 def _steady(quaternions: FloatArray) -> FloatArray:
-    """Return the quaternions ``(t, 4)`` with signs such that each is near the one before it."""
+    """Return the quaternions ``(t, 4)`` with signs such that each is close to its predecessor."""
     flips = np.where(np.sum(quaternions[1:] * quaternions[:-1], axis=-1) < 0, -1.0, 1.0)
     return np.asarray(quaternions * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
 
@@ -162,9 +162,9 @@ def _deviation(values: FloatArray) -> float:
 
 
 def _rates(values: FloatArray, span: float) -> FloatArray:
-    """Return how fast values ``(t, c)`` change [1/s]: of a span [s] before and one after, the slower counts.
+    """Return the rates of change [1/s] of values ``(t, c)``: the slower of those over the span [s] before and after.
 
-    Where one movement ends and the next one begins at once, a mean over both would never be at rest.
+    If one movement follows another at once, a mean over both would never be at rest.
     """
     count = max(2, min(round(span / CONTROL_PERIOD), len(values) - 1))
     offsets = np.arange(count + 1) - count / 2.0

@@ -1,7 +1,7 @@
-"""Read files of motor primitives, and teach them to the blocks of a domain.
+"""Read files of motor primitives, and teach the primitives to the blocks of a domain.
 
-A primitive file is JSON. It is read as any task file is, so that every fault has its line and column, and nothing in
-it is ever run.
+A primitive file is JSON. It is read like a task file, so that every fault has its line and column; no code in it is
+ever run.
 """
 
 import json
@@ -12,7 +12,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.affordance import Number
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
@@ -25,11 +24,11 @@ PRIMITIVE = "hybrid-tamp/primitive/1"
 _FILE = "a primitive file is a JSON object as 'hybrid-tamp learn' writes it"
 Weight = Annotated[Number, Field(ge=-1e9, le=1e9)]
 Rate = Annotated[Number, Field(gt=0, le=1e4)]
-"""Per normalised time."""
+"""A rate per normalised time."""
 
 
 class PrimitiveFile(BaseModel):
-    """A motor primitive, and what it was learnt from."""
+    """A motor primitive and its demonstrations."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
@@ -47,7 +46,7 @@ class PrimitiveFile(BaseModel):
 
     @classmethod
     def of(cls, primitive: DMP, block: str, sources: Sequence[str], rms: float, unit: str) -> "PrimitiveFile":
-        """Return the file of a primitive that was learnt from these sources."""
+        """Return the file of a primitive that was learnt from demonstrations of these names."""
         return cls.model_validate(
             {
                 "schema": PRIMITIVE,
@@ -98,19 +97,19 @@ def read_primitive(path: Path | str) -> PrimitiveFile:
 
 
 def teach(data: dict[str, Any], faults: Faults, domain: Domain | None, folder: Path) -> Domain | None:
-    """Return the domain with the primitives that a task file names; note their faults.
+    """Return the domain with the primitives that a task file names; record their faults.
 
     Args:
         data: the task file.
         faults: its places and faults.
-        domain: its domain, or None where that was not found.
-        folder: what its paths are relative to.
+        domain: its domain, or None if that was not found.
+        folder: relative paths in the file start here.
     """
     entries = data.get("primitives", {})
     if domain is None or not isinstance(entries, dict):
         return domain
     taught: dict[str, Block] = {}
-    # What is said of a mode counts more than what is said of the whole action.
+    # Entries for modes come last and replace those for whole actions.
     for key in sorted(entries, key=lambda name: name in domain.block_by_name):
         path: KeyPath = ("primitives", key)
         if faults.sound(path) and isinstance(entries[key], str):
@@ -126,11 +125,10 @@ def _taught(key: str, file: Path, path: KeyPath, faults: Faults, domain: Domain)
         wanted = f"no block of the domain {domain.name} that has a motor primitive"
         faults.at(path, wanted, shown(key), names, key=True)
         return []
-    try:
+    primitive = None
+    with faults.collecting(path):
         primitive = read_primitive(file)
-    except InputError as error:
-        for issue in error.issues:
-            faults.at(path, f"{issue.where}: {issue.wanted}", issue.came, issue.available, issue.remedy)
+    if primitive is None:
         return []
     fitting = [
         block.taught(primitive.primitive)

@@ -1,4 +1,4 @@
-"""The reference page of task files in Markdown, made from the same declarations as the checks and the JSON Schema."""
+"""Make the reference page of task files in Markdown from the declarations that the checks and the JSON Schema use."""
 
 from collections.abc import Iterable, Sequence
 
@@ -24,7 +24,7 @@ _COLUMNS = ("key", "type", "unit", "bounds", "default", "meaning")
 
 
 def reference_page(domains: Sequence[Domain]) -> str:
-    """Return the reference page: every key of a task file, then every domain with all that a file can name."""
+    """Return the reference page: every key of a task file, then everything of each domain that a file can name."""
     sections = [_INTRODUCTION]
     sections += [_model("The file", TaskFile), _model("`TokenEntry`: a token", TokenEntry), _model("`Pose`", Pose)]
     sections += [_model(f"`{shape.__name__}`: a shape", shape) for shape in (Cylinder, Box, Sphere, Compound, MeshFile)]
@@ -133,4 +133,4 @@ def _anchor(block: Block, slot: str) -> str:
 
 
 def _conditions(literals: Iterable[Literal]) -> str:
-    return ", ".join(f"`{literal}`" for literal in literals) or "none"
+    return ", ".join(f"`{literal.text}`" for literal in literals) or "none"

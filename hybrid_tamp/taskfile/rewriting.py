@@ -1,4 +1,4 @@
-"""Rewrite a task file so that a token is a member of more classes; everything else stays, comments included."""
+"""Rewrite a task file so that a token is a member of more classes; keep everything else, comments included."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -12,15 +12,15 @@ from hybrid_tamp.taskfile.yaml.nodes import read_text
 def with_members(
     source: Path, target: Path, token: str, joined: Sequence[str], settled: Sequence[str], properties: Mapping[str, Any]
 ) -> str:
-    """Return the text of a sound task file with one token's classes and properties changed.
+    """Return the text of a task file without faults, with the classes and properties of one token changed.
 
     Args:
         source: the task file.
-        target: where the text will stand; the paths of files that it names are written relative to that.
+        target: the new task file; paths in the text are relative to it.
         token: the token.
         joined: names of the classes that it joins.
-        settled: names of the classes in which it is unknown no more.
-        properties: its properties as a member of what it joins.
+        settled: names of the classes in which it is no longer unknown.
+        properties: its properties as a member of the classes that it joins.
 
     Raises:
         InputError: the file cannot be read.

@@ -12,7 +12,7 @@ from hybrid_tamp.taskfile.tokens import Scene
 
 
 def read_agents(data: dict[str, Any], faults: Faults, scene: Scene) -> dict[str, tuple[str, ...]]:
-    """Read the agents; note names that are not capability tokens or belong to two agents."""
+    """Read the agents; record names that are not capability tokens or belong to two agents."""
     agents = data.get("agents", {})
     owners: dict[str, str] = {}
     for agent, names in agents.items() if isinstance(agents, dict) else ():

@@ -1,6 +1,6 @@
 """The JSON Schema of task files (draft 2020-12), so that editors complete and check them.
 
-The form comes from `entries` and is what the package ships. ``hybrid-tamp schema`` adds the classes, properties,
+The package ships the generic form, which comes from `entries`. ``hybrid-tamp schema`` adds the classes, properties,
 predicates and blocks of every installed domain, under a condition on the key ``domain``.
 """
 
@@ -23,7 +23,7 @@ def json_schema(domains: Sequence[Domain] = ()) -> JsonObject:
     """Return the JSON Schema of task files.
 
     Args:
-        domains: the domains whose names are completed; files of other domains are checked in their form only.
+        domains: the domains whose names the schema knows; it checks only the form of other domains' files.
     """
     form = form_of(TaskFile)
     keys, definitions = dict(form.keys), dict(form.definitions)
@@ -54,7 +54,7 @@ def _equals(key: str, value: str) -> JsonObject:
 
 
 def _of_domain(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) -> JsonObject:
-    """Return what a file of the domain must satisfy beyond the common form."""
+    """Return the schema of a file of the domain beyond the generic form."""
     starts = [_choice(block.name, block.description) for block in domain.blocks if can_start(block)]
     return {
         "properties": {
@@ -96,7 +96,7 @@ def _choice(value: str, description: str) -> JsonObject:
 
 
 def _token(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) -> JsonObject:
-    """Return the schema of a token: any property of the domain's classes, and what its own classes need."""
+    """Return the schema of a token: any property of the domain's classes, and those that its own classes require."""
     known: dict[str, list[JsonObject]] = {}
     needs = []
     for number, object_class in enumerate(known_classes(domain).values()):

@@ -1,4 +1,4 @@
-"""Whether tokens can be where a task file puts them: above the floor, clear of each other, as their classes want."""
+"""Check the initial poses of a task file: above the floor, clear of each other, accepted by the tokens' classes."""
 
 from typing import Any
 
@@ -16,11 +16,11 @@ from hybrid_tamp.taskfile.wording import subject
 
 
 def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
-    """Note every token that starts in the floor, inside another one, or where its own classes refuse it.
+    """Record every token that starts in the floor, inside another one, or where its own classes refuse it.
 
     Args:
         data: the file's plain data.
-        faults: the faults found so far; of tokens that have one nothing is said.
+        faults: the faults found so far; tokens that have one are skipped.
         scene: the tokens.
     """
     sound = [token for token in scene.tokens if faults.sound(("tokens", token.name)) and _placed(data, token)]
@@ -49,7 +49,7 @@ def _path(token: Token) -> KeyPath:
 
 
 def _check_floor(token: Token, body: Body, faults: Faults) -> None:
-    """The floor is the plane z = 0 wherever there is gravity."""
+    """Refuse a body below the floor, which is the plane z = 0."""
     lowest = lowest_height(body)
     if lowest < -CONTACT:
         wanted = f"{subject(_path(token))} must put it above the floor, which is z = 0"
@@ -58,7 +58,7 @@ def _check_floor(token: Token, body: Body, faults: Faults) -> None:
 
 
 def _check_overlaps(bodies: list[tuple[Token, Body]], faults: Faults) -> None:
-    # Of a hand inside a thing it is the hand that is to be moved: it comes later.
+    # If a hand is inside a thing, the hand has to move: it comes later.
     ordered = sorted(bodies, key=lambda body: is_capability(body[0]))
 
     def may_share(earlier: int, later: int) -> bool:

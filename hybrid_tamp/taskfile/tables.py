@@ -1,4 +1,4 @@
-"""Comma-separated tables of numbers, with every fault at its place."""
+"""Read comma-separated tables of numbers and record every fault at its place."""
 
 import math
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ _UNIT_TOLERANCE = 0.01
 
 @dataclass(frozen=True)
 class Cell:
-    """One entry of a table, and where it stands."""
+    """One entry of a table and its place."""
 
     text: str
     mark: Mark
@@ -33,12 +33,12 @@ def cells(line: str, number: int) -> Iterator[Cell]:
 
 
 def numbered(text: str) -> list[tuple[int, list[Cell]]]:
-    """Return the lines that are not empty, each with its number and its entries."""
+    """Return the lines that are not empty, each with its number and entries."""
     return [(n, list(cells(line, n))) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
 
 
 def sample(entries: list[Cell], width: int, faults: Faults) -> list[float] | None:
-    """Return the numbers of a line, or None after noting what is wrong with it."""
+    """Return the numbers of a line, or record a fault and return None."""
     if len(entries) != width:
         mark = entries[min(width, len(entries) - 1)].mark
         faults.add(mark, f"every line has {width} columns", f"{len(entries)} columns")
@@ -58,12 +58,12 @@ def sample(entries: list[Cell], width: int, faults: Faults) -> list[float] | Non
 
 
 def check_times(times: FloatArray, lines: list[int], least: int, faults: Faults) -> None:
-    """Note that there are too few samples, or that time does not increase.
+    """Record a fault if there are too few samples or time does not increase.
 
     Args:
         times: the times [s], shape ``(t,)``.
-        lines: the line of each.
-        least: how many samples there have to be.
+        lines: the line of each sample.
+        least: least number of samples.
         faults: the file's faults.
     """
     if len(times) < least:
@@ -75,13 +75,13 @@ def check_times(times: FloatArray, lines: list[int], least: int, faults: Faults)
 
 
 def check_quaternions(quaternions: FloatArray, lines: list[int], faults: Faults, name: str = "") -> None:
-    """Note what is no unit quaternion.
+    """Record every quaternion that is not a unit quaternion.
 
     Args:
         quaternions: x, y, z, w, shape ``(t, 4)``.
-        lines: the line of each.
+        lines: the line of each sample.
         faults: the file's faults.
-        name: what stands before the columns' names.
+        name: prefix of the columns' names.
     """
     lengths = np.linalg.norm(quaternions, axis=-1)
     for row in np.flatnonzero(np.abs(lengths - 1.0) > _UNIT_TOLERANCE):

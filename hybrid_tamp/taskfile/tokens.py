@@ -1,4 +1,4 @@
-"""The tokens of a task file: their classes, properties, shapes and where they are."""
+"""Read the tokens of a task file: their classes, properties, shapes and poses."""
 
 import math
 from collections.abc import Mapping
@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from hybrid_tamp.errors import InputError
 from hybrid_tamp.geometry.shapes import MeshFile, Shape, WrittenShape
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
 from hybrid_tamp.model.domain import Domain
@@ -27,12 +26,12 @@ _SHAPE: TypeAdapter[WrittenShape | None] = TypeAdapter(WrittenShape | None)
 
 @dataclass
 class Scene:
-    """What is known of the tokens, as far as the file is sound.
+    """The tokens of a task file, as far as it is sound.
 
     Attributes:
-        names: every name that the file gives to a token, with what it says of it; None if that cannot be read.
-        outlines: name to a token whose classes are right, whatever its properties are.
-        tokens: the tokens that are right altogether.
+        names: every token's name to its entry in the file; None if the entries cannot be read.
+        outlines: name to a token whose classes are sound; its properties may be wrong.
+        tokens: the tokens without faults.
         given: (token, varying property) to its initial value.
     """
 
@@ -43,13 +42,13 @@ class Scene:
 
 
 def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None, folder: Path = Path()) -> Scene:
-    """Read the tokens and note their faults.
+    """Read the tokens and record their faults.
 
     Args:
         data: the file's plain data.
-        faults: the faults that were found in its form.
-        domain: the domain, or None if it is unknown; then names alone are read.
-        folder: what the paths of mesh files are relative to.
+        faults: the faults of its form.
+        domain: the domain, or None if it is unknown; then only names are read.
+        folder: relative paths of mesh files start here.
     """
     entries = data.get("tokens")
     if not isinstance(entries, dict):
@@ -74,7 +73,11 @@ def _read_token(name: str, entry: dict[str, Any], faults: Faults, domain: Domain
     classes = _classes(entry, path, faults, domain)
     if classes is None:
         return
-    unknown = _unknown(entry, path, classes, faults, domain)
+    unknown = (
+        _named(entry.get("unknown", []), (*path, "unknown"), classes, faults, domain)
+        if faults.sound((*path, "unknown"))
+        else None
+    ) or ()
     members = classes if any(map(is_place, classes)) else tuple({TOKEN: None, **dict.fromkeys(classes)})
     outline = Token(name, members, {}, unknown=unknown)
     scene.outlines[name] = outline
@@ -98,18 +101,10 @@ def _classes(
     return _named(entry["classes"], path, (), faults, domain)
 
 
-def _unknown(
-    entry: dict[str, Any], path: KeyPath, classes: tuple[type[ObjectClass], ...], faults: Faults, domain: Domain
-) -> tuple[type[ObjectClass], ...]:
-    """Return the classes that a token may turn out to be a member of, none if they are not sound."""
-    path = (*path, "unknown")
-    return (_named(entry.get("unknown", []), path, classes, faults, domain) if faults.sound(path) else None) or ()
-
-
 def _named(
     names: list[str], path: KeyPath, others: tuple[type[ObjectClass], ...], faults: Faults, domain: Domain
 ) -> tuple[type[ObjectClass], ...] | None:
-    """Return the classes of these names if they can share a token with each other and with others, or None."""
+    """Return the classes of these names, or None if they cannot share a token with each other and with the others."""
     known = known_classes(domain)
     found: list[type[ObjectClass]] = [*others]
     for index, class_name in enumerate(names):
@@ -149,7 +144,7 @@ def _check_company(
 
 
 def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Token | None:
-    """Make the token from its properties and shape and ask its classes whether they go together."""
+    """Make the token from its properties and shape, and let its classes check that they are consistent."""
     properties, base = entry.get("properties", {}), (*path, "properties")
     if not isinstance(properties, dict) or not faults.sound(base):
         return None
@@ -172,16 +167,13 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
 
 
 def _shape(entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Shape | None:
-    """Return the shape that a token is given, a mesh read from its file."""
+    """Return the shape in a token's entry; read a mesh from its file."""
     written = _SHAPE.validate_python(entry.get("shape")) if faults.sound(path) else None
     if not isinstance(written, MeshFile):
         return written
-    try:
+    with faults.collecting((*path, "file")):
         return read_mesh(folder / written.file, written)
-    except InputError as error:
-        for issue in error.issues:
-            faults.at((*path, "file"), f"{issue.where}: {issue.wanted}", issue.came, issue.available, issue.remedy)
-        return None
+    return None
 
 
 def _needed_by(outline: Token, key: str) -> str:
@@ -194,7 +186,7 @@ def _complaints(token: Token) -> list[str]:
 
 
 def _read_pose(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Read where a token is; what has a position needs to say which."""
+    """Read the pose of a token; a token that has a position needs one."""
     here = (*path, "pose")
     if not faults.sound(here):
         return

@@ -1,4 +1,4 @@
-"""Translate pydantic's errors; nothing else does."""
+"""Translate pydantic's errors into faults of a file."""
 
 from collections.abc import Callable
 from types import NoneType
@@ -51,15 +51,15 @@ def add_validation_faults(
     why: Callable[[str], str] = no_reason,
     whole: str = _TASK_FILE,
 ) -> None:
-    """Note every error that pydantic found, each at its place.
+    """Record every error that pydantic found, each at its place.
 
     Args:
-        faults: where to note it.
-        error: what pydantic raised.
-        model: what was validated against; its fields tell units, descriptions and known keys.
+        faults: receives the errors.
+        error: the error that pydantic raised.
+        model: the validated model; its fields have the units, descriptions and known keys.
         base: path of the validated part within the file.
-        why: words on why a missing key is needed, behind its description.
-        whole: what messages call the file itself.
+        why: returns why a missing key is needed, to follow its description.
+        whole: name of the file itself in messages.
     """
     for details in error.errors(include_url=False):
         way = _Way(model, details["loc"])
@@ -75,7 +75,7 @@ def add_validation_faults(
             faults.at(path, f"{subject(path)} is none of those known", shown(details["ctx"]["tag"]), tags)
         else:
             wanted = _wanted(details, way.unit)
-            # The message names all choices; one is suggested only where it is close.
+            # The message lists all choices; one is suggested only if it is close.
             close = did_you_mean(str(details["input"]), way.choices) if details["type"] == "literal_error" else None
             came = faults.shown(path, details["input"])
             faults.at(path, f"{subject(path, whole)} {wanted}", came, (close,) if close else ())
@@ -103,13 +103,13 @@ def _add_missing(faults: Faults, way: "_Way", path: KeyPath, came: Any, why: Cal
 
 
 class _Way:
-    """The way through a model's declarations along an error's location.
+    """The path through a model's declarations along the location of an error.
 
     Attributes:
-        path: the location without the tags of unions, which the file does not have.
-        field: the innermost declared field on the way, or None.
-        siblings: the keys that the innermost model on the way knows.
-        length: how many entries the innermost tuple on the way has.
+        path: the location without the tags of unions, which do not occur in the file.
+        field: the innermost declared field on the path, or None.
+        siblings: the keys of the innermost model on the path.
+        length: number of entries of the innermost tuple on the path.
     """
 
     def __init__(self, model: type[BaseModel], loc: tuple[int | str, ...]) -> None:
@@ -128,12 +128,12 @@ class _Way:
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """The values that the innermost field may have, if they are few."""
+        """The values that the innermost field accepts, if they are listed."""
         return tuple(map(str, get_args(self.field.annotation))) if self.field else ()
 
     @property
     def unit(self) -> str:
-        """The unit of the innermost field, ready to stand behind a number; empty for pure numbers."""
+        """The unit of the innermost field, to follow a number; empty for pure numbers."""
         extra = self.field.json_schema_extra if self.field else None
         unit = extra.get("unit", "1") if isinstance(extra, dict) else "1"
         return "" if unit == "1" else f" [{unit}]"
@@ -146,18 +146,18 @@ class _Way:
             return self.field.annotation if self.field else Any
         if get_origin(here) is tuple:
             self.length = len(arguments)
-        # Of a mapping it is the last that counts, and of a tuple of any length, whose last is an ellipsis, the first.
+        # The last argument is the type of a mapping's values; a tuple of any length has an ellipsis there.
         return next((one for one in reversed(arguments) if one is not Ellipsis), Any)
 
 
 def _tags(member: Any) -> tuple[Any, ...]:
-    """Return the names of a union's member in an error's location: its kinds, or its type's name."""
+    """Return the names by which error locations call a member of a union: its kinds, or the name of its type."""
     kinds = member.model_fields.get("kind") if issubclass(member, BaseModel) else None
     return get_args(kinds.annotation) if kinds else (member.__name__,)
 
 
 def _members(annotation: Any) -> tuple[Any, ...]:
-    """Return the members of a union, None left out, or the one type that it is."""
+    """Return the members of a union without None; any other type is its only member."""
     if get_origin(annotation) is Annotated:
         return _members(get_args(annotation)[0])
     if get_origin(annotation) in (None, list, dict, tuple):
@@ -166,7 +166,7 @@ def _members(annotation: Any) -> tuple[Any, ...]:
 
 
 def subject(path: KeyPath, whole: str = _TASK_FILE) -> str:
-    """Return the name of a part of a task file in messages, e.g. ``pose.position[2] of token 'drum'``."""
+    """Return the name of a value of a task file in messages, e.g. ``pose.position[2] of token 'drum'``."""
     if not path:
         return whole
     if path[0] != "tokens" or len(path) == 1:

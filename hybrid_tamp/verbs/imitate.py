@@ -25,10 +25,10 @@ from hybrid_tamp.questions.imitate.observation import ALLOWANCE, Observation, Sh
 from hybrid_tamp.questions.imitate.segmentation import segment
 from hybrid_tamp.questions.imitate.transfer import KIND, Transfer, transfer
 from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.taskfile.copying import teach_task
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.pose_tables import read_poses
 from hybrid_tamp.taskfile.primitives import PrimitiveFile
-from hybrid_tamp.taskfile.teaching import teach_task
 from hybrid_tamp.verbs.learn import fit_primitive
 from hybrid_tamp.verbs.loading import Settings, domain_finder, load
 from hybrid_tamp.verbs.run import run

@@ -1,1 +1,1 @@
-"""Work that is shared out over the processors of this machine."""
+"""Parallel work on the processors of this machine."""

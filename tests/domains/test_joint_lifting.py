@@ -12,6 +12,7 @@ from hybrid_tamp_domains.joint_lifting.places import CREWS, SPOTS, corner_height
 from hybrid_tamp_domains.joint_lifting.predicates import BEARS, FEASIBLE, FITS, ON_SIDE, PREDICATES, UPRIGHT
 from pydantic import ValidationError
 from random_tasks.lifting import random_lifting
+from texts import load_task_text
 from validation import val_accepts
 
 import hybrid_tamp
@@ -27,7 +28,7 @@ from hybrid_tamp.motion.poses import quaternion_from_rpy
 from hybrid_tamp.physics import scene
 from hybrid_tamp.physics.protocol import Backend, open_backend
 from hybrid_tamp.symbolic.encoding.problem import compile_task
-from hybrid_tamp.taskfile.loader import load_task, load_task_text
+from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.testing import check_domain
 
 PROBLEMS = Path(__file__).parents[2] / "problems"

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from texts import load_task_text
 
 import hybrid_tamp
 from hybrid_tamp.errors import InputError, NoPlan
@@ -23,7 +24,7 @@ from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.questions.imitate.observation import Shown
 from hybrid_tamp.questions.imitate.segmentation import segment
 from hybrid_tamp.questions.imitate.transfer import transfer
-from hybrid_tamp.taskfile.loader import load_task, load_task_text
+from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.pose_tables import read_poses
 from hybrid_tamp.verbs.imitate import read_shown
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from texts import load_task_text
 
 import hybrid_tamp
 from hybrid_tamp.errors import ExecutionFailed, InputError, LimitReached, NoPlan
@@ -30,7 +31,7 @@ from hybrid_tamp.motion.poses import quaternion_from_rpy, quaternion_of_rotation
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.questions.probe.membership import Prober
 from hybrid_tamp.symbolic.encoding.problem import compile_task
-from hybrid_tamp.taskfile.loader import load_task, load_task_text
+from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.meshfile import read_mesh
 from hybrid_tamp.verbs.probe import probe, save_members
 

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import strength_needed
+from texts import load_task_text
 
 import hybrid_tamp
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.explain.explanation import explain
-from hybrid_tamp.taskfile.loader import load_task_text
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 ALONG_Y = "rpy: [1.5707963267948966, 0, 0]"

@@ -5,6 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from texts import load_task_text
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.affordance import (
@@ -25,7 +26,6 @@ from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.predicate import Kind, Parameter, Predicate, SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.taskfile.loader import load_task_text
 from hybrid_tamp.taskfile.places import shown
 
 

@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from texts import load_task_text
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.taskfile import domains
@@ -14,7 +15,7 @@ from hybrid_tamp.taskfile.domains import (
     find_task_file,
     installed_domain,
 )
-from hybrid_tamp.taskfile.loader import load_task, load_task_text
+from hybrid_tamp.taskfile.loader import load_task
 
 SOURCE = """\
 from hybrid_tamp.model.affordance import TOKEN, PlaceClass

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import pytest
+from texts import load_task_text
 
 from hybrid_tamp.errors import DomainError, InputError, Issue
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.taskfile.loader import load_task_text
 
 Issues = Callable[[str], tuple[Issue, ...]]
 

@@ -8,6 +8,7 @@ import jsonschema
 import numpy as np
 import pytest
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
+from texts import load_task_text
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.block import Block, Measure
@@ -16,7 +17,7 @@ from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Atom, Binding
 from hybrid_tamp.model.task import MidLevel, Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.taskfile.loader import load_task, load_task_text
+from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.reference import reference_page
 from hybrid_tamp.taskfile.schema import json_schema
 from hybrid_tamp.taskfile.yaml.nodes import parse

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from texts import load_task_text
 from workbench import DOMAIN, ON_ITS_HEAD, block, held
 
 from hybrid_tamp.errors import InputError, Issue
@@ -13,7 +14,7 @@ from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.predicate import Parameter, Predicate
-from hybrid_tamp.taskfile.loader import load_task, load_task_text
+from hybrid_tamp.taskfile.loader import load_task
 
 TWO_HANDS = (Path(__file__).parents[2] / "problems" / "tumble_two_hands.yaml").read_text(encoding="utf-8")
 BOX = "pose: {position: [0, 0, 0.18]}"

@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from texts import load_task_text
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.taskfile.loader import load_task, load_task_text
+from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.yaml import builder as yaml_builder
 from hybrid_tamp.taskfile.yaml.builder import MAX_DEPTH
 from hybrid_tamp.taskfile.yaml.nodes import MAX_BYTES, decode, parse
@@ -121,9 +122,11 @@ def test_ten_megabytes_of_nested_lists_are_refused_by_size_at_once(tmp_path: Pat
     assert time.perf_counter() - start < 1.0
 
 
-def test_a_text_is_refused_by_size_too() -> None:
+def test_a_text_is_refused_by_size_too(tmp_path: Path) -> None:
+    path = tmp_path / "t.yaml"
+    path.write_text("ä" * 600_000, encoding="utf-8")
     with pytest.raises(InputError, match="at most 1048576 bytes"):
-        load_task_text("ä" * 600_000, "t")
+        load_task(path)
 
 
 @pytest.mark.parametrize(

@@ -1,1 +1,1 @@
-"""YAML 1.2 with the line and column of every node."""
+"""Read and write YAML 1.2, with the line and column of every node."""

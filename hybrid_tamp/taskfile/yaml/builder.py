@@ -1,4 +1,4 @@
-"""Build plain data from parser events, with an explicit stack so that deep nesting cannot exhaust Python's."""
+"""Build plain data from parser events, on an explicit stack, so that deep nesting cannot exhaust Python's."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -20,7 +20,7 @@ from hybrid_tamp.taskfile.yaml.scalars import Unresolvable, check_tag, resolve
 MAX_DEPTH = 50
 """Deepest nesting of lists and mappings."""
 MAX_NODES = 50_000
-"""Largest number of keys and values in a file: about a thousand tokens, some seconds of parsing."""
+"""Largest number of keys and values in a file: about a thousand tokens, a few seconds of parsing."""
 
 
 def mark_of_event(event: Event) -> Mark:
@@ -38,11 +38,11 @@ class _Frame:
 
 
 class Builder:
-    """Takes events one by one.
+    """Builds the data of one document event by event.
 
     Attributes:
         roots: the document's data; empty if there is none.
-        faults: the places of all parts, and the faults that leave the rest readable.
+        faults: the places of all values, and the faults that leave the rest readable.
     """
 
     def __init__(self, source: str) -> None:
@@ -52,10 +52,10 @@ class Builder:
         self._nodes = 0
 
     def take(self, event: Event) -> bool:
-        """Take one event and return whether to go on.
+        """Take one event and return whether to continue.
 
         Raises:
-            InputError: the document is too deep or has too many parts.
+            InputError: the document is too deep or too large.
         """
         if isinstance(event, DocumentStartEvent):
             return self._take_document(event)
@@ -91,7 +91,7 @@ class Builder:
             self.faults.raise_all()
 
     def _take_key(self, event: NodeEvent, frame: _Frame, container: dict[str, Any]) -> None:
-        """Read a key; if it is not text, note the fault and continue with a stand-in."""
+        """Read a key; if it is not text, record the fault and continue with a stand-in."""
         mark = mark_of_event(event)
         frame.key = self._key(event, frame, mark)
         path = (*frame.path, frame.key)
@@ -118,7 +118,7 @@ class Builder:
         else:
             came = cut(f"*{event.anchor}") if isinstance(event, AliasEvent) else "a list or mapping"
             self.faults.add(mark, "a key must be text", came, remedy="write the key out")
-        # No text of a file can be equal to it: the place makes it unique.
+        # The place makes the stand-in different from every key of the file.
         stand_in = f"? {mark.line}:{mark.column}"
         self.faults.unreadable((*frame.path, stand_in))
         return stand_in
@@ -127,13 +127,13 @@ class Builder:
         mark = mark_of_event(event)
         path = self._next_path(frame)
         if isinstance(event, ScalarEvent) and not event.value and not event.style and path in self.faults.keys:
-            # An empty value has no place of its own: the parser gives it that of whatever comes next.
+            # An empty value has no place: the parser gives it that of the next event.
             mark = self.faults.keys[path]
         value = self._value(event, path, mark)
         self.faults.values.setdefault(path, mark)
         self.faults.spans.setdefault(path, (event.start_mark.index, event.end_mark.index))
         if isinstance(frame.container, dict):
-            # Of two equal keys the first one stays.
+            # The first of two equal keys stays.
             frame.container.setdefault(str(frame.key), value)
             frame.key = None
         else:
@@ -147,7 +147,7 @@ class Builder:
         return (*frame.path, len(frame.container) if frame.key is None else frame.key)
 
     def _value(self, event: NodeEvent, path: KeyPath, mark: Mark) -> Any:
-        """Return a scalar's value, or an empty list or mapping for what comes next to fill."""
+        """Return a scalar's value, or an empty list or mapping that the next events fill."""
         try:
             if isinstance(event, ScalarEvent):
                 value = resolve(event)

@@ -1,4 +1,4 @@
-"""Plain data as YAML 1.2 text that `nodes.parse` reads back as the same data."""
+"""Write plain data as YAML 1.2 text that `nodes.parse` reads as the same data."""
 
 import io
 import re
@@ -13,7 +13,7 @@ from hybrid_tamp.taskfile.yaml.scalars import value_of
 
 _WORDS = re.compile(r"\w[\w./-]*([ :][\w./-]+)*")
 _WIDTH = 4096
-"""Longer than any line, so that no line is broken."""
+"""Longer than any line, so that no line is wrapped."""
 
 
 def round_trip_yaml() -> YAML:
@@ -39,14 +39,14 @@ def one_line(value: Any) -> Any:
 
 
 def dump(data: Any) -> str:
-    """Return data as YAML text; it keeps the comments, quotes and layout that `round_trip_yaml` has read."""
+    """Return data as YAML text, with the comments, quotes and layout that `round_trip_yaml` has read."""
     out = io.StringIO()
     round_trip_yaml().dump(data, out)
     return out.getvalue()
 
 
 def quoted(data: Any) -> Any:
-    """Return data in which text has quotes if it would be read as something else without them."""
+    """Return data in which text has quotes if YAML would read it as something else without them."""
     if isinstance(data, Mapping):
         mapping = CommentedMap((quoted(key), quoted(value)) for key, value in data.items())
         return _like(data, mapping)

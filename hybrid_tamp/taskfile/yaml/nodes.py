@@ -1,4 +1,4 @@
-"""Read a file as plain data with the place of every value: YAML 1.2, core schema, bounded size, no objects."""
+"""Read YAML 1.2 (core schema, bounded size, no objects) as plain data with the place of every value."""
 
 import os
 import re
@@ -17,7 +17,7 @@ from hybrid_tamp.taskfile.yaml.syntax import add_syntax_fault
 MAX_BYTES = 1024 * 1024
 """Largest task file that is read [bytes]."""
 MAX_RUN = 10_000
-"""Longest run without blanks and quotes [characters]: the parser may need time quadratic in it."""
+"""Longest run without blanks and quotes [characters]: the time of the parser may be quadratic in it."""
 _ENDLESS = re.compile(rf"[^\s\"']{{{MAX_RUN + 1}}}")
 
 _TASK_FILE = "a task file is a mapping with the keys domain, tokens and goal"
@@ -28,8 +28,8 @@ class Document:
     """One YAML document as plain data.
 
     Attributes:
-        data: the root mapping; in it mappings with text keys, lists, texts, numbers, truth values and None.
-        faults: the place of every part, and the faults found while reading.
+        data: the root mapping; it contains mappings with text keys, lists, texts, numbers, truth values and None.
+        faults: the place of every value, and the faults found while reading.
     """
 
     data: dict[str, Any]
@@ -41,11 +41,11 @@ def read_text(path: Path, what: str = "a task file", most: int = MAX_BYTES) -> s
 
     Args:
         path: the file.
-        what: what messages call it.
+        what: its name in messages.
         most: its largest size [bytes].
 
     Raises:
-        InputError: it is missing, a folder, too large, not to be read, or not UTF-8.
+        InputError: it is missing, a folder, too large, unreadable or not UTF-8.
     """
     try:
         if path.is_dir():
@@ -58,7 +58,9 @@ def read_text(path: Path, what: str = "a task file", most: int = MAX_BYTES) -> s
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise InputError([Issue(str(path), "a file that can be read", reason)]) from error
-    check_size(size, str(path), what, most)
+    if size > most:
+        wanted = f"{what} has at most {most} bytes ({most // 1024**2} MiB)"
+        raise InputError([Issue(f"{path}:1:1", wanted, f"{size} bytes")])
     return decode(raw, str(path), what)
 
 
@@ -67,17 +69,6 @@ def _open_at_once(name: str, flags: int) -> int:
     descriptor = os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
     os.set_blocking(descriptor, True)
     return descriptor
-
-
-def check_size(size: int, source: str, what: str = "a task file", most: int = MAX_BYTES) -> None:
-    """Refuse a text of too many bytes before parsing it.
-
-    Raises:
-        InputError: there are more than `most`.
-    """
-    if size > most:
-        wanted = f"{what} has at most {most} bytes ({most // 1024**2} MiB)"
-        raise InputError([Issue(f"{source}:1:1", wanted, f"{size} bytes")])
 
 
 def decode(raw: bytes, source: str, what: str = "a task file") -> str:
@@ -89,7 +80,7 @@ def decode(raw: bytes, source: str, what: str = "a task file") -> str:
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        # The codec counts from behind a byte order mark.
+        # The codec counts from the end of the byte order mark.
         before = error.object[: error.start].decode("utf-8")
         mark = mark_of(before, len(before))
         where, came = f"{source}:{mark.line}:{mark.column}", f"the byte 0x{error.object[error.start]:02x}"
@@ -101,14 +92,14 @@ def parse(text: str, source: str, wanted: str = _TASK_FILE) -> Document:
 
     Args:
         text: the whole file.
-        source: its name as messages show it.
-        wanted: what is said of a text that is no mapping.
+        source: its name in messages.
+        wanted: message for a text that is not a mapping.
 
     Returns:
         The data, with the faults that leave the rest readable, e.g. duplicate keys.
 
     Raises:
-        InputError: the text is empty, not YAML, no mapping, too deep or has too many parts.
+        InputError: the text is empty, not YAML, not a mapping, too deep or too large.
     """
     builder, last = Builder(source), Mark()
     if run := _ENDLESS.search(text):
@@ -120,7 +111,7 @@ def parse(text: str, source: str, wanted: str = _TASK_FILE) -> Document:
             last = mark_of_event(event)
             if not builder.take(event):
                 break
-    # Malformed escapes and directives leave the parser as Python's own exceptions.
+    # For malformed escapes and directives the parser raises Python's own exceptions.
     except (YAMLError, ValueError, OverflowError, IndexError, TypeError, AttributeError) as error:
         add_syntax_fault(builder.faults, text, error, last)
         builder.faults.raise_all()

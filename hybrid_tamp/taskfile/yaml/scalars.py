@@ -1,6 +1,6 @@
-"""The values of single scalars by the core schema of YAML 1.2 (Sec. 10.3.2): `no` is text, `010` is ten.
+"""Resolve scalars by the core schema of YAML 1.2 (Sec. 10.3.2): `no` is text, `010` is ten.
 
-The parser's own tables also know underscores, binary numbers and dates, which YAML 1.2 does not.
+The parser's own tables also accept underscores, binary numbers and dates, which YAML 1.2 does not have.
 """
 
 import re
@@ -30,7 +30,7 @@ _TYPES: dict[str, type | tuple[type, ...]] = {
 
 @dataclass(eq=False)
 class Unresolvable(Exception):
-    """A scalar or tag without a value: what was wanted, what came, and a remedy."""
+    """A scalar or tag without a value: what was expected, what was found, and a remedy."""
 
     wanted: str
     came: str
@@ -41,7 +41,7 @@ def resolve(event: ScalarEvent) -> Any:
     """Return the value of a scalar: text, number, truth value or None.
 
     Raises:
-        Unresolvable: its tag is not of the core schema or does not fit, or its text is half a character.
+        Unresolvable: its tag is not in the core schema or does not fit, or its text has half a surrogate pair.
     """
     text = _whole_characters(event.value)
     tag = _tag(event)
@@ -64,7 +64,7 @@ def check_tag(event: CollectionStartEvent) -> None:
     """Refuse a list or mapping whose tag names another type.
 
     Raises:
-        Unresolvable: the tag is not the one of its kind in the core schema.
+        Unresolvable: the tag is not that of its kind in the core schema.
     """
     own = _CORE + ("map" if isinstance(event, MappingStartEvent) else "seq")
     tag = _tag(event)
@@ -86,7 +86,7 @@ def _written(tag: str) -> str:
 
 
 def _whole_characters(text: str) -> str:
-    r"""Join the halves of characters that JSON writes in two, e.g. ``"\ud83d\ude00"``."""
+    r"""Join the surrogate pairs that JSON writes, e.g. ``"\ud83d\ude00"``."""
     try:
         return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le")
     except UnicodeDecodeError as error:
@@ -101,7 +101,7 @@ def value_of(text: str) -> Any:
     if _BOOLEAN.fullmatch(text):
         return text.lower() == "true"
     if _DECIMAL.fullmatch(text):
-        # Python refuses to convert very long ones; as infinity it is refused with its place.
+        # Python refuses to convert very long integers; infinity is refused later, with its place.
         return int(text) if len(text) <= _LONGEST_INTEGER else float(text)
     for base, pattern in _BASES.items():
         if digits := pattern.fullmatch(text):

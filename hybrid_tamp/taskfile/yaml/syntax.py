@@ -1,4 +1,4 @@
-"""Translate the parser's errors, each with its place."""
+"""Translate the parser's errors into faults at their places."""
 
 import re
 
@@ -24,13 +24,13 @@ _WANTED = (
 
 
 def add_syntax_fault(faults: Faults, text: str, error: Exception, last: Mark) -> None:
-    """Note why a text is not YAML, including every later tab in an indentation.
+    """Record why a text is not YAML, and every later tab in an indentation.
 
     Args:
-        faults: where to note it.
+        faults: receives the faults.
         text: the whole text.
-        error: what the parser raised.
-        last: the place of the last part that was read, for errors that name none.
+        error: the error that the parser raised.
+        last: the place of the last event, for errors without a place.
     """
     if isinstance(error, ReaderError):
         remedy = "remove it, or write it as an escape in double quotes"
