@@ -1,1 +1,1 @@
-"""What several domains share, written once: hands, regions, REACHING and RESTING."""
+"""What several domains share: hands, regions, vectors, servos, motor primitives, REACHING and RESTING."""

@@ -1,4 +1,4 @@
-"""Motor primitives that blocks' reference trajectories are made of, learnt from demonstrations."""
+"""Motor primitives, learnt from demonstrations, and the reference trajectories that they give."""
 
 from collections.abc import Callable
 from functools import cache
@@ -8,9 +8,11 @@ import numpy as np
 
 from hybrid_tamp.authoring import DMP, FloatArray, Profile, minimum_jerk
 
+from .vectors import HORIZONTAL, UP
+
 _SAMPLES = 201
 _AHEAD = 0.5
-"""How far ahead the demonstrated reach goes, along its x axis [m]."""
+"""Distance that the demonstrated reach covers along its x axis [m]."""
 
 Reference = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Elapsed time ``(...)`` [s] to position [m] and velocity [m/s], each ``(..., 3)``."""
@@ -18,7 +20,7 @@ Reference = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 @cache
 def demonstrated_reach() -> DMP:
-    """Return the curved reach in three dimensions, learnt from the demonstration that comes with the package."""
+    """Return the curved reach in three dimensions, learnt from the demonstration in the package."""
     with files(__package__).joinpath("reach.csv").open(encoding="utf-8") as lines:
         table = np.loadtxt(lines, delimiter=",", skiprows=1)
     return DMP.imitate(table[:, 0], table[:, 1:], n_weights=20)
@@ -26,7 +28,7 @@ def demonstrated_reach() -> DMP:
 
 @cache
 def straight_movement() -> DMP:
-    """Return the primitive in one dimension that goes from 0 to 1 as people's straight movements do.
+    """Return the primitive in one dimension of a straight human movement from 0 to 1.
 
     Its demonstration is the minimum-jerk profile (Flash and Hogan 1985), at rest at both ends.
     """
@@ -36,24 +38,47 @@ def straight_movement() -> DMP:
 
 @cache
 def straight_profile() -> Profile:
-    """Return how `straight_movement` goes from its beginning to its end."""
+    """Return the profile of `straight_movement`."""
     return Profile(straight_movement())
 
 
+def profile_of(primitive: DMP | None) -> Profile:
+    """Return the profile of a primitive in one dimension; by default the straight one."""
+    return straight_profile() if primitive is None else Profile(primitive)
+
+
+def move_straight(origin: FloatArray, way: FloatArray, duration: float, begin: float = 0.0) -> Reference:
+    """Return a straight movement from rest to rest.
+
+    Args:
+        origin: where it begins, ``(..., 3)`` [m].
+        way: vector from there to its end, ``(..., 3)`` [m].
+        duration: how long it takes [s].
+        begin: when it begins [s].
+    """
+    profile = straight_profile()
+
+    def at(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        phase = (elapsed - begin) / duration
+        done, speed = profile.share(phase)[..., None], profile.rate(phase)[..., None] / duration
+        return origin + done * way, speed * way
+
+    return at
+
+
 def reach_over(start: FloatArray, goal: FloatArray, duration: FloatArray) -> Reference:
-    """Return the demonstrated reach, turned and stretched to lead from one place to another; its lift stays as it is.
+    """Return the demonstrated reach, turned and stretched to lead from start to goal. Its height is unchanged.
 
     Args:
         start: where it begins, ``(..., 3)`` [m].
         goal: where it ends, ``(..., 3)`` [m].
         duration: how long it takes, ``(...)`` [s].
     """
-    level, up = np.array([1.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
-    begin, way = start * level, (goal - start) * level
-    movement = demonstrated_reach().trajectory(start * up, goal * up + _AHEAD * np.array([1.0, 0.0, 0.0]), duration)
+    begin, way = start * HORIZONTAL, (goal - start) * HORIZONTAL
+    movement = demonstrated_reach().trajectory(start * UP, goal * UP + _AHEAD * np.array([1.0, 0.0, 0.0]), duration)
 
     def at(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
-        position, velocity = (each[..., :1] / _AHEAD * way + each * up for each in movement.at(elapsed)[:2])
+        position, velocity = (each[..., :1] / _AHEAD * way + each * UP for each in movement.at(elapsed)[:2])
         return begin + position, velocity
 
     return at

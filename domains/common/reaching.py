@@ -1,13 +1,11 @@
 """REACHING (paper, D5): a hand's curved reach to a place beside an object.
 
-The block is written once; a domain says where its hands reach to (`ReachGoal`). The movement is a dynamic movement
-primitive learnt from a demonstrated reach (``reach.csv``) that lifts the hand, carries it over and sets it down, or
-whatever other one it is taught.
+A domain says where its hands reach to (`ReachGoal`). The movement is a dynamic movement primitive learnt from a
+demonstrated reach (``reach.csv``): it lifts the hand, carries it over and sets it down. It can be taught another one.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
@@ -28,17 +26,17 @@ from hybrid_tamp.authoring import (
     Slot,
     State,
     Target,
-    Token,
 )
 
 from .classes import StaticEndEffector
 from .predicates import AT_REST
 from .primitives import demonstrated_reach
+from .roles import MOTION, get_token
 from .servos import hand_servo, hand_system
 from .timetable import Timetable
 
-LIFT = 0.36
-"""How far above its start and goal the demonstrated reach carries the hand [m]."""
+_LIFT = 0.36
+"""Height of the demonstrated reach above its start and goal [m]."""
 _MEAN_SPEED = 0.5
 _SETTLING = 0.15
 
@@ -48,12 +46,12 @@ class ReachGoal:
     """Where a domain's hands reach to.
 
     Attributes:
-        targets: what the goal is given by, e.g. an object and a region.
-        position: ``position(binding, state)`` of the hand's centre when it has arrived, ``(..., 3)`` [m].
-        entry: conditions under which the reach makes sense.
-        arrived: the conditions that say the hand is there.
-        hand_class: the hands that reach there.
-        keeps: predicates that stay as they are although they read where the hand is.
+        targets: roles that determine the goal, e.g. an object and a region.
+        position: ``position(binding, state)`` of the hand's centre at the goal, ``(..., 3)`` [m].
+        entry: conditions at the start of the reach.
+        arrived: conditions that hold at the goal.
+        hand_class: class of the hands that reach there.
+        keeps: predicates that the reach leaves unchanged although they read the position of the hand.
     """
 
     targets: tuple[Target, ...]
@@ -64,30 +62,32 @@ class ReachGoal:
     keeps: tuple[Predicate, ...] = ()
 
 
+def estimate_duration(distance: FloatArray) -> FloatArray:
+    """Return the time [s] of a reach over a distance [m], ``(...)``, with which optimisation begins."""
+    return np.asarray(1.2 + (distance + 2 * _LIFT) / (2 * _MEAN_SPEED))
+
+
 def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
     """Return REACHING for one kind of goal.
 
     Args:
         goal: where the hands reach to.
-        mode: its name as one mode of several, or None.
+        mode: name of the mode, or None for a single mode.
         primitive: the movement, in three dimensions; the demonstrated reach by default.
     """
 
     def initial_duration(binding: Binding, state: State) -> FloatArray:
-        hand = cast(Token, binding["hand"])
-        distance = np.linalg.norm(goal.position(binding, state) - state[hand, "position"], axis=-1)
-        return np.asarray(1.2 + (distance + 2 * LIFT) / (2 * _MEAN_SPEED))
+        way = goal.position(binding, state) - state[get_token(binding, "hand"), "position"]
+        return estimate_duration(np.linalg.norm(way, axis=-1))
 
     def expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
         return float(hyperparameters["duration"]) + _SETTLING
 
     def make_policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
-        hand = cast(Token, binding["hand"])
+        hand = get_token(binding, "hand")
         movement = primitive or demonstrated_reach()
-        reference = movement.trajectory(
-            start[hand, "position"], goal.position(binding, start), parameters.hyperparameters["duration"]
-        )
-
+        duration = parameters.hyperparameters["duration"]
+        reference = movement.trajectory(start[hand, "position"], goal.position(binding, start), duration)
         servo = hand_servo(hand, start)
         timetable = Timetable(lambda elapsed: reference.at(elapsed)[:2], start)
 
@@ -97,7 +97,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         return policy
 
     def outcome(binding: Binding, state: State) -> State:
-        return state.replace({(cast(Token, binding["hand"]).name, "position"): goal.position(binding, state)})
+        return state.replace({(get_token(binding, "hand").name, "position"): goal.position(binding, state)})
 
     return Block(
         name="REACHING" if mode is None else f"REACHING:{mode}",
@@ -106,7 +106,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         targets=goal.targets,
         entry=goal.entry,
         exit=(*goal.arrived, AT_REST("hand")),
-        writes={"hand": ("position", "velocity")},
+        writes={"hand": MOTION},
         keeps=goal.keeps,
         hyperparameters=(Hyperparameter("duration", "s", 0.8, 8.0, initial_duration, "how long the reach takes"),),
         duration=Duration(0.3, 12.0, expected),

@@ -1,31 +1,16 @@
-"""RESTING (paper, D6): whatever nothing manipulates."""
+"""RESTING (paper, D6): no block manipulates the token."""
 
-from typing import cast
-
-from hybrid_tamp.authoring import (
-    TOKEN,
-    Binding,
-    Block,
-    Commands,
-    Duration,
-    FloatArray,
-    Parameters,
-    Policy,
-    Slot,
-    State,
-    Token,
-)
+from hybrid_tamp.authoring import TOKEN, Binding, Block, Commands, Duration, FloatArray, Parameters, Policy, Slot, State
 
 from .predicates import AT_REST
+from .roles import get_token
 from .servos import hand_servo
 
 
-def _stay(binding: Binding, start: State, parameters: Parameters) -> Policy:
-    """Hold a hand where it was; other tokens take no commands."""
-    token = cast(Token, binding["token"])
-    place = start[token, "position"].copy()
-
-    servo = hand_servo(token, start)
+def stay(binding: Binding, start: State, parameters: Parameters, slot: str = "token") -> Policy:
+    """Make the policy that holds a hand where it starts; a token without basic actions gets no commands."""
+    token = get_token(binding, slot)
+    place, servo = start[token, "position"].copy(), hand_servo(token, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         return servo(state, place, 0.0)
@@ -40,6 +25,6 @@ RESTING = Block(
     entry=(AT_REST("token"),),
     duration=Duration(0.1, 3600.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
-    policy=_stay,
+    policy=stay,
     description="nothing manipulates the token; a hand stays where it is",
 )

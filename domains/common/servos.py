@@ -1,7 +1,7 @@
-"""Servos that turn a hand's basic actions, a force and perhaps a torque, into positions and orientations."""
+"""Servos that bring a hand to positions and orientations by its basic actions: a force and perhaps a torque."""
 
 from collections.abc import Callable
-from typing import Protocol, cast
+from typing import Protocol
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from hybrid_tamp.authoring import (
     quaternion_conjugate,
     quaternion_multiply,
 )
+
+from .roles import get_token
 
 STIFFNESS = 8000.0
 """Stiffness of the position servo [N/m]."""
@@ -48,7 +50,7 @@ def damping(mass: float, stiffness: float = STIFFNESS) -> float:
 
 
 def position_servo(hand: Token) -> ForceServo:
-    """Return the law of the force that drives a hand, a token with a mass, to a moving reference."""
+    """Return the feedback law of the force that drives a hand to a moving reference."""
     brake = damping(hand["mass"])
 
     def force(state: State, position: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
@@ -59,7 +61,7 @@ def position_servo(hand: Token) -> ForceServo:
 
 
 def turn_between(orientation: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Return the turn ``(..., 3)`` [rad] in the world from one orientation to another, for small ones."""
+    """Return the small rotation ``(..., 3)`` [rad], in the world, from one orientation to another."""
     error = quaternion_multiply(wanted, quaternion_conjugate(orientation))
     return np.asarray(np.copysign(2.0, error[..., 3:]) * error[..., :3])
 
@@ -79,9 +81,9 @@ def turning_rate(state: State, token: Token, wanted: FloatArray, velocity: Float
 
 
 def hand_servo(hand: Token, start: State) -> Servo:
-    """Return the servo of all that a hand is driven by; a wrist that turns keeps the orientation that it starts with.
+    """Return the servo of all basic actions of a hand. A wrist with a torque keeps its orientation at the start.
 
-    For a token without basic actions it commands nothing.
+    For a token without basic actions it returns no commands.
     """
     actions = {action.name for action in hand.basic_actions}
     force = position_servo(hand) if "force" in actions else None
@@ -100,7 +102,7 @@ def hand_servo(hand: Token, start: State) -> Servo:
 
 def hand_system(binding: Binding, start: State) -> ContinuousSystem:
     """Make the system of a gravity-compensated hand that touches nothing: a point mass (semi-implicit Euler)."""
-    hand = cast(Token, binding["hand"])
+    hand = get_token(binding, "hand")
     mass = hand["mass"]
 
     def system(state: State, commands: Commands, dt: float) -> State:
@@ -112,5 +114,5 @@ def hand_system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def force_on(hand: Token, state: State, commands: Commands) -> FloatArray:
-    """Return the commanded force on a hand ``(..., 3)`` [N]; zero where nothing is commanded."""
+    """Return the commanded force on a hand ``(..., 3)`` [N]; zero without a command."""
     return commands.get((hand.name, "force"), np.zeros_like(state[hand, "position"]))

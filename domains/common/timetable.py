@@ -1,4 +1,4 @@
-"""References by time alone, read many control periods at once: that costs little more than reading one."""
+"""References by time alone, evaluated for many control periods at once, and durations in whole milliseconds."""
 
 from collections.abc import Callable
 
@@ -7,27 +7,27 @@ import numpy as np
 from hybrid_tamp.authoring import CONTROL_PERIOD, FloatArray, State
 
 _ROWS = 64
-"""Control periods that are read at once."""
+"""Number of control periods that are evaluated at once."""
 
 Reference = Callable[[FloatArray], tuple[FloatArray, ...]]
-"""From elapsed times, shape ``(...)``, to quantities, each of shape ``(..., d)``."""
+"""Elapsed times ``(...)`` [s] to quantities, each ``(..., d)``."""
 
 
 class Timetable:
-    """A reference whose values at whole control periods are looked up.
+    """A cache of a reference at whole control periods: 64 of them cost little more than one.
 
-    What it returns follows from the elapsed time alone, whatever it was asked before.
+    Its values depend on the elapsed time only, not on earlier calls.
     """
 
     def __init__(self, read: Reference, start: State) -> None:
-        """Make it of a reference for the batch of a state."""
+        """Wrap a reference for states of the same batch shape as `start`."""
         self._read = read
         self._batch = start.values.ndim - 1
         self._page = -1
         self._table: tuple[FloatArray, ...] = ()
 
     def __call__(self, elapsed: FloatArray) -> tuple[FloatArray, ...]:
-        """Return the quantities at an elapsed time [s], one for all or each its own, shape ``(...)``."""
+        """Return the quantities at an elapsed time [s]: a scalar, or one for each member of the batch ``(...)``."""
         if np.ndim(elapsed) > 0:
             return self._read(elapsed)
         place = float(elapsed) / CONTROL_PERIOD
@@ -40,3 +40,8 @@ class Timetable:
             self._table = self._read(times.reshape(-1, *(1,) * self._batch))
             self._page = page
         return tuple(quantity[row] for quantity in self._table)
+
+
+def round_up(seconds: float) -> float:
+    """Round a duration [s] up to whole milliseconds, in which schedules count."""
+    return float(np.ceil(1e3 * seconds) / 1e3)

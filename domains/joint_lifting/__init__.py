@@ -1,29 +1,45 @@
-"""Joint lifting (paper, Sec. II-E): hands, of one robot or of several, lift together what is too heavy for fewer.
+"""Joint lifting (paper, Sec. II-E): hands, of one robot or of several, lift things too heavy for fewer hands.
 
-The story, in order: `places` (where hands bear a box), `classes` (what is lifted), `load` (what hands bear by
-friction), `predicates`, `bearing` (how hands bear a box between them), `lifting` (LIFTING, HOLDING and LOWERING, by two
-hands or by four), and `network`. REACHING (D5) and RESTING (D6) come from `..common`.
+Read the modules in this order: `places` (where hands bear a box), `classes`, `load` (loads borne by friction),
+`predicates`, `bearing` (policy and forward model of hands that bear a box), `lifting` (LIFTING, HOLDING and LOWERING,
+by two hands or by four). REACHING (D5) and RESTING (D6) come from `..common`.
 """
 
-from typing import cast
+from collections.abc import Iterator
 
-from hybrid_tamp.authoring import Binding, Domain, FloatArray, State, Target, Token
+from hybrid_tamp.authoring import Binding, Domain, FloatArray, ReassignmentNetwork, State, Target
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST
 from ..common.reaching import ReachGoal, reaching
 from ..common.resting import RESTING
+from ..common.roles import get_symbol, get_tokens
+from .bearing import places_of
 from .classes import Liftable
-from .lifting import BEARING
+from .lifting import BEARING, MODES
 from .metrics import metrics
-from .network import network
 from .places import PLACE, place_at
 from .predicates import AT_PLACE, FITS, ON_SIDE, PREDICATES, STANDS, UPRIGHT, WITHIN_REACH
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
-    hand, thing = cast(Token, binding["hand"]), cast(Token, binding["object"])
-    return place_at(state, hand, thing, cast(str, binding["place"]))
+    return place_at(state, *get_tokens(binding, "hand", "object"), get_symbol(binding, "place"))
+
+
+def _edges() -> Iterator[tuple[str, str]]:
+    """Yield the reassignments. An edge that names an action alone holds for each of its modes.
+
+    A box in the air is passed on with all its hands, in the mode in which it was lifted.
+    """
+    yield from (("RESTING.token", "REACHING.hand"), ("REACHING.hand", "RESTING.token"))
+    yield from (("RESTING.token", "LIFTING.object"), ("LOWERING.object", "RESTING.token"))
+    for mode, crew in MODES.items():
+        hands = [slot for slot, _ in places_of(crew)]
+        yield from ((f"LIFTING:{mode}.{slot}", f"HOLDING:{mode}.{slot}") for slot in (*hands, "object"))
+        yield from ((f"HOLDING:{mode}.{slot}", f"LOWERING:{mode}.{slot}") for slot in (*hands, "object"))
+        yield from (("REACHING.hand", f"LIFTING:{mode}.{slot}") for slot in hands)
+        yield from ((f"LOWERING:{mode}.{slot}", "REACHING.hand") for slot in hands)
+        yield from ((f"LOWERING:{mode}.{slot}", "RESTING.token") for slot in hands)
 
 
 _BESIDE = ReachGoal(
@@ -46,7 +62,7 @@ DOMAIN = Domain(
     disjoint=((StaticEndEffector, Liftable),),
     predicates=(AT_REST, *PREDICATES),
     blocks=_BLOCKS,
-    network=network(_BLOCKS),
+    network=ReassignmentNetwork(_edges(), [block.name for block in _BLOCKS]),
     metrics=metrics,
     description="hands lift together what is too heavy for fewer of them",
 )

@@ -1,14 +1,13 @@
 """How hands bear a box between them: the policy and the forward model that LIFTING, HOLDING and LOWERING share.
 
-Each hand follows its reference c, which moves with the box: F = K (c - x) + D (c' - v) - S n + W z, n the outward
-normal of its face, along which K is smaller, S the squeeze and W its share of the weight. Nothing but friction joins
-hand and box: in the forward model, too, a hand bears at most mu times the force with which it presses on its face, and
-beyond that the box slips.
+Each hand follows its reference c, which moves with the box: F = K (c - x) + D (c' - v) - S n + W z. Here n is the
+outward normal of its face, along which K is smaller, S is the squeeze and W is its share of the weight. Only friction
+joins hand and box. In the forward model, too, a hand bears at most mu times the force with which it presses on its
+face; with more load the box slips.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
@@ -24,16 +23,18 @@ from hybrid_tamp.authoring import (
     Token,
 )
 
+from ..common.roles import get_token
 from ..common.servos import STIFFNESS, damping, force_on
+from ..common.vectors import UP, dot
 from .load import friction, largest_squeeze, load, squeeze_for
-from .places import CREWS, UP, corner_heights, dot, gap_at, outward
+from .places import CREWS, corner_heights, gap_at, outward
 
 SLOTS = ("first", "second", "third", "fourth")
 """Slots of the hands, in the order of the places of a crew."""
 _SOFTNESS = 0.1
 """Stiffness of a hand that squeezes along the normal of its face, as a share of its stiffness in other directions.
 
-Along the face it has to be stiff: two hands that push against each other with S over a length L buckle, and the box
+Along the face the hand must be stiff: two hands that push against each other with S over a length L buckle, and the box
 turns about the vertical, unless S < K L / 2.
 """
 _TOUCH = 1e-4
@@ -41,10 +42,10 @@ _TOUCH = 1e-4
 
 @dataclass(frozen=True)
 class Roles:
-    """What an instance is bound to.
+    """The tokens of an instance.
 
     Attributes:
-        crew: how many hands there are.
+        crew: symbol of the number of hands.
         hands: the hands with their places.
         thing: the box.
     """
@@ -56,8 +57,8 @@ class Roles:
     @classmethod
     def of(cls, crew: str, binding: Binding) -> "Roles":
         """Read the roles of a binding."""
-        hands = tuple((cast(Token, binding[slot]), place) for slot, place in places_of(crew))
-        return cls(crew, hands, cast(Token, binding["object"]))
+        hands = tuple((get_token(binding, slot), place) for slot, place in places_of(crew))
+        return cls(crew, hands, get_token(binding, "object"))
 
 
 def places_of(crew: str) -> tuple[tuple[str, str], ...]:
@@ -67,14 +68,14 @@ def places_of(crew: str) -> tuple[tuple[str, str], ...]:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """How far a movement has come at a time, each of shape ``(...)``.
+    """The progress of a movement at a time, each of shape ``(...)``.
 
     Attributes:
-        closed: how far the hands have come from where they start to the other end of their gap, 0 to 1.
+        closed: share of their gap that the hands have travelled, 0 to 1.
         closing: its rate [1/s].
         grip: share of the squeeze.
-        loaded: share of the weight that the hands bear, at most as much as of the squeeze.
-        rise: how far up the box is to be from where it starts [m].
+        loaded: share of the weight that the hands bear, at most `grip`.
+        rise: planned height of the box above its start [m].
         rising: its rate [m/s].
     """
 
@@ -99,8 +100,8 @@ def bearing(
         roles: hands and box.
         start: state at the beginning.
         squeeze: force with which each hand presses on its face, ``(...)`` [N].
-        gaps: how far each hand moves towards its face in the course, ``(...)`` [m]; away from it if negative.
-        course: the course by the elapsed time ``(...)`` [s].
+        gaps: distance that each hand moves towards its face, ``(...)`` [m]; away from it if negative.
+        course: elapsed time ``(...)`` [s] to the progress of the movement.
     """
     weight = load(roles.thing, roles.crew) * UP
     references = [
@@ -125,7 +126,7 @@ def bearing(
             place = begun - normal * (gap * closed) + UP * rise
             velocity = UP * rising - normal * (gap * closing)
             error = place - state[hand, "position"]
-            # Several hands reach their places only about: none is to press harder than the others for that.
+            # Hands reach their places approximately; for that, none must press harder than the others.
             given_way = normal * ((1.0 - _SOFTNESS) * grip * dot(error, normal)[..., None])
             push = STIFFNESS * (error - given_way) - normal * (squeeze[..., None] * grip)
             braking = brake * (velocity - state[hand, "velocity"])
@@ -136,10 +137,10 @@ def bearing(
 
 
 def squeezing(crew: str) -> Hyperparameter:
-    """Return the hyperparameter of how hard hands squeeze; at most so that they can bear the box besides."""
+    """Return the hyperparameter of the squeeze; its bound leaves the hands enough force to bear the box."""
 
     def initial(binding: Binding, state: State) -> FloatArray:
-        return np.asarray(squeeze_for(cast(Token, binding["object"]), crew))
+        return np.asarray(squeeze_for(get_token(binding, "object"), crew))
 
     def within(binding: Binding) -> tuple[float, float]:
         roles = Roles.of(crew, binding)
@@ -149,17 +150,17 @@ def squeezing(crew: str) -> Hyperparameter:
 
 
 def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSystem:
-    """Move hands and box by Coulomb friction: upwards they go as one, as far as the hands press hard enough.
+    """Make the system: Coulomb friction joins hands and box vertically as long as the hands press hard enough.
 
-    The box keeps its orientation and moves up and down only; the floor stops it. A hand that touches is stopped by its
-    face, which the hands on the other side hold.
+    The box keeps its orientation, moves up and down only, and stops at the floor. The faces stop the hands; the hands
+    on the opposite side hold the box.
     """
     roles = Roles.of(crew, binding)
     thing, mass, coefficient = roles.thing, roles.thing["mass"], friction(roles.thing)
 
     def system(state: State, commands: Commands, dt: float) -> State:
         lowest = -corner_heights(state, thing).min(axis=-1) / dt
-        """Vertical speed with which the box comes to the floor [m/s]."""
+        """Vertical speed that brings the box to the floor in this step [m/s]."""
         sinking = state[thing, "velocity"][..., 2] - GRAVITY * dt
         moved = [(hand, *_pressed(state, hand, thing, place, commands, dt)) for hand, place in roles.hands]
         momentum, total = mass * sinking, mass * np.ones_like(sinking)
@@ -178,7 +179,7 @@ def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSyste
             changes[hand.name, "position"] = state[hand, "position"] + after * dt
         speed = np.maximum(sinking + lifting / mass, lowest)
         changes[thing.name, "position"] = state[thing, "position"] + UP * (speed * dt)[..., None]
-        # On the floor it is at rest, whatever way it had to go there.
+        # On the floor the box is at rest, at any distance that it moved in this step.
         changes[thing.name, "velocity"] = UP * np.where(speed > lowest, speed, 0.0)[..., None]
         changes[thing.name, "angular_velocity"] = np.zeros_like(state[thing, "angular_velocity"])
         return state.replace(changes)
@@ -189,7 +190,7 @@ def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSyste
 def _pressed(
     state: State, hand: Token, thing: Token, place: str, commands: Commands, dt: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the velocity ``(..., 3)`` [m/s] of a hand that its face stops, and how hard it presses ``(...)`` [N]."""
+    """Return a hand's velocity ``(..., 3)`` [m/s], stopped at its face, and the force ``(...)`` [N] that presses."""
     force, normal = force_on(hand, state, commands), outward(state, thing, place)
     velocity = state[hand, "velocity"] + force / hand["mass"] * dt
     gap = np.maximum(gap_at(state, hand, thing, place), 0.0)

@@ -1,8 +1,8 @@
 """LIFTING, HOLDING and LOWERING (paper, Sec. II-E): hands on opposite sides of a box lift it, keep it up, set it down.
 
-Each comes in two modes: ``two``, with one hand on either side, and ``four``, with two on either side. A box that is too
-heavy for two hands can be lifted by four, which may be those of two robots. No hand is joined to the box: LIFTING and
-LOWERING end by themselves, and HOLDING keeps the box in the air as long as the hands squeeze it.
+Each has two modes: ``two``, with one hand on either side, and ``four``, with two on either side. If a box is too heavy
+for two hands, four can lift it, also those of two robots. No hand is joined to the box: LIFTING and LOWERING end by
+themselves, and HOLDING keeps the box in the air as long as the hands squeeze it.
 """
 
 from collections.abc import Callable
@@ -30,10 +30,13 @@ from hybrid_tamp.authoring import (
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST, REST_SPEED
-from ..common.primitives import straight_profile
+from ..common.primitives import profile_of, straight_profile
+from ..common.roles import BODY, MOTION
+from ..common.timetable import round_up
+from ..common.vectors import UP
 from .bearing import Course, Roles, bearing, bearing_system, places_of, squeezing
 from .classes import Liftable
-from .places import FLOOR_TOLERANCE, STANDBY_GAP, UP, corner_heights, gap_at, place_at
+from .places import FLOOR_TOLERANCE, STANDBY_GAP, corner_heights, gap_at, place_at
 from .predicates import (
     AT_PLACE,
     BEARS,
@@ -50,14 +53,13 @@ from .predicates import (
 )
 
 MODES = {"two": "two hands", "four": "four hands"}
-"""Mode to the crew that lifts."""
+"""Mode to its crew."""
 _CLOSING = 0.3
-"""How long hands take to close on a box, and to come away from it [s]."""
+"""Time for hands to close on a box, and to move away from it [s]."""
 GRASPED = 0.5
-"""How long they take until they squeeze it with all their force and bear its weight [s]."""
+"""Time until the hands squeeze the box fully and bear its weight [s]."""
 _HELD = 1.0
-"""How long a box is held up at least [s]."""
-_BODY = ("position", "orientation", "velocity", "angular_velocity")
+"""Least time for which a box is held up [s]."""
 _SPEED = Hyperparameter("speed", "m/s", 0.03, 0.2, lambda b, s: np.asarray(0.1), "mean speed up or down")
 _HEIGHT = Hyperparameter("height", "m", 0.11, 0.3, lambda b, s: np.asarray(LIFT), "how high the box is lifted")
 
@@ -72,7 +74,7 @@ def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameter
         closing, rising = elapsed / _CLOSING, (elapsed - GRASPED) / duration
         closed, rate = straight_profile().share(closing), straight_profile().rate(closing) / _CLOSING
         grip = straight_profile().share(elapsed / GRASPED)
-        # A hand that bore weight before it touches would rise.
+        # A hand that bears weight before it touches the box would rise.
         loaded = straight_profile().share((elapsed - _CLOSING) / (GRASPED - _CLOSING))
         rise, climb = height * profile.share(rising), height * profile.rate(rising) / duration
         return Course(closed, rate, grip, loaded, rise, climb)
@@ -102,7 +104,7 @@ def _lower(crew: str, profile: Profile, binding: Binding, start: State, paramete
         rise, climb = -drop * profile.share(sinking), -drop * profile.rate(sinking) / duration
         return Course(opened, rate, grip, grip, rise, climb)
 
-    # Away from the face, to where hands stand by.
+    # Away from the face, to the place where hands stand by.
     gaps = (np.asarray(-STANDBY_GAP),) * len(roles.hands)
     return bearing(roles, start, squeeze, gaps, course)
 
@@ -114,21 +116,12 @@ def _falling(drop: FloatArray, speed: FloatArray) -> FloatArray:
 def _lifted(crew: str, profile: Profile, binding: Binding, state: State, chosen: Hyperparameters) -> float:
     height, speed = float(chosen["height"]), float(chosen["speed"])
     arrival = float(profile.arrival(height, height / speed, height - RAISED_HEIGHT, REST_SPEED))
-    return _whole(GRASPED + arrival)
-
-
-def _held(binding: Binding, state: State, chosen: Hyperparameters) -> float:
-    return _HELD
+    return round_up(GRASPED + arrival)
 
 
 def _lowered(crew: str, binding: Binding, state: State, chosen: Hyperparameters) -> float:
     drop = corner_heights(state, Roles.of(crew, binding).thing).min(axis=-1)
-    return _whole(float(_falling(drop, np.asarray(chosen["speed"]))) + _CLOSING)
-
-
-def _whole(seconds: float) -> float:
-    """Schedules count in milliseconds."""
-    return float(np.ceil(1e3 * seconds) / 1e3)
+    return round_up(float(_falling(drop, np.asarray(chosen["speed"]))) + _CLOSING)
 
 
 def _up(crew: str, binding: Binding, state: State) -> State:
@@ -150,7 +143,7 @@ def _at(roles: Roles, state: State, way: FloatArray, gap: float) -> State:
 
 
 def _able(crew: str) -> tuple[Literal, ...]:
-    """Return what has to be so of the hands of a crew, each at its place, before any search."""
+    """Return the static conditions on the hands of a crew, each at its place."""
     return tuple(
         literal
         for slot, place in places_of(crew)
@@ -169,7 +162,7 @@ def _at_places(crew: str) -> tuple[Literal, ...]:
 
 
 def _together(action: str, mode: str, duration: Duration, policy: Callable[..., Policy], profile: Profile) -> Block:
-    """Return what the three actions have in common in a mode: hands at their places, which can bear the box."""
+    """Return the common part of the three actions in a mode: able hands are at their places."""
     crew = MODES[mode]
     slots = [slot for slot, _ in places_of(crew)]
     return Block(
@@ -178,8 +171,8 @@ def _together(action: str, mode: str, duration: Duration, policy: Callable[..., 
         anchor="object",
         entry=(*_at_places(crew), *_able(crew)),
         exit=(AT_REST("object"), *(AT_REST(slot) for slot in slots)),
-        writes={**{slot: ("position", "velocity") for slot in slots}, "object": _BODY},
-        # A box goes straight up and down, so what was feasible stays so.
+        writes={**{slot: MOTION for slot in slots}, "object": BODY},
+        # A box moves straight up and down, so feasibility does not change.
         keeps=FEASIBLE,
         hyperparameters=(squeezing(crew),),
         duration=duration,
@@ -189,8 +182,8 @@ def _together(action: str, mode: str, duration: Duration, policy: Callable[..., 
 
 
 def lifting(mode: str, primitive: DMP | None = None) -> Block:
-    """Return one mode of LIFTING; its primitive is the course of the rise, by default a straight movement."""
-    profile, crew = straight_profile() if primitive is None else Profile(primitive), MODES[mode]
+    """Return one mode of LIFTING; its primitive moves the box up, by default a straight movement."""
+    profile, crew = profile_of(primitive), MODES[mode]
     block = _together("LIFTING", mode, Duration(GRASPED, 12.0, partial(_lifted, crew, profile)), _lift, profile)
     return replace(
         block,
@@ -207,7 +200,9 @@ def lifting(mode: str, primitive: DMP | None = None) -> Block:
 def holding(mode: str) -> Block:
     """Return one mode of HOLDING."""
     crew = MODES[mode]
-    block = _together("HOLDING", mode, Duration(_HELD, 60.0, _held), _hold, straight_profile())
+    block = _together(
+        "HOLDING", mode, Duration(_HELD, 60.0, lambda binding, state, chosen: _HELD), _hold, straight_profile()
+    )
     return replace(
         block,
         entry=(RAISED("object"), *block.entry),
@@ -219,8 +214,8 @@ def holding(mode: str) -> Block:
 
 
 def lowering(mode: str, primitive: DMP | None = None) -> Block:
-    """Return one mode of LOWERING; its primitive is the course of the way down, by default a straight movement."""
-    profile, crew = straight_profile() if primitive is None else Profile(primitive), MODES[mode]
+    """Return one mode of LOWERING; its primitive moves the box down, by default a straight movement."""
+    profile, crew = profile_of(primitive), MODES[mode]
     block = _together("LOWERING", mode, Duration(_CLOSING, 15.0, partial(_lowered, crew)), _lower, profile)
     clear = (CLEAR_OF(slot, "object") for slot, _ in places_of(crew))
     return replace(

@@ -1,7 +1,7 @@
-"""What hands bear by friction: the closed forms behind the feasibility facts and the squeeze.
+"""The loads that hands bear by friction: closed forms for the feasibility facts and for the squeeze.
 
-Of n hands each bears the share W = m g/n of the weight. A hand that presses on its face with S bears at most mu S by
-friction; it presses RESERVE times as hard as that asks for, S = RESERVE W/mu, and its force is the sum of both,
+Each of n hands bears the share W = m g/n of the weight. A hand that presses on its face with S bears at most mu S by
+friction. It presses RESERVE times as hard as necessary, S = RESERVE W/mu, and its force is the sum of both,
 sqrt(S^2 + W^2) <= F_max. So it bears at most W_max = F_max/sqrt(1 + (RESERVE/mu)^2).
 """
 
@@ -12,13 +12,13 @@ from hybrid_tamp.authoring import GRAVITY, Token
 from .places import CREWS
 
 HAND_FRICTION = 0.5
-"""Friction coefficient of a hand, as physics takes it for tokens that have no such property."""
+"""Friction coefficient of a hand: the default of the physics for tokens without this property."""
 RESERVE = 1.5
-"""How much harder hands squeeze than they must for the box not to slip: it is accelerated, and shares differ a bit."""
+"""Squeeze as a multiple of the least one without slip: the box accelerates, and the shares differ a little."""
 
 
 def friction(thing: Token) -> float:
-    """Return the coefficient of friction between a hand and a thing, the product of their own ones, as in Bullet."""
+    """Return the friction coefficient between a hand and a thing: the product of their own ones, as in Bullet."""
     return float(HAND_FRICTION * thing["friction"])
 
 
@@ -28,7 +28,7 @@ def load(thing: Token, crew: str) -> float:
 
 
 def squeeze_for(thing: Token, crew: str) -> float:
-    """Return how hard each hand of a crew squeezes a thing to lift it [N]; infinite where there is no friction."""
+    """Return the force [N] with which each hand of a crew squeezes a thing to lift it; infinite without friction."""
     coefficient = friction(thing)
     return RESERVE * load(thing, crew) / coefficient if coefficient > 0.0 else np.inf
 
@@ -40,5 +40,5 @@ def bearable(hand: Token, thing: Token) -> float:
 
 
 def largest_squeeze(hand: Token, thing: Token, crew: str) -> float:
-    """Return how hard a hand can squeeze a thing while it bears its share of the weight [N]; 0 if it cannot bear it."""
+    """Return the largest squeeze [N] of a hand that bears its share of the weight; 0 if it cannot bear it."""
     return float(np.sqrt(max(0.0, hand["maximal_force"] ** 2 - load(thing, crew) ** 2)))

@@ -1,13 +1,15 @@
-"""The domain's own measures of a finished run."""
+"""Metrics of joint lifting for a finished run."""
 
 from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, Token, rotate, split_mode
+from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, Token, rotate
 
+from ..common.metrics import measure_instances, run_of
+from ..common.vectors import UP
 from .lifting import GRASPED
-from .places import UP, corner_heights, offset_in_box
+from .places import corner_heights, offset_in_box
 
 CONTROLLED: Mapping[str, tuple[float, float]] = {
     "height [m]": (0.1, 0.3),
@@ -18,25 +20,20 @@ CONTROLLED: Mapping[str, tuple[float, float]] = {
 
 
 def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
-    """Return the measures of every lift, each by the name of its instance and its own.
+    """Return the metrics of every lift by instance and metric.
 
-    From when the hands of LIFTING bear the box until their HOLDING ends: how high the lowest corner of the box is in
-    the end and how far it is tilted at most; how far a hand slips along its face at most; and with which force a hand
-    presses on the box at most as it is lifted, where the backend measures it.
+    They cover the time from the moment when the hands of LIFTING bear the box to the end of HOLDING: the final height
+    of the lowest corner of the box, its largest tilt, and the largest slip of a hand along its face. If the backend
+    measures contact forces, the largest force of a hand on the box during LIFTING is added.
     """
-    found: dict[tuple[str, str], float] = {}
-    for instance in recording.instances:
-        if split_mode(instance.block)[0] == "LIFTING":
-            found |= {(instance.name, name): value for name, value in _lift(task, recording, instance)}
-    return found
+    return measure_instances(task, recording, {"LIFTING": _lift})
 
 
 def _lift(task: Task, recording: Recording, lift: BlockInstance) -> Iterator[tuple[str, float]]:
     thing = task.token_by_name[lift.slots["object"]]
     hands = [task.token_by_name[name] for slot, name in lift.slots.items() if slot != "object"]
     hold = next((i for i in recording.instances if i.slots.get("object") == thing.name and i.start == lift.end), lift)
-    rows = slice(*(round(time / recording.timestep) for time in (lift.start + GRASPED, hold.end)))
-    run = State(recording.layout, recording.states[rows])
+    run = run_of(recording, lift.start + GRASPED, hold.end)
     if not len(run.values):
         return
     upright = rotate(run[thing, "orientation"], UP)[..., 2]
@@ -54,6 +51,6 @@ def _lift(task: Task, recording: Recording, lift: BlockInstance) -> Iterator[tup
 
 
 def _slip(run: State, hand: Token, thing: Token) -> float:
-    """Return how far a hand goes along its face, across and up, since it bears the box [m]."""
+    """Return the largest movement [m] of a hand along its face, across and up, since it bears the box."""
     along = offset_in_box(run, hand, thing)[..., 1:]
     return float(np.linalg.norm(along - along[0], axis=-1).max())

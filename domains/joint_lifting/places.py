@@ -1,16 +1,18 @@
 """Where hands bear a box: world frame unless a name says otherwise, batch first.
 
-A box is squeezed along its own x axis: hands are at its left face (-x) and at its right one (+x), one in the middle of
-each, or two side by side on each, in the front half (-y) and in the back half (+y). A hand stands upright, its lower
-end above the box's centre. So it touches the face along a line, however the box is turned about the vertical, and the
-box hangs from its hands, wherever on those lines the forces are.
+Hands squeeze a box along its own x axis, at its left face (-x) and at its right one (+x). There is one hand in the
+middle of each face, or two side by side, in the front half (-y) and in the back half (+y). A hand is upright, its lower
+end above the box's centre. So it touches the face along a line for every yaw of the box, and the box hangs from its
+hands wherever on these lines the forces act.
 """
 
 from itertools import product
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, State, SymbolSort, Token, quaternion_conjugate, rotate
+from hybrid_tamp.authoring import FloatArray, State, SymbolSort, Token, rotate
+
+from ..common.vectors import to_body
 
 SPOTS: dict[str, tuple[float, float]] = {
     "left": (-1.0, 0.0),
@@ -20,38 +22,27 @@ SPOTS: dict[str, tuple[float, float]] = {
     "right front": (1.0, -0.5),
     "right back": (1.0, 0.5),
 }
-"""Place to the side of the box along x, and to where it is along y as a share of the half extent."""
+"""Place to the sign of its side along x, and to its position along y as a share of the half extent."""
 PLACE = SymbolSort("place", tuple(SPOTS), "where a hand bears a box: at -x or +x, in the middle or at -y or +y")
 
 CREWS: dict[str, tuple[str, ...]] = {
     "two hands": ("left", "right"),
     "four hands": ("left front", "left back", "right front", "right back"),
 }
-"""How many hands lift together, and the places where they do."""
+"""Crew to the places of its hands."""
 CREW = SymbolSort("crew", tuple(CREWS), "how many hands lift a box together")
 
 ABOVE_CENTRE = 0.01
-"""How far above the centre of a box the lower end of a hand is [m]."""
+"""Height of the lower end of a hand above the centre of a box [m]."""
 STANDBY_GAP = 0.012
-"""Gap between hand and face where a hand stands by [m]."""
+"""Gap between a face and a hand that stands by [m]."""
 FLOOR_TOLERANCE = 0.01
-"""How far from the floor the corners of a box may be that stands on it [m]."""
-UP = np.array([0.0, 0.0, 1.0])
-
-
-def dot(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the inner product over the last axis, ``(...)``."""
-    return np.asarray(np.sum(one * other, axis=-1))
-
-
-def in_box(state: State, thing: Token, vectors: FloatArray) -> FloatArray:
-    """Return vectors in the box's frame ``(..., 3)``."""
-    return rotate(quaternion_conjugate(state[thing, "orientation"]), vectors)
+"""Largest distance between the floor and the corners of a box that stands on it [m]."""
 
 
 def offset_in_box(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return where the centre of a hand is in the box's frame, ``(..., 3)`` [m]."""
-    return in_box(state, thing, state[hand, "position"] - state[thing, "position"])
+    """Return the centre of a hand in the box's frame, ``(..., 3)`` [m]."""
+    return to_body(state, thing, state[hand, "position"] - state[thing, "position"])
 
 
 def outward(state: State, thing: Token, place: str) -> FloatArray:
@@ -60,7 +51,7 @@ def outward(state: State, thing: Token, place: str) -> FloatArray:
 
 
 def place_at(state: State, hand: Token, thing: Token, place: str, gap: float = STANDBY_GAP) -> FloatArray:
-    """Return where the centre of a hand is ``(..., 3)`` [m] that stands at a place."""
+    """Return the centre ``(..., 3)`` [m] of a hand that stands at a place."""
     side, along = SPOTS[place]
     half_x, half_y, _ = thing["half_extents"]
     in_body = np.array([side * (half_x + hand["radius"] + gap), along * half_y, ABOVE_CENTRE + hand["length"] / 2.0])
@@ -75,10 +66,6 @@ def gap_at(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
 
 def corner_heights(state: State, thing: Token) -> FloatArray:
     """Return the heights of the four corners of the bottom face, ``(..., 4)`` [m]."""
-    signs = (np.array([x, y, -1.0]) for x, y in product((-1.0, 1.0), repeat=2))
-    halves = np.asarray(thing["half_extents"])
-    return np.stack([_height(state, thing, sign * halves) for sign in signs], axis=-1)
-
-
-def _height(state: State, thing: Token, point: FloatArray) -> FloatArray:
-    return np.asarray(state[thing, "position"][..., 2] + rotate(state[thing, "orientation"], point)[..., 2])
+    halves, orientation = np.asarray(thing["half_extents"]), state[thing, "orientation"]
+    corners = (np.array([x, y, -1.0]) * halves for x, y in product((-1.0, 1.0), repeat=2))
+    return np.stack([state[thing, "position"][..., 2] + rotate(orientation, each)[..., 2] for each in corners], axis=-1)

@@ -1,10 +1,13 @@
-"""What the conditions of lifting speak of."""
+"""Predicates of joint lifting."""
 
 import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token, rotate
 
 from ..common.classes import StaticEndEffector
+from ..common.predicates import everywhere, length_predicate
+from ..common.roles import POSE
+from ..common.vectors import UP
 from .classes import Liftable
 from .load import bearable, load
 from .places import (
@@ -13,7 +16,6 @@ from .places import (
     FLOOR_TOLERANCE,
     PLACE,
     SPOTS,
-    UP,
     corner_heights,
     gap_at,
     offset_in_box,
@@ -25,15 +27,15 @@ _OBJECT = Parameter("object", Liftable)
 _PLACE = Parameter("place", PLACE)
 _CREW = Parameter("crew", CREW)
 RAISED_HEIGHT = 0.1
-"""A box is raised if all of it is at least so far above the floor [m]."""
+"""Least height of all points of a raised box above the floor [m]."""
 LIFT = 0.15
-"""How high a box is lifted if nothing else is said [m]."""
+"""Height to which a box is lifted by default [m]."""
 PLACE_TOLERANCE = 0.03
-"""How far from its place at a box a hand may be [m]: hands that squeeze it have closed the gap and may have slipped."""
+"""Largest distance of a hand from its place at a box [m]: hands that squeeze it closed the gap and may have slipped."""
 _CLEAR = 0.005
 _UPRIGHT = np.sin(np.radians(3.0))
 _MIDDLE = 0.02
-"""So near to the middle between front and back [m] a hand may go to either half."""
+"""Distance from the middle between front and back [m] within which a hand may go to either half."""
 _TOUCHING = 0.03
 """Least length of the line along which a hand touches a face [m]."""
 _ABREAST = 0.02
@@ -64,7 +66,7 @@ def _uprightness(state: State, hand: Token) -> FloatArray:
 
 
 def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """How far beyond the face of the place, and on its half of the box, a hand starts."""
+    """Least distance at which a hand starts beyond the face of its place, and inside its half of the box."""
     side, along = SPOTS[place]
     offset = offset_in_box(state, hand, thing)
     beyond = side * offset[..., 0] - thing["half_extents"][0] - hand["radius"]
@@ -72,66 +74,57 @@ def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
 
 
 def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Least distance inside the workspace of the hand's place beside the box that stands and that is lifted."""
+    """Least depth in the workspace of the hand's place, beside the standing and the lifted box."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
     beside = place_at(state, hand, thing, place)
     return np.asarray(np.minimum(beside - lower, upper - beside - LIFT * UP).min(axis=-1))
 
 
-def _room(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """How much wider a face, or its half, is than a hand, and how much longer than it must be the line of contact."""
+def _room(hand: Token, thing: Token, place: str) -> float:
+    """Least of the spare width of the face, or of its half, and of the spare length of the contact line [m]."""
     _, half_y, half_z = thing["half_extents"]
     wide = half_y - _ABREAST if SPOTS[place][1] else 2.0 * half_y
-    room = min(wide - 2.0 * hand["radius"], min(half_z - ABOVE_CENTRE, hand["length"]) - _TOUCHING)
-    return np.full(state.values.shape[:-1], room)
+    return float(min(wide - 2.0 * hand["radius"], min(half_z - ABOVE_CENTRE, hand["length"]) - _TOUCHING))
 
 
 def _share(state: State, hand: Token, thing: Token, crew: str) -> tuple[float, float]:
     return load(thing, crew), bearable(hand, thing)
 
 
-def _strength(state: State, hand: Token, thing: Token, crew: str) -> FloatArray:
-    return np.full(state.values.shape[:-1], bearable(hand, thing) - load(thing, crew))
+def _strength(hand: Token, thing: Token, crew: str) -> float:
+    return bearable(hand, thing) - load(thing, crew)
 
 
-STANDS = Predicate(
+STANDS = length_predicate(
     "stands",
     (_OBJECT,),
     _footing,
-    unit="m",
-    scale=0.01,
-    reads={"object": ("position", "orientation")},
+    reads={"object": POSE},
     description="{object} stands on the floor",
     denial="{object} does not stand on the floor",
 )
-RAISED = Predicate(
+RAISED = length_predicate(
     "raised",
     (_OBJECT,),
     _rise,
-    unit="m",
-    scale=0.01,
-    reads={"object": ("position", "orientation")},
+    reads={"object": POSE},
     description=f"{{object}} is all of it at least {RAISED_HEIGHT} m above the floor",
     denial=f"{{object}} is not all of it at least {RAISED_HEIGHT} m above the floor",
 )
-AT_PLACE = Predicate(
+AT_PLACE = length_predicate(
     "at_place",
     (_HAND, _OBJECT, _PLACE),
     _close,
-    unit="m",
-    scale=0.01,
-    reads={"hand": ("position",), "object": ("position", "orientation")},
+    reads={"hand": ("position",), "object": POSE},
     kind=Kind.MAINTAINED,
     description="{hand} is at the place {place} of {object}",
     denial="{hand} is not at the place {place} of {object}",
 )
-CLEAR_OF = Predicate(
+CLEAR_OF = length_predicate(
     "clear_of",
     (_HAND, _OBJECT),
     _clearance,
-    unit="m",
-    scale=0.01,
-    reads={"hand": ("position",), "object": ("position", "orientation")},
+    reads={"hand": ("position",), "object": POSE},
     kind=Kind.MAINTAINED,
     description="{hand} has let go of {object}",
     denial="{hand} has not let go of {object}",
@@ -153,30 +146,26 @@ ON_SIDE = Predicate(
     _outlook,
     unit="m",
     scale=0.1,
-    # Of the hand it takes the side where it starts, which no block changes.
-    reads={"object": ("position", "orientation")},
+    # The side where the hand starts does not change, so the position of the hand is not listed.
+    reads={"object": POSE},
     kind=Kind.STATIC,
     description="{hand} starts on the side of {object} where its place {place} is",
     denial="{hand} does not start on the side of {object} where its place {place} is",
 )
-"""Hands stay on their side and half of a box: two that changed over at once would meet."""
-WITHIN_REACH = Predicate(
+"""Hands stay on their side and half of a box: two that crossed over at once would collide."""
+WITHIN_REACH = length_predicate(
     "within_reach",
     (_HAND, _OBJECT, _PLACE),
     _reach,
-    unit="m",
-    scale=0.01,
-    reads={"object": ("position", "orientation")},
+    reads={"object": POSE},
     kind=Kind.STATIC,
     description="{hand} reaches the place {place} of {object}, and that place when {object} is lifted",
     denial="the place {place} of {object}, or that place when {object} is lifted, is not in the workspace of {hand}",
 )
-FITS = Predicate(
+FITS = length_predicate(
     "fits",
     (_HAND, _OBJECT, _PLACE),
-    _room,
-    unit="m",
-    scale=0.01,
+    everywhere(_room),
     kind=Kind.STATIC,
     description="{hand} has room at the place {place} of {object}",
     denial="{hand} has no room at the place {place} of {object}",
@@ -184,7 +173,7 @@ FITS = Predicate(
 BEARS = Predicate(
     "bears",
     (_HAND, _OBJECT, _CREW),
-    _strength,
+    everywhere(_strength),
     unit="N",
     scale=10.0,
     kind=Kind.STATIC,

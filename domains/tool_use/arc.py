@@ -1,22 +1,22 @@
-"""The way of hand and tool in a strike: an arc about an elbow, from winding up to the impact."""
-
-from typing import cast
+"""The path of hand and tool in a strike: an arc about an elbow, from winding up to the impact."""
 
 import numpy as np
 
 from hybrid_tamp.authoring import Binding, FloatArray, Hyperparameters, State, Token, cross
 
+from ..common.roles import get_tokens
 from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE
-from .geometry import UP, dot, hand_in_tool, heading, norm, side, strike_place, swing_angle, top
+from ..common.vectors import UP
+from .geometry import dot, hand_in_tool, heading, norm, side, strike_place, swing_angle, top
 from .holding import keeping
 from .swing import Swing, swing_of
 
 WINDING_UP = 0.4
-"""How long it takes to wind up where the hand is [s]."""
+"""Time to wind up if the hand stays in its place [s]."""
 _WINDING_SPEED = 0.4
 """Mean speed of the hand to where the swing begins [m/s]."""
 _FOLLOWING_THROUGH = 1.5
-"""For how many times as long as it should take the tool is swung, if it meets nothing."""
+"""Longest swing without an impact, as a multiple of the planned duration."""
 
 
 def along(ahead: FloatArray, angle: FloatArray) -> FloatArray:
@@ -25,10 +25,10 @@ def along(ahead: FloatArray, angle: FloatArray) -> FloatArray:
 
 
 class Arc:
-    """Where hand and tool are during one strike: about which elbow, and between which angles."""
+    """The path of hand and tool in one strike: the elbow, and the angles where the swing begins and ends."""
 
     def __init__(self, binding: Binding, start: State, hyperparameters: Hyperparameters) -> None:
-        hand, tool, thing = (cast(Token, binding[role]) for role in ("hand", "tool", "object"))
+        hand, tool, thing = get_tokens(binding, "hand", "tool", "object")
         self.radius = np.asarray(hyperparameters["swing_radius"])
         self.ahead = heading(start, tool)
         across = cross(UP, self.ahead)
@@ -48,7 +48,7 @@ class Arc:
 
 
 def on_arc(state: State, hand: Token, tool: Token, arc: Arc, spin: FloatArray, driven: FloatArray) -> FloatArray:
-    """Return the acceleration ``(..., 3)`` [m/s^2] of a hand that goes on its arc about the elbow with the tool."""
+    """Return the acceleration ``(..., 3)`` [m/s^2] of a hand on its arc about the elbow."""
     arm = arc.radius[..., None] * along(arc.ahead, swing_angle(state, tool))
     velocity = spin[..., None] * cross(arc.axis, arm)
     acceleration = driven[..., None] * cross(arc.axis, arm) - (spin**2)[..., None] * arm

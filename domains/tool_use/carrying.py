@@ -1,11 +1,10 @@
-"""CARRYING (paper, D10): a hand brings the tool that it holds to where it is used next, in three modes.
+"""CARRYING (paper, D10): a hand brings its tool to the place of its next use, in three modes.
 
-``push``: upright, behind what is to be pushed. ``strike``: raised, above what is to be struck. ``down``: back to where
-it stood at first. The hand follows the demonstrated reach; while it is high it turns the tool.
+``push``: upright, behind the thing to push. ``strike``: raised, above the thing to strike. ``down``: standing where it
+stood at first. The hand follows the demonstrated reach and turns the tool while it is high.
 """
 
 from collections.abc import Callable
-from typing import cast
 
 import numpy as np
 
@@ -26,20 +25,20 @@ from hybrid_tamp.authoring import (
     Slot,
     State,
     Target,
-    Token,
     rotate,
 )
 
 from ..common.classes import Region
 from ..common.predicates import AT_REST
 from ..common.primitives import reach_over, straight_profile
-from ..common.reaching import LIFT
+from ..common.reaching import estimate_duration
+from ..common.roles import BODY, get_token, get_tokens
 from ..common.timetable import Timetable
+from ..common.vectors import HORIZONTAL, UP
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
 from .feasibility import ABLE_TO_PUSH, ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME, PUSH_WITHIN_REACH, SQUARE_TO
 from .geometry import (
     RAISED,
-    UP,
     foot,
     hand_in_tool,
     norm,
@@ -51,57 +50,51 @@ from .geometry import (
     top,
     yaw,
 )
-from .holding import HeldTool
+from .holding import HeldTool, pose_tool
 from .predicates import HELD, IN_PUSH_STANCE, IN_STRIKE_STANCE, STANDS
 
 Pose = tuple[FloatArray, FloatArray, FloatArray]
 """Position of the hand ``(..., 3)`` [m], yaw of the tool and angle of its swing ``(...)`` [rad]."""
 Goal = Callable[[Binding, State], Pose]
 
-_MEAN_SPEED = 0.5
 _SETTLING = 0.1
 _TURN = (0.3, 0.4)
-"""When the turn begins and how long it takes, as shares of the reach's duration: the hand is high meanwhile."""
-_BODY = ("position", "orientation", "velocity", "angular_velocity")
+"""Beginning and duration of the turn, as shares of the reach's duration; the hand is high then."""
 
 
 def _seen(object_class: type[AffordanceClass]) -> Target:
-    """Return the object whose place the hand reads only as it starts; afterwards other blocks may change it."""
+    """Return the target object. The hand reads its place only at the start; other blocks may change it afterwards."""
     return Target("object", object_class, reads=())
 
 
-def _roles(binding: Binding) -> tuple[Token, Token]:
-    return cast(Token, binding["hand"]), cast(Token, binding["tool"])
-
-
 def _hand_at(binding: Binding, state: State, place: FloatArray, direction: FloatArray, angle: float) -> Pose:
-    """Return the pose of a hand whose tool is somewhere, held as it is."""
-    hand, tool = _roles(binding)
+    """Return the pose of the hand when its tool is at a place [m], without a change of grasp."""
+    hand, tool = get_tokens(binding, "hand", "tool")
     arm = rotate(tool_orientation(direction, angle), hand_in_tool(state, hand, tool))
     return place + arm, direction, np.full_like(direction, angle)
 
 
 def _behind(binding: Binding, state: State) -> Pose:
-    tool, thing, region = (cast(Token, binding[role]) for role in ("tool", "object", "region"))
+    tool, thing, region = get_tokens(binding, "tool", "object", "region")
     return _hand_at(binding, state, *push_pose(state, tool, thing, region), 0.0)
 
 
 def _above(binding: Binding, state: State) -> Pose:
-    hand, tool = _roles(binding)
-    place = strike_place(state, hand, tool, top(state, cast(Token, binding["object"])))
+    hand, tool, thing = get_tokens(binding, "hand", "tool", "object")
+    place = strike_place(state, hand, tool, top(state, thing))
     direction = yaw(state, tool)
     return place, direction, np.full_like(direction, RAISED)
 
 
 def _standing(binding: Binding, state: State) -> Pose:
-    _, tool = _roles(binding)
-    place = state[cast(Token, binding["region"]), "position"] * np.array([1.0, 1.0, 0.0]) + foot(tool) * UP
+    tool, region = get_tokens(binding, "tool", "region")
+    place = state[region, "position"] * HORIZONTAL + foot(tool) * UP
     return _hand_at(binding, state, place, yaw(state, tool), 0.0)
 
 
 def _policy(goal: Goal) -> PolicyMaker:
     def make(binding: Binding, start: State, parameters: Parameters) -> Policy:
-        hand, tool = _roles(binding)
+        hand, tool = get_tokens(binding, "hand", "tool")
         held = HeldTool(hand, tool)
         place, direction, angle = goal(binding, start)
         duration = np.asarray(parameters.hyperparameters["duration"])
@@ -130,7 +123,7 @@ def _policy(goal: Goal) -> PolicyMaker:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    held = HeldTool(*_roles(binding))
+    held = HeldTool(*get_tokens(binding, "hand", "tool"))
 
     def system(state: State, commands: Commands, dt: float) -> State:
         return state.replace(held.placed(state, *held.accelerated(state, commands, dt), dt))
@@ -149,24 +142,15 @@ def _carrying(
 ) -> Block:
     def initial_duration(binding: Binding, state: State) -> FloatArray:
         place, _, _ = goal(binding, state)
-        distance = norm(place - state[cast(Token, binding["hand"]), "position"])
-        return np.asarray(1.2 + (distance + 2 * LIFT) / (2 * _MEAN_SPEED))
+        return estimate_duration(norm(place - state[get_token(binding, "hand"), "position"]))
 
     def expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
         return float(hyperparameters["duration"]) + _SETTLING
 
     def outcome(binding: Binding, state: State) -> State:
-        hand, tool = _roles(binding)
+        hand, tool = get_tokens(binding, "hand", "tool")
         place, direction, angle = goal(binding, state)
-        orientation = tool_orientation(direction, angle)
-        arm = rotate(orientation, hand_in_tool(state, hand, tool))
-        return state.replace(
-            {
-                (hand.name, "position"): place,
-                (tool.name, "position"): place - arm,
-                (tool.name, "orientation"): orientation,
-            }
-        )
+        return state.replace(pose_tool(state, hand, tool, place, tool_orientation(direction, angle)))
 
     return Block(
         name=f"CARRYING:{mode}",
@@ -175,8 +159,8 @@ def _carrying(
         targets=targets,
         entry=(HELD("tool", "hand"), *entry),
         exit=(*arrived, HELD("tool", "hand"), AT_REST("hand"), AT_REST("tool")),
-        writes={"hand": _BODY, "tool": _BODY},
-        # These facts are about the tool as it stood at first.
+        writes={"hand": BODY, "tool": BODY},
+        # These facts concern the place where the tool stood first.
         keeps=(HANDLE_WITHIN_REACH, HOME),
         hyperparameters=(Hyperparameter("duration", "s", 1.2, 8.0, initial_duration, "how long the reach takes"),),
         duration=Duration(0.3, 12.0, expected),

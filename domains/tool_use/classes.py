@@ -1,14 +1,11 @@
-"""What grasps, what is grasped, what strikes and pushes, and what is struck and pushed."""
+"""Hands that grasp, tools, and the things that tools push and strike."""
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from hybrid_tamp.authoring import (
     BODY_STATE,
     AffordanceClass,
     BasicAction,
-    Box,
-    Shape,
     Token,
     VaryingProperty,
     Vector3,
@@ -16,7 +13,15 @@ from hybrid_tamp.authoring import (
     quantity,
 )
 
-from ..common.classes import Extents, StaticEndEffector
+from ..common.classes import (
+    BoxShaped,
+    Extents,
+    StaticEndEffector,
+    find_box_fault,
+    friction_property,
+    mass_property,
+    positive,
+)
 
 _OPEN = 0.08
 """Gap between open fingers [m]."""
@@ -34,31 +39,17 @@ class DexterousHand(StaticEndEffector):
         BasicAction("grip", 1, "N", "maximal_grip", "force of each finger: closes if positive, else opens"),
     )
 
-    maximal_torque: float = quantity(
-        "N m", "largest torque of the wrist", gt=0, le=1e6, strict=True, allow_inf_nan=False
-    )
-    maximal_grip: float = quantity(
-        "N", "largest force of each virtual finger", gt=0, le=1e6, strict=True, allow_inf_nan=False
-    )
-    maximal_aperture: float = quantity(
-        "m", "largest gap between the fingers", default=_OPEN, gt=0, le=1, strict=True, allow_inf_nan=False
-    )
-    wrist_inertia: float = quantity(
-        "kg m^2", "moment of inertia of the hand about its wrist", gt=0, le=1e3, strict=True, allow_inf_nan=False
-    )
-    contact_width: float = quantity(
-        "m", "length of a handle that the hand touches", gt=0, le=1, strict=True, allow_inf_nan=False
-    )
-    strike_torque: float = quantity(
-        "N m", "torque that drives a strike, beyond what bears the tool", gt=0, le=1e6, strict=True, allow_inf_nan=False
-    )
-    strike_angle: float = quantity(
-        "rad", "angle over which it drives the strike", gt=0, le=2.5, strict=True, allow_inf_nan=False
-    )
+    maximal_torque: float = positive("N m", "largest torque of the wrist", 1e6)
+    maximal_grip: float = positive("N", "largest force of each virtual finger", 1e6)
+    maximal_aperture: float = positive("m", "largest gap between the fingers", 1, default=_OPEN)
+    wrist_inertia: float = positive("kg m^2", "moment of inertia of the hand about its wrist", 1e3)
+    contact_width: float = positive("m", "length of a handle that the hand touches", 1)
+    strike_torque: float = positive("N m", "torque that drives a strike, beyond what bears the tool", 1e6)
+    strike_angle: float = positive("rad", "angle over which it drives the strike", 2.5)
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Complain about a strike that the wrist is too weak for."""
+        """Complain about a strike that needs more torque than the wrist has."""
         if token["strike_torque"] > token["maximal_torque"]:
             return f"strike_torque is {token['strike_torque']} N m, more than the maximal_torque of the wrist"
         return StaticEndEffector.consistent(token)
@@ -67,22 +58,22 @@ class DexterousHand(StaticEndEffector):
 class Graspable(AffordanceClass):
     """Has a handle along which a hand can grasp it (paper, Fig. 5, blue).
 
-    Its body frame has its origin in the centre of mass; x goes along the handle towards the head, y is the axis about
-    which it swings. Standing, its x axis looks down.
+    The origin of its body frame is the centre of mass. The x axis points along the handle towards the head, and the
+    tool swings about the y axis. When the tool stands, x points down.
     """
 
     name: ClassVar[str] = "GRASPABLE"
 
-    mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
-    friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
+    mass: float = mass_property()
+    friction: float = friction_property()
     inertia: Extents = quantity("kg m^2", "principal moments of inertia about the body's axes")
     handle_from: Vector3 = quantity("m", "end of the graspable segment that is far from the head, in the body frame")
     handle_to: Vector3 = quantity("m", "end of the graspable segment that is near the head, in the body frame")
-    handle_width: float = quantity("m", "width of the handle", gt=0, le=1, strict=True, allow_inf_nan=False)
+    handle_width: float = positive("m", "width of the handle", 1)
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Complain about a handle without length, or one that does not lead along x towards the head."""
+        """Complain about a handle that has no length or does not point along x towards the head."""
         start, end = token["handle_from"], token["handle_to"]
         if end[0] - start[0] < 1e-3:
             return "handle_to must lie further along x than handle_from: the body's x axis goes towards the head"
@@ -109,53 +100,29 @@ class Pusher(Graspable):
     pushing_point: Vector3 = quantity("m", "point that pushes, in the body frame; it moves along +z")
 
 
-def _box_of_half_extents(token: Token) -> str | None:
-    halves = token["half_extents"]
-    if not isinstance(token.shape, Box):
-        return "what tools push or strike is a box so far: remove the shape"
-    if any(abs(one - other) > 0.01 * one for one, other in zip(halves, token.shape.half_extents, strict=True)):
-        return f"half_extents are {halves} m, but those of its shape are {token.shape.half_extents} m"
-    return None
+class _Boxes(BoxShaped):
+    @staticmethod
+    def consistent(token: Token) -> str | None:
+        """Complain about a shape that is not the box of the half extents."""
+        return find_box_fault(token, "what tools push or strike is a box so far: remove the shape")
 
 
-class Strikable(AffordanceClass):
+class Strikable(_Boxes, AffordanceClass):
     """Can be struck from above."""
 
     name: ClassVar[str] = "STRIKABLE"
     varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, IMPULSE)
 
     half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
-    impulse_needed: float = quantity(
-        "N s", "blow from which on it counts as struck", gt=0, le=1e6, strict=True, allow_inf_nan=False
-    )
-
-    @classmethod
-    def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
-        """Return the box of these half extents."""
-        return Box(kind="box", half_extents=properties["half_extents"])
-
-    @staticmethod
-    def consistent(token: Token) -> str | None:
-        """Complain about a shape that is not the box of the half extents."""
-        return _box_of_half_extents(token)
+    impulse_needed: float = positive("N s", "blow from which on it counts as struck", 1e6)
 
 
-class Pushable(AffordanceClass):
+class Pushable(_Boxes, AffordanceClass):
     """Can be pushed over the floor."""
 
     name: ClassVar[str] = "PUSHABLE"
 
     # Declared exactly as in STRIKABLE, so that a token may be a member of both.
     half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
-    mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
-    friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
-
-    @classmethod
-    def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
-        """Return the box of these half extents."""
-        return Box(kind="box", half_extents=properties["half_extents"])
-
-    @staticmethod
-    def consistent(token: Token) -> str | None:
-        """Complain about a shape that is not the box of the half extents."""
-        return _box_of_half_extents(token)
+    mass: float = mass_property()
+    friction: float = friction_property()

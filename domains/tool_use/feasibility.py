@@ -1,6 +1,4 @@
-"""What is decided before any search: whether a hand and a tool are fit for what is to be done."""
-
-from collections.abc import Callable
+"""Feasibility, decided before any search: whether a hand and a tool can do the task."""
 
 import numpy as np
 
@@ -13,26 +11,22 @@ from hybrid_tamp.authoring import (
     Predicate,
     State,
     Token,
-    quaternion_conjugate,
-    rotate,
 )
 
 from ..common.classes import Region
+from ..common.predicates import depth_in_region, everywhere, length_predicate
+from ..common.roles import POSE
+from ..common.vectors import HORIZONTAL, UP, depth_in_workspace, to_body
 from .classes import Pushable, Pusher, Strikable, Striker
-from .geometry import UP, foot, half_depth, handle_length, point, way
+from .geometry import foot, half_depth, handle_length, point, way
 from .predicates import HAND, OPEN, TOOL
 from .swing import swing_of
 
 _RESERVE = 1.5
-"""How much more a grip must hold than a tool weighs."""
+"""Force that a grip must hold, as a multiple of the tool's weight."""
 _FLOOR_FRICTION = 1.0
 _SQUARE_TOLERANCE = np.radians(5.0)
 _GRASPS = 31
-
-
-def _everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
-    """Make a margin of fixed properties one of batches."""
-    return lambda state, *tokens: np.full(state.values.shape[:-1], margin(*tokens))
 
 
 def _lift(hand: Token, tool: Token) -> float:
@@ -50,7 +44,7 @@ def resistance(thing: Token) -> float:
 
 
 def _push(hand: Token, tool: Token, thing: Token) -> float:
-    """By how much force, grip and torque of the nearest grasp exceed what the push takes [N]."""
+    """Force [N] that hand, grip and wrist can exert at the nearest grasp, beyond what the push needs."""
     force = resistance(thing)
     lever = abs(tool["pushing_point"][0] - tool["handle_to"][0])
     most = min(hand["maximal_force"], GRIP_FRICTION * hand["maximal_grip"] - GRAVITY * tool["mass"])
@@ -60,7 +54,7 @@ def _push(hand: Token, tool: Token, thing: Token) -> float:
 
 
 def _strike(hand: Token, tool: Token, thing: Token) -> float:
-    """By how much the largest impulse of all grasps that the wrist can swing exceeds the one needed [N s]."""
+    """Largest impulse [N s] of all grasps that the wrist can swing, beyond the one needed."""
     places = np.linspace(0.0, handle_length(tool), _GRASPS)
     swing = swing_of(hand, tool, tool["handle_to"][0] - places, 0.0)
     bearable = swing.torque(hand) + swing.weight_torque <= hand["maximal_torque"]
@@ -68,9 +62,8 @@ def _strike(hand: Token, tool: Token, thing: Token) -> float:
 
 
 def _depth(hand: Token, *places: FloatArray) -> FloatArray:
-    """Return the least distance ``(...)`` [m] of places ``(..., 3)`` inside the hand's workspace."""
-    lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
-    return np.asarray(np.min([np.minimum(place - lower, upper - place).min(axis=-1) for place in places], axis=0))
+    """Return the least depth ``(...)`` [m] of places ``(..., 3)`` in the hand's workspace."""
+    return np.asarray(np.min([depth_in_workspace(hand, place) for place in places], axis=0))
 
 
 def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
@@ -78,52 +71,43 @@ def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
 
 
 def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
-    """The hand's places as the thing comes to the region, wherever on its line it starts."""
+    """The hand's places when the thing comes to the region, from any start on its line."""
     ahead, _ = way(state, thing, region)
     back = half_depth(state, thing, ahead) + tool["pushing_point"][2]
-    place = (state[region, "position"] - ahead * back[..., None]) * np.array([1.0, 1.0, 0.0])
+    place = (state[region, "position"] - ahead * back[..., None]) * HORIZONTAL
     return _depth(hand, *(place + UP * (foot(tool) - tool[end][0]) for end in ("handle_from", "handle_to")))
 
 
 def _squareness(state: State, thing: Token, region: Token) -> FloatArray:
-    """How much less than the tolerance the way to the region is turned from the nearest side of the box [rad]."""
+    """Tolerance less the angle [rad] between the way to the region and the nearest side of the box."""
     ahead, _ = way(state, thing, region)
-    local = rotate(quaternion_conjugate(state[thing, "orientation"]), ahead)
+    local = to_body(state, thing, ahead)
     return np.asarray(_SQUARE_TOLERANCE - np.arccos(np.clip(np.abs(local).max(axis=-1), 0.0, 1.0)))
-
-
-def _home(state: State, tool: Token, region: Token) -> FloatArray:
-    offset = (state[tool, "position"] - state[region, "position"])[..., :2]
-    return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
 
 
 LIFTABLE = Predicate(
     "liftable",
     (HAND, TOOL),
-    _everywhere(_lift),
+    everywhere(_lift),
     unit="N",
     scale=10.0,
     kind=Kind.STATIC,
     description="{hand} grips hard enough to lift {tool}",
     denial="{tool} is too heavy for the grip of {hand}",
 )
-WIDE_ENOUGH = Predicate(
+WIDE_ENOUGH = length_predicate(
     "wide_enough",
     (HAND, TOOL),
-    _everywhere(_width),
-    unit="m",
-    scale=0.01,
+    everywhere(_width),
     kind=Kind.STATIC,
     description="{hand} opens wide enough for the handle of {tool}",
     denial="the handle of {tool} is too wide for {hand}",
 )
-HANDLE_WITHIN_REACH = Predicate(
+HANDLE_WITHIN_REACH = length_predicate(
     "handle_within_reach",
     (HAND, TOOL),
     _reach_of_handle,
-    unit="m",
-    scale=0.01,
-    reads={"tool": ("position", "orientation")},
+    reads={"tool": POSE},
     kind=Kind.STATIC,
     description="{hand} reaches the handle of {tool} where it stands at first",
     denial="the handle of {tool} is beyond the workspace of {hand}",
@@ -131,7 +115,7 @@ HANDLE_WITHIN_REACH = Predicate(
 ABLE_TO_PUSH = Predicate(
     "able_to_push",
     (HAND, Parameter("tool", Pusher), Parameter("object", Pushable)),
-    _everywhere(_push),
+    everywhere(_push),
     unit="N",
     scale=10.0,
     kind=Kind.STATIC,
@@ -141,7 +125,7 @@ ABLE_TO_PUSH = Predicate(
 ABLE_TO_STRIKE = Predicate(
     "able_to_strike",
     (HAND, Parameter("tool", Striker), Parameter("object", Strikable)),
-    _everywhere(_strike),
+    everywhere(_strike),
     unit="N s",
     scale=0.1,
     kind=Kind.STATIC,
@@ -154,28 +138,24 @@ SQUARE_TO = Predicate(
     _squareness,
     unit="rad",
     scale=0.05,
-    reads={"object": ("position", "orientation"), "region": ("position",)},
+    reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
     description="{object} has a side across the straight way to {region}",
     denial="no side of {object} is across the straight way to {region}, so that a push would turn it",
 )
-PUSH_WITHIN_REACH = Predicate(
+PUSH_WITHIN_REACH = length_predicate(
     "push_within_reach",
     (HAND, Parameter("tool", Pusher), Parameter("object", Pushable), Parameter("region", Region)),
     _reach_of_push,
-    unit="m",
-    scale=0.01,
-    reads={"object": ("position", "orientation"), "region": ("position",)},
+    reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
     description="{hand} can be behind {object} at {region} within its workspace",
     denial="{region} is too far for {hand} to push {object} there with {tool}",
 )
-HOME = Predicate(
+HOME = length_predicate(
     "home",
     (TOOL, Parameter("region", Region)),
-    _home,
-    unit="m",
-    scale=0.01,
+    depth_in_region,
     reads={"tool": ("position",), "region": ("position",)},
     kind=Kind.STATIC,
     description="{region} is where {tool} stands at first",

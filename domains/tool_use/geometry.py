@@ -1,8 +1,8 @@
-"""Where a tool is held, stands, pushes and strikes; vectors in the world unless said otherwise, batch dimensions first.
+"""Where a tool is held, stands, pushes and strikes; world frame unless a name says otherwise, batch dimensions first.
 
-A tool swings in the vertical plane of its heading: its body's x axis, along the handle, and z axis lie in it. The angle
-of its swing is 0 where it stands on its head, x down and z ahead; -pi/2 where it lies in the air level, its head ahead
-and its striking face down; -pi where its head is up.
+A tool swings in the vertical plane of its heading, which contains its body's x axis, along the handle, and z axis. The
+swing angle is 0 when the tool stands on its head, x down and z ahead. It is -pi/2 when the tool is level in the air,
+its head ahead and its striking face down, and -pi when its head is up.
 """
 
 from functools import cache
@@ -23,7 +23,8 @@ from hybrid_tamp.authoring import (
     solids_of,
 )
 
-UP = np.array([0.0, 0.0, 1.0])
+from ..common.vectors import HORIZONTAL, UP, to_body
+
 LEVEL = -np.pi / 2
 """Angle at which a tool strikes [rad]."""
 RAISED = -np.pi
@@ -31,11 +32,11 @@ RAISED = -np.pi
 STANDOFF = 0.03
 """Gap between a tool and what it is about to push [m]."""
 CLEARANCE = 0.012
-"""Gap that a tool keeps to the floor while it pushes [m]."""
+"""Gap between a pushing tool and the floor [m]."""
 BESIDE = 0.09
-"""How far beside a handle a hand waits before and after it grasps [m]."""
+"""Distance beside a handle at which a hand waits before and after it grasps [m]."""
 _RIGHT, _AHEAD_OF_SIDE = np.array([1, 0, 2]), np.array([1.0, -1.0, 0.0])
-"""What makes the vector product of a vector and `UP`."""
+"""Indices and signs of the cross product of a vector and `UP`."""
 
 
 def dot(one: FloatArray, other: FloatArray) -> FloatArray:
@@ -49,7 +50,7 @@ def norm(vector: FloatArray) -> FloatArray:
 
 
 def point(state: State, tool: Token, body: FloatArray) -> FloatArray:
-    """Return where a point of the tool is, given in its body frame ``(..., 3)`` [m]."""
+    """Return the place ``(..., 3)`` [m] of a point of the tool, given in its body frame."""
     return state[tool, "position"] + rotate(state[tool, "orientation"], body)
 
 
@@ -60,9 +61,8 @@ def point_velocity(state: State, tool: Token, body: FloatArray) -> FloatArray:
 
 
 def hand_in_tool(state: State, hand: Token, tool: Token) -> FloatArray:
-    """Return where the hand's centre is in the tool's body frame, ``(..., 3)`` [m]."""
-    away = state[hand, "position"] - state[tool, "position"]
-    return rotate(quaternion_conjugate(state[tool, "orientation"]), away)
+    """Return the hand's centre in the tool's body frame, ``(..., 3)`` [m]."""
+    return in_box(state, tool, state[hand, "position"])
 
 
 def handle_length(tool: Token) -> float:
@@ -76,7 +76,7 @@ def on_handle(tool: Token, location: FloatArray | float) -> FloatArray:
 
 
 def location(state: State, hand: Token, tool: Token) -> FloatArray:
-    """Return how far along the handle the hand is from its end near the head, ``(...)`` [m]."""
+    """Return the distance ``(...)`` [m] along the handle between the hand and the end near the head."""
     return np.asarray(tool["handle_to"][0] - hand_in_tool(state, hand, tool)[..., 0])
 
 
@@ -90,7 +90,7 @@ def off_handle(state: State, hand: Token, tool: Token) -> FloatArray:
 
 
 def beside(state: State, hand: Token, tool: Token) -> FloatArray:
-    """Return where a hand waits beside the middle of a handle, on the side where it is, ``(..., 3)`` [m]."""
+    """Return the place ``(..., 3)`` [m] beside the middle of a handle where a hand waits, on the side where it is."""
     aside = np.where(hand_in_tool(state, hand, tool)[..., 1] < 0, -BESIDE, BESIDE)
     middle = on_handle(tool, handle_length(tool) / 2)
     return point(state, tool, middle + aside[..., None] * np.array([0.0, 1.0, 0.0]))
@@ -121,19 +121,19 @@ def swing_angle(state: State, tool: Token) -> FloatArray:
 
 
 def tool_orientation(direction: FloatArray, angle: FloatArray | float) -> FloatArray:
-    """Return the orientation ``(..., 4)`` of a tool by the yaw of its heading and the angle of its swing [rad]."""
+    """Return the orientation ``(..., 4)`` of a tool from the yaw of its heading and its swing angle [rad]."""
     turned, swung = np.broadcast_arrays(direction, np.asarray(angle) + np.pi / 2)
     return quaternion_from_rpy(np.stack([np.zeros_like(turned), swung, turned], axis=-1))
 
 
 def foot(tool: Token) -> float:
-    """Return how far the head's end, on which it stands, lies from the centre of mass [m]."""
+    """Return the distance [m] from the centre of mass to the end of the head, on which the tool stands."""
     assert tool.shape is not None, "a tool has a shape"
     return max(map(_ahead, solids_of(tool.shape)))
 
 
 def butt(tool: Token) -> FloatArray:
-    """Return the corner of the handle's end ``(3,)`` [m], in the body frame, that comes near what is struck."""
+    """Return the corner of the handle's end ``(3,)`` [m], in the body frame, that comes near a struck thing."""
     assert tool.shape is not None, "a tool has a shape"
     back = max(_ahead(part, -1.0) for part in solids_of(tool.shape))
     return np.array([-back, 0.0, tool["handle_to"][2] - tool["handle_width"] / 2])
@@ -141,7 +141,7 @@ def butt(tool: Token) -> FloatArray:
 
 @cache
 def _ahead(part: Part, way: float = 1.0) -> float:
-    """Return how far a part of a shape reaches along the body's x axis, or against it if `way` is -1 [m]."""
+    """Return the extent [m] of a part of a shape along the body's x axis, or against it if `way` is -1."""
     along = rotate(quaternion_conjugate(quaternion_from_rpy(part.rpy)), np.array([way, 0.0, 0.0]))
     if isinstance(part, Box):
         reach = float(np.abs(along) @ np.asarray(part.half_extents))
@@ -154,23 +154,22 @@ def _ahead(part: Part, way: float = 1.0) -> float:
 
 def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:
     """Return the horizontal direction ``(..., 3)`` from a thing to a region and the distance ``(...)`` [m]."""
-    offset = (state[region, "position"] - state[thing, "position"]) * np.array([1.0, 1.0, 0.0])
+    offset = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
     return _unit(offset), norm(offset)
 
 
 def in_box(state: State, thing: Token, place: FloatArray) -> FloatArray:
     """Return a place ``(..., 3)`` [m] in the frame of a thing."""
-    return rotate(quaternion_conjugate(state[thing, "orientation"]), place - state[thing, "position"])
+    return to_body(state, thing, place - state[thing, "position"])
 
 
 def half_depth(state: State, thing: Token, direction: FloatArray) -> FloatArray:
-    """Return how far a box reaches from its centre along a direction ``(..., 3)``, ``(...)`` [m]."""
-    local = rotate(quaternion_conjugate(state[thing, "orientation"]), direction)
-    return np.asarray(np.abs(local) @ np.asarray(thing["half_extents"]))
+    """Return the extent ``(...)`` [m] of a box from its centre along a direction ``(..., 3)``."""
+    return np.asarray(np.abs(to_body(state, thing, direction)) @ np.asarray(thing["half_extents"]))
 
 
 def push_pose(state: State, tool: Token, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:
-    """Return position ``(..., 3)`` [m] and yaw ``(...)`` [rad] of a tool that is about to push a thing to a region."""
+    """Return position ``(..., 3)`` [m] and yaw ``(...)`` [rad] of a tool before it pushes a thing to a region."""
     ahead, _ = way(state, thing, region)
     back = half_depth(state, thing, ahead) + STANDOFF + tool["pushing_point"][2]
     place = state[thing, "position"] - ahead * back[..., None]
@@ -185,14 +184,14 @@ def top(state: State, thing: Token) -> FloatArray:
 
 
 def strike_place(state: State, hand: Token, tool: Token, target: FloatArray) -> FloatArray:
-    """Return where the hand's centre is as the tool, level, meets a target ``(..., 3)``, ``(..., 3)`` [m]."""
+    """Return the hand's centre ``(..., 3)`` [m] when the level tool meets a target ``(..., 3)`` [m]."""
     arm = hand_in_tool(state, hand, tool) - np.asarray(tool["impact_point"])
     return np.asarray(target + arm[..., :1] * heading(state, tool) + arm[..., 2:] * UP)
 
 
 def _unit(vector: FloatArray) -> FloatArray:
     length = norm(vector)[..., None]
-    # A direction of no length only stays finite: where it matters a predicate says so.
+    # A vector of length zero must stay finite; if it matters, a predicate does not hold.
     if np.minimum.reduce(length, axis=None, initial=1.0) > 1e-9:
         return np.asarray(vector / length)
     return np.where(length > 1e-9, vector / np.maximum(length, 1e-9), np.array([1.0, 0.0, 0.0]))

@@ -1,6 +1,4 @@
-"""GRASPING (paper, D7): a hand reaches from beside a handle to the grasp location and closes."""
-
-from typing import cast
+"""GRASPING (paper, D7) and RELEASING (D11): a hand moves from beside a handle to it and closes; it opens and leaves."""
 
 import numpy as np
 
@@ -19,12 +17,12 @@ from hybrid_tamp.authoring import (
     Slot,
     State,
     Target,
-    Token,
 )
 
 from ..common.predicates import AT_REST
-from ..common.primitives import straight_profile
+from ..common.primitives import move_straight
 from ..common.reaching import ReachGoal
+from ..common.roles import MOTION, get_token, get_tokens
 from ..common.servos import hand_servo
 from ..common.timetable import Timetable
 from .classes import DexterousHand, Graspable
@@ -34,44 +32,38 @@ from .holding import gripping_system
 from .predicates import AT_HANDLE, EMPTY, HELD, STANDS
 
 _APPROACH = 0.8
-"""How long the hand takes from beside the handle to the grasp location [s]."""
+"""Time from beside the handle to the grasp location [s]."""
 _CLOSES_AFTER = 0.95
-"""When it begins to close [s]: it is at rest by then."""
-
-
-def _roles(binding: Binding) -> tuple[Token, Token]:
-    return cast(Token, binding["hand"]), cast(Token, binding["tool"])
+"""When the hand begins to close [s]: it is at rest by then."""
+_OPENING = 0.3
+"""Time for the fingers to open before the hand moves [s]."""
+_LEAVING = 0.8
+"""Time for the hand to leave [s]."""
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
-    return beside(state, *_roles(binding))
+    return beside(state, *get_tokens(binding, "hand", "tool"))
 
 
 def _middle(binding: Binding, state: State) -> FloatArray:
-    return np.asarray(handle_length(cast(Token, binding["tool"])) / 2)
+    return np.asarray(handle_length(get_token(binding, "tool")) / 2)
 
 
 def _bounds(binding: Binding) -> tuple[float, float]:
-    return 0.0, handle_length(cast(Token, binding["tool"]))
+    return 0.0, handle_length(get_token(binding, "tool"))
 
 
-def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    hand, tool = _roles(binding)
+def _grasp_time(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+    hand, tool = get_tokens(binding, "hand", "tool")
     return float(_CLOSES_AFTER + (hand["maximal_aperture"] - tool["handle_width"]) / FINGER_SPEED + 0.01)
 
 
-def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
-    hand, tool = _roles(binding)
+def _grasp(binding: Binding, start: State, parameters: Parameters) -> Policy:
+    hand, tool = get_tokens(binding, "hand", "tool")
     origin = start[hand, "position"].copy()
-    whole = point(start, tool, on_handle(tool, parameters.hyperparameters["grasp_location"])) - origin
-    profile, servo, grip = straight_profile(), hand_servo(hand, start), hand["maximal_grip"]
-
-    def approach(elapsed: FloatArray) -> tuple[FloatArray, ...]:
-        done = profile.share(elapsed / _APPROACH)[..., None]
-        speed = profile.rate(elapsed / _APPROACH)[..., None] / _APPROACH
-        return origin + done * whole, speed * whole
-
-    timetable = Timetable(approach, start)
+    way = point(start, tool, on_handle(tool, parameters.hyperparameters["grasp_location"])) - origin
+    servo, grip = hand_servo(hand, start), hand["maximal_grip"]
+    timetable = Timetable(move_straight(origin, way, _APPROACH), start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         closing = np.where(elapsed > _CLOSES_AFTER, grip, 0.0)
@@ -82,27 +74,46 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _contact(binding: Binding, before: State, after: State, hyperparameters: Hyperparameters) -> FloatArray:
-    """Return which share of the hand's width touches the handle ``(...)``, by where it is in the end."""
-    hand, tool = _roles(binding)
+    """Return the share ``(...)`` of the hand's width that touches the handle at the end."""
+    hand, tool = get_tokens(binding, "hand", "tool")
     place, half = location(after, hand, tool), hand["contact_width"] / 2
     touching = np.minimum(place + half, handle_length(tool)) - np.maximum(place - half, 0.0)
     return np.asarray(np.clip(touching / hand["contact_width"], 0.0, 1.0))
 
 
-def _outcome(binding: Binding, state: State) -> State:
+def _grasped(binding: Binding, state: State) -> State:
     """The hand is at the middle of the handle, closed."""
-    hand, tool = _roles(binding)
+    hand, tool = get_tokens(binding, "hand", "tool")
     place = point(state, tool, on_handle(tool, handle_length(tool) / 2))
     return state.replace({(hand.name, "position"): place, (hand.name, "aperture"): tool["handle_width"]})
 
 
+def _release(binding: Binding, start: State, parameters: Parameters) -> Policy:
+    hand, tool = get_tokens(binding, "hand", "tool")
+    origin = start[hand, "position"].copy()
+    servo = hand_servo(hand, start)
+    timetable = Timetable(move_straight(origin, beside(start, hand, tool) - origin, _LEAVING, _OPENING), start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        return servo(state, *timetable(elapsed))
+
+    return policy
+
+
+def _released(binding: Binding, state: State) -> State:
+    hand, tool = get_tokens(binding, "hand", "tool")
+    place = beside(state, hand, tool)
+    return state.replace({(hand.name, "position"): place, (hand.name, "aperture"): hand["maximal_aperture"]})
+
+
+_GRASPABLE = tuple(fact("hand", "tool") for fact in GRASP_FACTS)
 REACH_HANDLE = ReachGoal(
     targets=(Target("tool", Graspable),),
     position=_beside,
-    entry=(*(fact("hand", "tool") for fact in GRASP_FACTS), EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
+    entry=(*_GRASPABLE, EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     arrived=(AT_HANDLE("hand", "tool"),),
     hand_class=DexterousHand,
-    # Only an empty hand reaches, so that it leaves nothing behind.
+    # Only an empty hand reaches, so it leaves no tool behind.
     keeps=(HELD,),
 )
 
@@ -110,15 +121,9 @@ GRASPING = Block(
     name="GRASPING",
     slots=(Slot("hand", DexterousHand), Slot("tool", Graspable)),
     anchor="hand",
-    entry=(
-        *(fact("hand", "tool") for fact in GRASP_FACTS),
-        AT_HANDLE("hand", "tool"),
-        EMPTY("hand"),
-        STANDS("tool"),
-        AT_REST("tool"),
-    ),
+    entry=(*_GRASPABLE, AT_HANDLE("hand", "tool"), EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     exit=(HELD("tool", "hand"), ~EMPTY("hand"), AT_REST("hand")),
-    writes={"hand": ("position", "velocity", "aperture")},
+    writes={"hand": (*MOTION, "aperture")},
     hyperparameters=(
         Hyperparameter(
             "grasp_location",
@@ -130,13 +135,28 @@ GRASPING = Block(
             _bounds,
         ),
     ),
-    duration=Duration(_APPROACH, 5.0, _expected),
+    duration=Duration(_APPROACH, 5.0, _grasp_time),
     hold=True,
-    policy=_policy,
+    policy=_grasp,
     system=gripping_system,
     performance=(
         Measure("contact", "1", 1.0, end=_contact, description="share of the hand's width that touches the handle"),
     ),
-    outcome=_outcome,
+    outcome=_grasped,
     description="the hand reaches to the grasp location and closes on the handle",
+)
+
+RELEASING = Block(
+    name="RELEASING",
+    slots=(Slot("hand", DexterousHand), Slot("tool", Graspable)),
+    anchor="hand",
+    entry=(HELD("tool", "hand"), STANDS("tool")),
+    # The tool must go on standing when the hand lets go: the condition is measured.
+    exit=(~HELD("tool", "hand"), EMPTY("hand"), STANDS("tool"), AT_REST("hand"), AT_REST("tool")),
+    writes={"hand": (*MOTION, "aperture")},
+    duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05),
+    policy=_release,
+    system=gripping_system,
+    outcome=_released,
+    description="the hand opens and leaves the tool where it stands",
 )

@@ -1,17 +1,16 @@
-"""A hand and the tool that it holds, as one rigid body: what moves it, and how it moves.
+"""The dynamics of a hand and the tool that it holds, as one rigid body.
 
 With r from the hand to the tool's centre of mass, the hand at x, the tool at x + r and f the force that the hand
 exerts on the tool (Newton and Euler)::
 
     m_hand x'' = F - f,     m (x + r)'' = f + w,     (I + I_wrist) alpha = T - r x f + n
 
-F and T are the basic actions, w and n the other forces on the tool and their moment: its weight, and what it touches.
-The body turns about the tool's y axis, so (x + r)'' = x'' + alpha x r - omega^2 r, and I is the moment about that axis;
-turns about the others are slow, and the same moment serves there. The hand's own weight is compensated.
+F and T are the basic actions, w and n the other forces on the tool and their moment: its weight and contact forces.
+The body turns about the tool's y axis, so (x + r)'' = x'' + alpha x r - omega^2 r, and I is the moment about that axis.
+Turns about the other axes are slow; the same moment is used there. The hand's own weight is compensated.
 """
 
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
@@ -31,22 +30,24 @@ from hybrid_tamp.authoring import (
     rotate,
 )
 
+from ..common.roles import get_tokens
 from ..common.servos import DAMPING_RATIO, hand_system, turning_rate
-from .geometry import UP, dot, off_handle
+from ..common.vectors import UP
+from .geometry import dot, hand_in_tool, off_handle
 
 _LIFT = GRAVITY * UP
-"""What compensates gravity [m/s^2]."""
+"""Acceleration that compensates gravity [m/s^2]."""
 POSITION_RATE = 60.0
-"""Natural frequency with which a hand and its tool come to a place [rad/s]."""
+"""Natural frequency of the servo that brings a hand and its tool to a place [rad/s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """What acts on a held tool beside the hand and its weight.
+    """A force on a held tool other than those of the hand and of its weight.
 
     Attributes:
         force: ``(..., 3)`` [N].
-        point: where it acts ``(..., 3)`` [m].
+        point: its point of application ``(..., 3)`` [m].
     """
 
     force: FloatArray
@@ -58,7 +59,7 @@ Whole = tuple[FloatArray, float, FloatArray]
 
 
 class HeldTool:
-    """A hand and the tool that it holds, as one body. Of states the batch shape is ``(...)``."""
+    """A hand and the tool that it holds, as one body. States have the batch shape ``(...)``."""
 
     def __init__(self, hand: Token, tool: Token) -> None:
         self.hand, self.tool = hand, tool
@@ -68,13 +69,13 @@ class HeldTool:
         self._own_inertia = tool["inertia"][1] + hand["wrist_inertia"]
 
     def wrench(self, state: State, acceleration: FloatArray, turning: FloatArray, load: Load | None = None) -> Commands:
-        """Return the basic actions that accelerate the hand and its tool as wanted (inverse dynamics).
+        """Return the basic actions for given accelerations of the hand and its tool (inverse dynamics).
 
         Args:
             state: current state.
             acceleration: of the hand, ``(..., 3)`` [m/s^2].
             turning: angular acceleration of both, ``(..., 3)`` [rad/s^2].
-            load: what acts on the tool beside, or None.
+            load: another force on the tool, or None.
         """
         hand, tool = self.hand, self.tool
         arm = state[tool, "position"] - state[hand, "position"]
@@ -104,7 +105,7 @@ class HeldTool:
             state: current state.
             position: of the hand [m] and its velocity [m/s], each ``(..., 3)``.
             orientation: of the tool ``(..., 4)`` and its angular velocity ``(..., 3)`` [rad/s].
-            load: what acts on the tool beside, or None.
+            load: another force on the tool, or None.
         """
         turning = turning_rate(state, self.tool, *orientation)
         return self.wrench(state, keeping(state, self.hand, *position), turning, load)
@@ -112,7 +113,7 @@ class HeldTool:
     def accelerated(self, state: State, commands: Commands, dt: float) -> tuple[FloatArray, FloatArray]:
         """Return the velocity of the hand [m/s] and the angular velocity of both [rad/s], ``(..., 3)``, after a step.
 
-        They move as one rigid body by what is commanded and by the tool's weight.
+        The basic actions and the tool's weight move them as one rigid body.
         """
         arm = state[self.tool, "position"] - state[self.hand, "position"]
         spin = state[self.tool, "angular_velocity"]
@@ -126,7 +127,7 @@ class HeldTool:
     def placed(
         self, state: State, velocity: FloatArray, spin: FloatArray, dt: float
     ) -> dict[tuple[str, str], FloatArray]:
-        """Return where hand and tool are after a step at a velocity of the hand and an angular velocity of both.
+        """Return poses and velocities of hand and tool after a step at these velocities of the hand and of both.
 
         Semi-implicit Euler with exact turns.
         """
@@ -153,6 +154,18 @@ class HeldTool:
         return centre, float(self._mass), inertia
 
 
+def pose_tool(
+    state: State, hand: Token, tool: Token, place: FloatArray, orientation: FloatArray
+) -> dict[tuple[str, str], FloatArray]:
+    """Return the poses of a hand at a place ``(..., 3)`` [m] and of its tool, turned to an orientation ``(..., 4)``."""
+    arm = rotate(orientation, hand_in_tool(state, hand, tool))
+    return {
+        (hand.name, "position"): place,
+        (tool.name, "position"): place - arm,
+        (tool.name, "orientation"): orientation,
+    }
+
+
 def keeping(
     state: State,
     hand: Token,
@@ -166,8 +179,8 @@ def keeping(
 
 
 def gripping_system(binding: Binding, start: State) -> ContinuousSystem:
-    """Make the system of a hand that moves alone and whose fingers open or close; a handle between them stops them."""
-    hand, tool = cast(Token, binding["hand"]), cast(Token, binding["tool"])
+    """Make the system of a hand without a tool: its fingers open or close, and a handle between them stops them."""
+    hand, tool = get_tokens(binding, "hand", "tool")
     arm, width, widest = hand_system(binding, start), tool["handle_width"], hand["maximal_aperture"]
 
     def system(state: State, commands: Commands, dt: float) -> State:
@@ -195,14 +208,14 @@ def effective_mass(body: Whole, at: FloatArray, direction: FloatArray) -> FloatA
 def knocked(
     body: Whole, velocity: FloatArray, spin: FloatArray, place: FloatArray, at: FloatArray, impulse: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return velocity of the hand, which is at a place, and angular velocity of both after an impact on the tool.
+    """Return the velocity of the hand and the angular velocity of both after an impact on the tool.
 
     Args:
         body: hand and tool.
         velocity: of the hand before, ``(..., 3)`` [m/s].
         spin: of both before, ``(..., 3)`` [rad/s].
         place: of the hand, ``(..., 3)`` [m].
-        at: where the impact meets the tool, ``(..., 3)`` [m].
+        at: point of impact, ``(..., 3)`` [m].
         impulse: ``(..., 3)`` [N s].
     """
     centre, mass, inertia = body

@@ -1,11 +1,12 @@
-"""What the conditions of tool use speak of; what is decided before any search is in `feasibility`."""
+"""Predicates of tool use that change. Those decided before any search are in `feasibility`."""
 
 import numpy as np
 
-from hybrid_tamp.authoring import CAPTURE, FloatArray, Kind, Parameter, Predicate, State, Token, rotate
+from hybrid_tamp.authoring import CAPTURE, FloatArray, Kind, Parameter, Predicate, State, Token
 
 from ..common.classes import Region
-from ..common.predicates import inside
+from ..common.predicates import inside, length_predicate
+from ..common.roles import POSE
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
 from .geometry import (
     RAISED,
@@ -14,6 +15,7 @@ from .geometry import (
     norm,
     off_handle,
     push_pose,
+    side,
     strike_place,
     swing_angle,
     top,
@@ -26,15 +28,13 @@ _PUSHED = Parameter("object", Pushable)
 _STRUCK = Parameter("object", Strikable)
 _REGION = Parameter("region", Region)
 OPEN = 0.7
-"""A hand is empty when its fingers are open by this share of their largest gap."""
+"""A hand is empty if its fingers are open to this share of their largest gap."""
 _FINGER_TOLERANCE = 1e-4
 _BESIDE_TOLERANCE = 0.02
 _FOOT_TOLERANCE = 0.005
 _TILT_TOLERANCE = np.radians(5.0)
 _STANCE_TOLERANCE = 0.02
 _ANGLE_TOLERANCE = np.radians(6.0)
-_POSE = ("position", "orientation")
-_HAND_POSE = ("position", "aperture")
 
 
 def _closeness_to_handle(state: State, hand: Token, tool: Token) -> FloatArray:
@@ -46,7 +46,7 @@ def _openness(state: State, hand: Token) -> FloatArray:
 
 
 def _grip(state: State, tool: Token, hand: Token) -> FloatArray:
-    """The fingers are as far apart as the handle is wide, and the handle is between them."""
+    """The gap between the fingers equals the width of the handle, and the handle is between them."""
     closed = _FINGER_TOLERANCE - np.abs(state[hand, "aperture"][..., 0] - tool["handle_width"])
     return np.asarray(np.minimum(closed, CAPTURE - off_handle(state, hand, tool)))
 
@@ -54,13 +54,13 @@ def _grip(state: State, tool: Token, hand: Token) -> FloatArray:
 def _standing(state: State, tool: Token) -> FloatArray:
     """The tool's head is on the floor, and its handle upright."""
     upright = _TILT_TOLERANCE - np.abs(swing_angle(state, tool))
-    level = _TILT_TOLERANCE - np.abs(rotate(state[tool, "orientation"], np.array([0.0, 1.0, 0.0]))[..., 2])
+    level = _TILT_TOLERANCE - np.abs(side(state, tool)[..., 2])
     height = _FOOT_TOLERANCE - np.abs(state[tool, "position"][..., 2] - foot(tool))
     return np.asarray(np.minimum(np.minimum(upright, level) * _FOOT_TOLERANCE / _TILT_TOLERANCE, height))
 
 
 def _stance(distance: FloatArray, *angles: FloatArray) -> FloatArray:
-    """Return the least margin [m] of a place and of angles, which count as lengths in proportion to tolerances."""
+    """Return the least margin [m] of a distance and of angles, each scaled by its tolerance."""
     margin = np.asarray(_STANCE_TOLERANCE - distance)
     for angle in angles:
         turned = np.abs((angle + np.pi) % (2 * np.pi) - np.pi)
@@ -84,67 +84,55 @@ def _impulse(state: State, thing: Token) -> FloatArray:
 
 
 INSIDE = inside(Pushable)
-AT_HANDLE = Predicate(
+AT_HANDLE = length_predicate(
     "at_handle",
     (HAND, TOOL),
     _closeness_to_handle,
-    unit="m",
-    scale=0.01,
-    reads={"hand": ("position",), "tool": _POSE},
+    reads={"hand": ("position",), "tool": POSE},
     kind=Kind.MAINTAINED,
     description="{hand} is beside the handle of {tool}",
     denial="{hand} is not beside the handle of {tool}",
 )
-EMPTY = Predicate(
+EMPTY = length_predicate(
     "empty",
     (HAND,),
     _openness,
-    unit="m",
-    scale=0.01,
     reads={"hand": ("aperture",)},
     description="{hand} is open and empty",
     denial="{hand} is not open and empty",
 )
-HELD = Predicate(
+HELD = length_predicate(
     "held",
     (TOOL, HAND),
     _grip,
-    unit="m",
-    scale=0.01,
-    reads={"tool": _POSE, "hand": _HAND_POSE},
+    reads={"tool": POSE, "hand": ("position", "aperture")},
     kind=Kind.FUNCTIONAL,
     value_of="hand",
     description="{tool} is held by {hand}",
     denial="{tool} is not held by {hand}",
 )
-STANDS = Predicate(
+STANDS = length_predicate(
     "stands",
     (TOOL,),
     _standing,
-    unit="m",
-    scale=0.01,
-    reads={"tool": _POSE},
+    reads={"tool": POSE},
     description="{tool} stands on its head",
     denial="{tool} does not stand on its head",
 )
-IN_PUSH_STANCE = Predicate(
+IN_PUSH_STANCE = length_predicate(
     "in_push_stance",
     (Parameter("tool", Pusher), _PUSHED, _REGION),
     _push_stance,
-    unit="m",
-    scale=0.01,
-    reads={"tool": _POSE, "object": _POSE, "region": ("position",)},
+    reads={"tool": POSE, "object": POSE, "region": ("position",)},
     kind=Kind.MAINTAINED,
     description="{tool} is upright behind {object} as seen from {region}",
     denial="{tool} is not upright behind {object} as seen from {region}",
 )
-IN_STRIKE_STANCE = Predicate(
+IN_STRIKE_STANCE = length_predicate(
     "in_strike_stance",
     (HAND, Parameter("tool", Striker), _STRUCK),
     _strike_stance,
-    unit="m",
-    scale=0.01,
-    reads={"hand": ("position",), "tool": _POSE, "object": _POSE},
+    reads={"hand": ("position",), "tool": POSE, "object": POSE},
     kind=Kind.MAINTAINED,
     description="{hand} has raised {tool} to strike {object}",
     denial="{hand} has not raised {tool} to strike {object}",

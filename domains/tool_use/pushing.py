@@ -1,10 +1,8 @@
 """PUSHING (paper, D9): the head of an upright tool pushes a thing in a straight line to a region.
 
-The tool first comes to touch the thing, then goes on by the distance, both as people's straight movements do. The wrist
-bears the torque of the push: its resistance times the height of the hand above the pushing point.
+The tool first touches the thing, then moves on by the distance; both are straight human movements. The wrist bears the
+torque of the push: the resistance times the height of the hand above the pushing point.
 """
-
-from typing import cast
 
 import numpy as np
 
@@ -33,7 +31,9 @@ from hybrid_tamp.authoring import (
 from ..common.classes import Region
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile
+from ..common.roles import BODY, get_tokens
 from ..common.timetable import Timetable
+from ..common.vectors import HORIZONTAL, UP
 from .classes import DexterousHand, Pushable, Pusher
 from .feasibility import (
     ABLE_TO_PUSH,
@@ -43,35 +43,34 @@ from .feasibility import (
     SQUARE_TO,
     resistance,
 )
-from .geometry import UP, dot, half_depth, heading, norm, point, side, tool_orientation, way
+from .geometry import dot, half_depth, heading, norm, point, side, tool_orientation, way
 from .holding import HeldTool, Load, effective_mass, knocked
 from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
 
 _APPROACH = 0.8
-"""How long the tool takes to touch the thing [s]."""
+"""Time until the tool touches the thing [s]."""
 _SHORTEST = 1.0
-"""How long a push takes at least [s]."""
+"""Least duration of a push [s]."""
 _STEERING = 0.08
-"""How far beside the middle of the thing the tool pushes, per angle that the thing has turned [m/rad]."""
+"""Lateral offset of the pushing point per angle that the thing has turned [m/rad]."""
 _RETURNING = 15.0
-"""How far the thing is turned towards its line, per distance from it [rad/m]."""
+"""Wanted turn of the thing towards its line, per distance from the line [rad/m]."""
 _LARGEST_TURN = 0.3
-"""How far at most [rad]."""
+"""Largest wanted turn [rad]."""
 _MARGIN = 0.6
-"""Share of its half width within which the tool pushes."""
+"""Largest lateral offset of the pushing point, as a share of the half width."""
 _CREEP = 0.01
-"""Speed from which on the full resistance is expected [m/s]."""
+"""Least speed at which the full resistance is expected [m/s]."""
 _TOUCH = 1e-6
-_BODY = ("position", "orientation", "velocity", "angular_velocity")
 
 
 def _roles(binding: Binding) -> tuple[Token, Token, Token, Token]:
-    hand, tool, thing, region = (cast(Token, binding[role]) for role in ("hand", "tool", "object", "region"))
+    hand, tool, thing, region = get_tokens(binding, "hand", "tool", "object", "region")
     return hand, tool, thing, region
 
 
 def _distance(binding: Binding, state: State, hyperparameters: Hyperparameters) -> FloatArray:
-    """Return how far to push ``(...)`` [m]."""
+    """Return the distance of the push ``(...)`` [m]."""
     _, _, thing, region = _roles(binding)
     return np.maximum(way(state, thing, region)[1] + hyperparameters["beyond"], 0.0)
 
@@ -91,14 +90,14 @@ def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArr
 
 
 def _steering(state: State, thing: Token, line: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return where across its line the tool pushes ``(...)`` [m], and how fast that changes [m/s].
+    """Return the lateral position ``(...)`` [m] of the pushing point and its rate [m/s].
 
-    A thing that one point pushes from behind turns away from it, more and more. So the tool pushes to the side to which
-    the thing has turned, and turns it a little towards its line where it has left it.
+    A thing that one point pushes from behind turns away from it, more and more. So the tool pushes on the side to which
+    the thing has turned. If the thing has left its line, the tool turns it a little towards the line.
 
     Args:
         state: current state.
-        thing: what is pushed.
+        thing: the pushed thing.
         line: a point of the line ``(..., 3)`` [m].
         axes: the directions along it and across ``(..., 2, 3)``.
     """
@@ -150,7 +149,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Hand and tool as one body; the thing slides with Coulomb friction and is pushed, never pulled; no bounce."""
+    """Make the system: hand and tool are one body and push the thing inelastically; it slides with Coulomb friction."""
     hand, tool, thing, _ = _roles(binding)
     held, head = HeldTool(hand, tool), np.asarray(tool["pushing_point"])
     friction, own_mass = resistance(thing), thing["mass"]
@@ -162,7 +161,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
         braked = friction * dt
         sliding = dot(state[thing, "velocity"], ahead)
         alone = np.maximum(sliding - braked / own_mass, 0.0)
-        gap = dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
+        gap = _gap(state, tool, thing, ahead)
         touches = (closing > alone) & (gap <= (closing - alone) * dt + _TOUCH)
         body = held.whole(state)
         mass = effective_mass(body, face, ahead)
@@ -186,10 +185,10 @@ def _torque_work(binding: Binding, state: State, commands: Commands) -> FloatArr
 
 
 def _outcome(binding: Binding, state: State) -> State:
-    """The thing lies in the middle of the region, hand and tool behind it, touching it."""
+    """The thing lies in the middle of the region; hand and tool are behind it, and the tool touches it."""
     hand, tool, thing, region = _roles(binding)
     ahead, _ = way(state, thing, region)
-    pushed = (state[region, "position"] - state[thing, "position"]) * np.array([1.0, 1.0, 0.0])
+    pushed = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
     came = pushed + _gap(state, tool, thing, ahead)[..., None] * ahead
     return state.replace(
         {
@@ -222,11 +221,11 @@ PUSHING = Block(
         AT_REST("hand"),
         AT_REST("tool"),
     ),
-    writes={"hand": _BODY, "tool": _BODY, "object": _BODY},
-    # A push is straight, and the thing keeps its heading; the other facts are about the tool as it stood at first.
+    writes={"hand": BODY, "tool": BODY, "object": BODY},
+    # A push is straight, and the thing keeps its heading. The other facts concern the place where the tool stood first.
     keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),
     hyperparameters=(
-        # About the region: what is pushed far past it would take most of the time of a search.
+        # Only near the region: pushes far past it would take most of the time of a search.
         Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "how far past the region's middle"),
         Hyperparameter("speed", "m/s", 0.05, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
     ),

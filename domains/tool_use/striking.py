@@ -1,10 +1,8 @@
 """STRIKING (paper, D8): a hammering movement; the tool's impact point meets the top of a thing.
 
-The hand winds up, then a constant torque swings hand and tool about an elbow until the speed that its work gives, and
-the tool coasts at that speed until it meets its target. After the impact the hand holds the tool just above the thing.
+The hand winds up. Then a constant torque swings hand and tool about an elbow, and its work gives the final speed. The
+tool coasts at that speed until it meets its target. After the impact the hand holds the tool just above the thing.
 """
-
-from typing import cast
 
 import numpy as np
 
@@ -30,17 +28,17 @@ from hybrid_tamp.authoring import (
 
 from ..common.predicates import AT_REST
 from ..common.primitives import straight_profile
+from ..common.roles import BODY, get_tokens
 from ..common.servos import DAMPING_RATIO, turn_between, turning_rate
 from ..common.timetable import Timetable
+from ..common.vectors import UP
 from .arc import WINDING_UP, Arc, in_plane, on_arc
 from .classes import DexterousHand, Strikable, Striker
 from .feasibility import ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME
 from .geometry import (
     LEVEL,
-    UP,
     butt,
     dot,
-    hand_in_tool,
     in_box,
     norm,
     point,
@@ -51,20 +49,19 @@ from .geometry import (
     top,
     yaw,
 )
-from .holding import HeldTool, effective_mass, keeping
+from .holding import HeldTool, effective_mass, keeping, pose_tool
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
 
 _ABOVE = 0.15
-"""How much the tool is raised after the impact [rad]."""
+"""Angle by which the tool is raised after the impact [rad]."""
 _RAISING_RATE = 20.0
 """Natural frequency of the servo that raises it [rad/s]."""
 _SETTLING = 0.5
 _TOUCH = 1e-6
-_BODY = ("position", "orientation", "velocity", "angular_velocity")
 
 
 def _roles(binding: Binding) -> tuple[Token, Token, Token]:
-    hand, tool, thing = (cast(Token, binding[role]) for role in ("hand", "tool", "object"))
+    hand, tool, thing = get_tokens(binding, "hand", "tool", "object")
     return hand, tool, thing
 
 
@@ -117,9 +114,9 @@ def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Hand and tool as one body, which the top of the thing stops: an inelastic impact that the thing withstands.
+    """Make the system: hand and tool are one body, which the top of the thing stops in an inelastic impact.
 
-    A tool that is held near its head has its butt in the way: where it meets the thing or the floor, the swing is over.
+    If a tool is held near its head, its butt is in the way. The swing ends when the butt meets the thing or the floor.
     """
     hand, tool, thing = _roles(binding)
     held, striking, back = HeldTool(hand, tool), np.asarray(tool["impact_point"]), butt(tool)
@@ -166,23 +163,17 @@ def _hand_speed(binding: Binding, state: State) -> FloatArray:
 
 
 def _outcome(binding: Binding, state: State) -> State:
-    """The tool lies level above the thing, which has been struck."""
+    """The thing has been struck, and the tool is raised above it."""
     hand, tool, thing = _roles(binding)
-    orientation = tool_orientation(yaw(state, tool), LEVEL - _ABOVE)
-    arm = rotate(orientation, hand_in_tool(state, hand, tool))
     place = strike_place(state, hand, tool, top(state, thing))
+    orientation = tool_orientation(yaw(state, tool), LEVEL - _ABOVE)
     return state.replace(
-        {
-            (hand.name, "position"): place,
-            (tool.name, "position"): place - arm,
-            (tool.name, "orientation"): orientation,
-            (thing.name, "impulse"): thing["impulse_needed"],
-        }
+        {**pose_tool(state, hand, tool, place, orientation), (thing.name, "impulse"): thing["impulse_needed"]}
     )
 
 
-def _offset(name: str, description: str) -> Hyperparameter:
-    return Hyperparameter(name, "m", -0.03, 0.03, lambda binding, state: np.asarray(0.0), description)
+def _offset(name: str, lower: float, upper: float, description: str) -> Hyperparameter:
+    return Hyperparameter(name, "m", lower, upper, lambda binding, state: np.asarray(0.0), description)
 
 
 STRIKING = Block(
@@ -203,20 +194,18 @@ STRIKING = Block(
         AT_REST("hand"),
         AT_REST("tool"),
     ),
-    writes={"hand": _BODY, "tool": _BODY, "object": ("velocity", "impulse")},
-    # These facts are about the tool as it stood at first.
+    writes={"hand": BODY, "tool": BODY, "object": ("velocity", "impulse")},
+    # These facts concern the place where the tool stood first.
     keeps=(HANDLE_WITHIN_REACH, HOME),
     hyperparameters=(
-        Hyperparameter(
+        _offset(
             "swing_radius",
-            "m",
             0.0,
             0.3,
-            lambda binding, state: np.asarray(0.0),
             "distance of the hand from the elbow about which it swings; 0: the hand stays in its place",
         ),
-        _offset("target_x", "how far ahead of the middle of the top the tool strikes"),
-        _offset("target_y", "how far to the left of the middle of the top the tool strikes"),
+        _offset("target_x", -0.03, 0.03, "how far ahead of the middle of the top the tool strikes"),
+        _offset("target_y", -0.03, 0.03, "how far to the left of the middle of the top the tool strikes"),
     ),
     duration=Duration(WINDING_UP, 10.0, _expected),
     policy=_policy,

@@ -1,4 +1,4 @@
-"""The closed form of a strike: what a constant torque over an angle makes of a tool, by where it is held."""
+"""The closed form of a strike: speed and impulse of a tool that a constant torque swings over an angle."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from hybrid_tamp.authoring import CONTROL_PERIOD, GRAVITY, FloatArray, Token
 from .geometry import LEVEL
 
 _COASTING = 0.2
-"""For how many control periods the tool goes on at its final speed until it should meet its target."""
+"""Number of control periods that the tool coasts at its final speed before it should meet its target."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +21,7 @@ class Swing:
         rate: angular speed omega at the end: the work of the torque, tau phi = I omega^2 / 2 [rad/s].
         lever: distance of the impact point from the elbow along the handle [m].
         impulse: impulse of an inelastic impact [N s].
-        weight_torque: largest torque with which the wrist bears the tool's weight [N m].
+        weight_torque: largest torque of the wrist that bears the tool's weight [N m].
     """
 
     inertia: FloatArray
@@ -36,27 +36,27 @@ class Swing:
         return np.asarray(self.rate * self.lever)
 
     def periods(self, hand: Token) -> FloatArray:
-        """Return for how many whole control periods, at least one, a torque near the hand's own drives the swing."""
+        """Return the number of whole control periods, at least one, of a drive with about the hand's strike torque."""
         exact = self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD)
         return np.asarray(np.maximum(np.round(exact), 1.0))
 
     def drive(self, hand: Token) -> FloatArray:
-        """Return the constant angular acceleration [rad/s^2] that comes to the final speed in whole control periods."""
+        """Return the constant angular acceleration [rad/s^2] that gives the final speed after whole control periods."""
         return np.asarray(self.rate / (self.periods(hand) * CONTROL_PERIOD))
 
     def torque(self, hand: Token) -> FloatArray:
-        """Return the torque about the elbow that this takes, beyond what bears the tool [N m]."""
+        """Return the torque about the elbow [N m] of the drive, beyond the one that bears the tool."""
         return np.asarray(self.inertia * self.drive(hand))
 
     def wound_up(self, hand: Token) -> FloatArray:
-        """Return the angle of the tool from which the swing begins [rad].
+        """Return the angle of the tool where the swing begins [rad].
 
-        Speeds change period by period, so that n of them turn it by (n + 1)/2 times what the final speed does in one.
+        The speed changes once a period, so n periods turn the tool by (n + 1)/2 times its turn in one at full speed.
         """
         return np.asarray(LEVEL - self.rate * CONTROL_PERIOD * ((self.periods(hand) + 1.0) / 2.0 + _COASTING))
 
     def duration(self, hand: Token) -> FloatArray:
-        """Return how long it takes until the impact [s]."""
+        """Return the time until the impact [s]."""
         return np.asarray((self.periods(hand) + _COASTING) * CONTROL_PERIOD)
 
 
@@ -66,8 +66,8 @@ def swing_of(hand: Token, tool: Token, held_at: FloatArray, radius: FloatArray |
     Args:
         hand: the hand.
         tool: the tool.
-        held_at: where along the body's x axis the hand is, ``(...)`` [m].
-        radius: distance of the hand from the elbow, ``(...)`` [m]; 0 where the hand stays in its place.
+        held_at: position of the hand along the body's x axis, ``(...)`` [m].
+        radius: distance of the hand from the elbow, ``(...)`` [m]; 0 if the hand stays in its place.
     """
     aside = tool["handle_to"][2]
     own = tool["inertia"][1] + hand["wrist_inertia"]

@@ -1,0 +1,37 @@
+"""Metrics of a finished run."""
+
+from collections.abc import Callable, Iterator, Mapping
+
+from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, split_mode
+
+Measures = Callable[[Task, Recording, BlockInstance], Iterator[tuple[str, float]]]
+"""Names and values of the metrics of one instance."""
+
+
+def rows_of(recording: Recording, start: float, end: float) -> slice:
+    """Return the rows of a recording between two times [s]."""
+    return slice(*(round(time / recording.timestep) for time in (start, end)))
+
+
+def run_of(recording: Recording, start: float, end: float) -> State:
+    """Return the measured states ``(t, n)`` between two times [s]."""
+    return State(recording.layout, recording.states[rows_of(recording, start, end)])
+
+
+def measure_instances(
+    task: Task, recording: Recording, measures: Mapping[str, Measures]
+) -> Mapping[tuple[str, str], float]:
+    """Return the metrics of all instances by instance and metric.
+
+    Args:
+        task: the task.
+        recording: the run.
+        measures: block, or action for all its modes, to the metrics of its instances.
+    """
+    return {
+        (instance.name, name): value
+        for instance in recording.instances
+        for block in dict.fromkeys((instance.block, split_mode(instance.block)[0]))
+        if block in measures
+        for name, value in measures[block](task, recording, instance)
+    }

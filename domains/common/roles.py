@@ -1,0 +1,26 @@
+"""Tokens and symbols of a binding by their roles, and the properties that blocks write."""
+
+from typing import cast
+
+from hybrid_tamp.authoring import BODY_STATE, Binding, Token
+
+BODY = tuple(varying.name for varying in BODY_STATE)
+"""Properties of a body that moves freely."""
+POSE = ("position", "orientation")
+MOTION = ("position", "velocity")
+"""Properties of a hand that does not turn."""
+
+
+def get_token(binding: Binding, role: str) -> Token:
+    """Return the token bound to a role."""
+    return cast(Token, binding[role])
+
+
+def get_tokens(binding: Binding, *roles: str) -> tuple[Token, ...]:
+    """Return the tokens bound to several roles, in their order."""
+    return tuple(get_token(binding, role) for role in roles)
+
+
+def get_symbol(binding: Binding, role: str) -> str:
+    """Return the symbol bound to a role."""
+    return cast(str, binding[role])

@@ -1,0 +1,25 @@
+"""Vectors that several domains use; batch dimensions first."""
+
+import numpy as np
+
+from hybrid_tamp.authoring import FloatArray, State, Token, quaternion_conjugate, rotate
+
+UP = np.array([0.0, 0.0, 1.0])
+HORIZONTAL = np.array([1.0, 1.0, 0.0])
+"""Factor that removes the vertical component of a vector."""
+
+
+def dot(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the inner product over the last axis, ``(...)``."""
+    return np.asarray(np.sum(one * other, axis=-1))
+
+
+def to_body(state: State, token: Token, vectors: FloatArray) -> FloatArray:
+    """Turn vectors ``(..., 3)`` from the world into a token's body frame."""
+    return rotate(quaternion_conjugate(state[token, "orientation"]), vectors)
+
+
+def depth_in_workspace(hand: Token, position: FloatArray) -> FloatArray:
+    """Return how far positions ``(..., 3)`` lie inside a hand's workspace, ``(...)`` [m]; negative outside."""
+    lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
+    return np.asarray(np.minimum(position - lower, upper - position).min(axis=-1))
