@@ -23,7 +23,8 @@ from .predicates import AT_PLACE, FITS, ON_SIDE, PREDICATES, STANDS, UPRIGHT, WI
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
-    return place_at(state, *get_tokens(binding, "hand", "object"), get_symbol(binding, "place"))
+    hand, thing = get_tokens(binding, "hand", "object")
+    return place_at(state, hand, thing, get_symbol(binding, "place"))
 
 
 def _edges() -> Iterator[tuple[str, str]]:
