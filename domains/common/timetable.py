@@ -42,6 +42,6 @@ class Timetable:
         return tuple(quantity[row] for quantity in self._table)
 
 
-def round_up(seconds: float) -> float:
+def round_up(seconds: FloatArray | float) -> float:
     """Round a duration [s] up to whole milliseconds, in which schedules count."""
     return float(np.ceil(1e3 * seconds) / 1e3)

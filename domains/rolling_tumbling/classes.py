@@ -1,7 +1,7 @@
-"""What rolls and what tumbles."""
+"""Classes of things that roll and of things that tumble."""
 
-from collections.abc import Iterable, Mapping
-from typing import Annotated, Any, ClassVar
+from collections.abc import Iterable
+from typing import Annotated, ClassVar
 
 from pydantic import AfterValidator
 
@@ -20,7 +20,15 @@ from hybrid_tamp.authoring import (
     tumbling_likelihood,
 )
 
-from ..common.classes import Extents
+from ..common.classes import (
+    BoxShaped,
+    Extents,
+    find_box_fault,
+    friction_property,
+    mass_property,
+    not_negative,
+    positive,
+)
 from .standing import start_complaint
 
 
@@ -30,18 +38,10 @@ class Rollable(AffordanceClass):
     name: ClassVar[str] = "ROLLABLE"
 
     axis_of_rotation: Direction = quantity("1", "axis of rotation in the body frame")
-    radius_of_rotation: float = quantity("m", "radius on which it rolls", gt=0, le=10, strict=True, allow_inf_nan=False)
-    mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
-    friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
-    rolling_friction: float = quantity(
-        "m",
-        "rolling friction: torque per normal force",
-        default=0.005,
-        ge=0,
-        le=1,
-        strict=True,
-        allow_inf_nan=False,
-    )
+    radius_of_rotation: float = positive("m", "radius on which it rolls", 10)
+    mass: float = mass_property()
+    friction: float = friction_property()
+    rolling_friction: float = not_negative("m", "rolling friction: torque per normal force", 1, default=0.005)
 
     @classmethod
     def features(cls, shape: Shape) -> float:
@@ -65,7 +65,7 @@ def _none_negative(vector: Vector3) -> Vector3:
     return vector
 
 
-class Tumblable(AffordanceClass):
+class Tumblable(BoxShaped, AffordanceClass):
     """Can be tumbled from face to face by several hands (paper, Sec. III-A)."""
 
     name: ClassVar[str] = "TUMBLABLE"
@@ -75,22 +75,17 @@ class Tumblable(AffordanceClass):
         "m", "how far behind the planes of the faces across x, y, z hands touch it", default=(0.0, 0.0, 0.0)
     )
     # Declared exactly as in ROLLABLE, so that a token may be a member of both.
-    mass: float = quantity("kg", "mass", gt=0, le=1e6, strict=True, allow_inf_nan=False)
-    friction: float = quantity("1", "Coulomb friction coefficient", ge=0, le=5, strict=True, allow_inf_nan=False)
+    mass: float = mass_property()
+    friction: float = friction_property()
 
     @classmethod
     def features(cls, shape: Shape) -> float:
-        """Return how flat and wide the shape stands on four sides about some axis."""
+        """Return how flat and wide four sides of the shape about some axis are."""
         return tumbling_likelihood(shape)
-
-    @classmethod
-    def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
-        """Return the box of these half extents."""
-        return Box(kind="box", half_extents=properties["half_extents"])
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Complain about a shape that the box of the half extents is not, or of a mesh does not hold."""
+        """Complain about a box or a mesh that does not fit the half extents."""
         halves = token["half_extents"]
         if any(depth >= half for depth, half in zip(token["hollow"], halves, strict=True)):
             return f"hollow is {token['hollow']} m, which is not less than the half_extents {halves} m"
@@ -100,11 +95,8 @@ class Tumblable(AffordanceClass):
             if any(abs(end - half) > 0.03 * half for end, half in ends):
                 return f"half_extents are {halves} m, but its mesh reaches from {lower} to {upper} m"
             return None
-        if not isinstance(token.shape, Box):
-            return "what tumbles is a box or a mesh so far: remove the shape, or do not make it a member of TUMBLABLE"
-        if any(abs(one - other) > 0.01 * one for one, other in zip(halves, token.shape.half_extents, strict=True)):
-            return f"half_extents are {halves} m, but those of its shape are {token.shape.half_extents} m"
-        return None
+        other = "what tumbles is a box or a mesh so far: remove the shape, or do not make it a member of TUMBLABLE"
+        return find_box_fault(token, other)
 
     @staticmethod
     def consistent_start(token: Token, state: State, tokens: Iterable[Token]) -> str | None:

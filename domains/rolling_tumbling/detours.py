@@ -8,32 +8,32 @@ import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, Profile, State, Token, rotate
 
+from ..common.vectors import HORIZONTAL, to_body
 from .faces import NORMALS, OPPOSITE
 from .tumbling_geometry import (
     STANDBY_GAP,
     above_floor,
     half_extent,
     hand_axis,
-    in_body,
+    normal,
     place_at,
     sides_across,
 )
 
 _ROOM = 0.055
-"""Room [m] between the box and the surface of a hand that passes: another hand may hold the box meanwhile."""
+"""Gap between the box and a hand that passes [m]: another hand may hold the box meanwhile."""
 _ROUNDING = 0.05
 _TOUCHING = 0.005
 _SAMPLES = 8
 _BLOCKED = 100.0
 _AWAY = 5.5
-"""How far beyond the box's longest reach a hand goes away, in its own radii: another hand may stand between."""
+"""Final distance of a hand from the box's longest reach, in its own radii: another hand may stand between."""
 _LONGEST = 7
-_LEVEL = np.array([1.0, 1.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A curve that is run through from rest to rest.
+    """A curve from rest to rest.
 
     Attributes:
         points: densely sampled points ``(..., p, 3)`` [m].
@@ -49,7 +49,7 @@ class Curve:
         return np.asarray(self.arcs[..., -1])
 
     def at(self, elapsed: FloatArray, duration: FloatArray, profile: Profile) -> tuple[FloatArray, FloatArray]:
-        """Return position [m] and velocity [m/s], each ``(..., 3)``; the profile says how the arc is travelled."""
+        """Return position [m] and velocity [m/s], each ``(..., 3)``; the profile says how it is travelled."""
         phase = np.asarray(elapsed / duration)
         travelled = profile.share(phase) * self.length
         index = np.clip(np.sum(self.arcs <= travelled[..., None], axis=-1), 1, self.arcs.shape[-1] - 1)
@@ -66,17 +66,17 @@ class Curve:
 
 
 def curve_to_face(start: State, hand: Token, thing: Token, face: str) -> Curve:
-    """Return the curve from where the hand is to its place at a face."""
+    """Return the curve from the hand's position to its place at a face."""
     return _each(start, lambda state: _to_face(state, hand, thing, face))
 
 
 def curve_away(start: State, hand: Token, thing: Token) -> Curve:
-    """Return the curve that takes a hand off the face where it is and aside, beyond where the box may come down."""
+    """Return the curve that takes a hand off its face and aside, out of the space where the box may come down."""
     return _each(start, lambda state: _away(state, hand, thing))
 
 
 def off_the_face(start: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the direction ``(..., 3)`` straight off the face that the hand touches; zero where it touches none."""
+    """Return the outward normal ``(..., 3)`` of the face that the hand touches; zero if it touches none."""
     rows = [State(start.layout, row) for row in start.values.reshape(-1, start.values.shape[-1])]
     return np.array([_outward(state, hand, thing) for state in rows]).reshape(*start.values.shape[:-1], 3)
 
@@ -84,11 +84,11 @@ def off_the_face(start: State, hand: Token, thing: Token) -> FloatArray:
 def _outward(state: State, hand: Token, thing: Token) -> FloatArray:
     face, distance = _face_beside(state, hand, thing)
     touching = distance < hand["radius"] + _TOUCHING
-    return rotate(state[thing, "orientation"], NORMALS[face]) if touching else np.zeros(3)
+    return normal(state, thing, face) if touching else np.zeros(3)
 
 
 def _each(start: State, make: Callable[[State], list[FloatArray]]) -> Curve:
-    """Make the corner points of every state of a batch and round them."""
+    """Return the rounded curve through the corner points that `make` gives for each state of a batch."""
     rows = start.values.reshape(-1, start.values.shape[-1])
     polylines = [_padded(make(State(start.layout, row))) for row in rows]
     points = _rounded(np.array(polylines))
@@ -99,7 +99,7 @@ def _each(start: State, make: Callable[[State], list[FloatArray]]) -> Curve:
 
 
 def _padded(corners: list[FloatArray]) -> FloatArray:
-    """Repeat the goal, so that every polyline has as many corners as the longest."""
+    """Repeat the goal until the polyline has as many corners as the longest."""
     return np.array(corners + [corners[-1]] * (_LONGEST - len(corners)))
 
 
@@ -116,7 +116,7 @@ def _rounded(corners: FloatArray) -> FloatArray:
 
 
 def _shortened(leg: FloatArray) -> FloatArray:
-    """Return the share of a leg that the rounding of a corner may take: at most half of it."""
+    """Return the part of a leg that the rounding of a corner uses: at most half of it."""
     length = np.linalg.norm(leg, axis=-1, keepdims=True)
     return np.asarray(leg * np.minimum(0.5, _ROUNDING / np.maximum(length, 1e-9)))
 
@@ -128,23 +128,23 @@ def _around(state: State, hand: Token, thing: Token) -> tuple[str, str, str, str
 
 
 def _face_beside(state: State, hand: Token, thing: Token) -> tuple[str, float]:
-    """Return the face in front of which the hand is, and the distance [m] of its centre from that face."""
-    offset = in_body(state, thing, state[hand, "position"] - state[thing, "position"])
+    """Return the face nearest to the hand, and the distance [m] of the hand's centre from it."""
+    offset = to_body(state, thing, state[hand, "position"] - state[thing, "position"])
     distances = {face: float(NORMALS[face] @ offset) - half_extent(thing, face) for face in _around(state, hand, thing)}
     face = max(distances, key=lambda name: distances[name])
     return face, distances[face]
 
 
 def _off_face(state: State, hand: Token, thing: Token) -> tuple[str, FloatArray]:
-    """Return the face in front of which the hand is, and where it is once it has let go of that face."""
+    """Return the face nearest to the hand, and the hand's place when it is clear of that face."""
     face, distance = _face_beside(state, hand, thing)
-    outward = rotate(state[thing, "orientation"], NORMALS[face])
+    outward = normal(state, thing, face)
     return face, state[hand, "position"] + outward * max(0.0, hand["radius"] + _ROOM - distance)
 
 
 def _to_face(state: State, hand: Token, thing: Token, face: str) -> list[FloatArray]:
     place = place_at(state, hand, thing, face)
-    outward = rotate(state[thing, "orientation"], NORMALS[face])
+    outward = normal(state, thing, face)
     before = place + outward * (_ROOM - STANDBY_GAP)
     origin, free = _off_face(state, hand, thing)
     faces = _around(state, hand, thing)
@@ -165,9 +165,9 @@ def _corners(
             (NORMALS[faces[i]] * (half_extent(thing, faces[i]) + hand["radius"] + _ROOM) for i in (here, after)),
             start=np.zeros(3),
         )
-        # The hand keeps its place along its own axis; only the plane across it counts.
-        axis = in_body(state, thing, hand_axis(state, hand))
-        offset = in_body(state, thing, place_at(state, hand, thing, goal) - state[thing, "position"])
+        # The hand keeps its position along its own axis and moves in the plane across it.
+        axis = to_body(state, thing, hand_axis(state, hand))
+        offset = to_body(state, thing, place_at(state, hand, thing, goal) - state[thing, "position"])
         away = away + axis * (offset @ axis)
         found.append(state[thing, "position"] + rotate(state[thing, "orientation"], away))
         here = after
@@ -175,7 +175,7 @@ def _corners(
 
 
 def _cost(hand: Token, route: list[FloatArray]) -> float:
-    """Return a route's length [m], and more where it leads through the floor."""
+    """Return the length of a route [m], with a penalty if it leads through the floor."""
     length = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(route))
     sunk = sum(float(np.linalg.norm(above_floor(hand, point) - point)) for point in route[2:-2])
     return length + _BLOCKED * (sunk > 0)
@@ -183,9 +183,9 @@ def _cost(hand: Token, route: list[FloatArray]) -> float:
 
 def _away(state: State, hand: Token, thing: Token) -> list[FloatArray]:
     face, free = _off_face(state, hand, thing)
-    outward = rotate(state[thing, "orientation"], NORMALS[face]) * _LEVEL
+    outward = normal(state, thing, face) * HORIZONTAL
     if np.linalg.norm(outward) < 0.2:  # above the box: to the side where the hand is
-        outward = (state[hand, "position"] - state[thing, "position"]) * _LEVEL
+        outward = (state[hand, "position"] - state[thing, "position"]) * HORIZONTAL
         outward = outward - hand_axis(state, hand) * (outward @ hand_axis(state, hand))
     outward = outward / max(float(np.linalg.norm(outward)), 1e-9)
     halves = [half_extent(thing, side) for side in _around(state, hand, thing)]

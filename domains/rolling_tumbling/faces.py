@@ -1,4 +1,4 @@
-"""Faces and postures of a box: the symbols of tumbling, and what they say about each other.
+"""Faces and postures of a box, the symbols of tumbling, and the relations between them.
 
 Faces are fixed to the body. A box lies flat on a face, or stands on the edge between two faces, tipped past the
 balance so that it leans over one of them: "over bottom right" was tipped from its bottom towards its right face and
@@ -56,7 +56,7 @@ POSTURES = SymbolSort(
 
 
 def faces_of(posture: str) -> tuple[str, ...]:
-    """Return the faces that a posture names: one where the box lies flat, two where it stands on an edge."""
+    """Return the faces that a posture names: one if the box lies flat, two if it stands on an edge."""
     return tuple(posture.split()[1:])
 
 
@@ -66,7 +66,7 @@ def edge_between(before: str, after: str) -> tuple[str, str]:
     return one, other
 
 
-# What a pair of hands can do, as sets of arguments that hold.
+# The relations, as sets of the arguments for which they hold.
 
 TIPS_HOLD = {(OPPOSITE[f], f, flat(d), over(d, f)) for d, f in EDGES}
 """near, far, before, outcome: pushed from the face opposite to `far`, the box turns over the edge below `far`."""

@@ -1,19 +1,15 @@
-"""Where a roll goes: all vectors in the world frame, batch dimensions first."""
+"""Directions and places of a roll: all vectors in the world frame, batch dimensions first."""
 
 import numpy as np
 
 from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, rotate
 
-UP = np.array([0.0, 0.0, 1.0])
+from ..common.vectors import UP, dot
+
 STANDOFF = 0.03
-"""Gap between hand and object where a hand stands by [m]."""
+"""Gap between an object and a hand that stands by [m]."""
 FLOOR_CLEARANCE = 0.01
-"""Gap that a hand keeps to the floor [m]."""
-
-
-def dot(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the inner product over the last axis, ``(...)``."""
-    return np.asarray(np.sum(one * other, axis=-1))
+"""Least gap between a hand and the floor [m]."""
 
 
 def axis(state: State, thing: Token) -> FloatArray:
@@ -25,7 +21,7 @@ def heading(state: State, thing: Token) -> FloatArray:
     """Return the horizontal unit vector ``(..., 3)`` along which the thing rolls, up to its sign."""
     across = np.cross(axis(state, thing), UP)
     length = np.linalg.norm(across, axis=-1, keepdims=True)
-    # An axis that stands upright has no heading; the margins of LIES_ON_SIDE say so, this only stays finite.
+    # A vertical axis has no heading: the result must stay finite, and LIES_ON_SIDE does not hold.
     return np.where(length > 1e-9, across / np.maximum(length, 1e-9), np.array([1.0, 0.0, 0.0]))
 
 
@@ -38,7 +34,7 @@ def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArr
 
 
 def reach_of(hand: Token, state: State, direction: FloatArray) -> FloatArray:
-    """Return how far the hand's surface lies from its centre along a direction, ``(...)`` [m]."""
+    """Return the distance ``(...)`` [m] from the hand's centre to its surface along a direction."""
     shape = hand.shape
     assert isinstance(shape, Cylinder), "a STATIC END-EFFECTOR is a cylinder"
     along = np.abs(dot(rotate(state[hand, "orientation"], UP), direction))
@@ -51,13 +47,13 @@ def touching(state: State, hand: Token, thing: Token, direction: FloatArray) -> 
 
 
 def working_height(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the height ``(...)`` [m] of a hand that pushes: that of the axis, but with the hand off the floor."""
+    """Return the height ``(...)`` [m] of a hand that pushes: the height of the axis, but clear of the floor."""
     half = reach_of(hand, state, np.broadcast_to(UP, state[hand, "position"].shape))
     return np.maximum(state[thing, "position"][..., 2], half + FLOOR_CLEARANCE)
 
 
 def standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Return where a hand stands by ``(..., 3)`` [m] to push the thing to the region: behind it, low."""
+    """Return the place ``(..., 3)`` [m], behind a thing, of a hand that stands by to push it to the region."""
     direction, _ = way(state, thing, region)
     behind = touching(state, hand, thing, direction) + STANDOFF
     place = state[thing, "position"] - direction * behind[..., None]

@@ -1,4 +1,4 @@
-"""The domain's own measures of a finished run."""
+"""Metrics of rolling and tumbling for a finished run."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, Token, angle_about
 
+from ..common.metrics import measure_instances, rows_of, run_of
 from .faces import edge_between, faces_of
 from .tumbling_geometry import edge_axis, edge_position, tilt
 
-_LOWERING = "TIPPING:lower"
 _TOUCHDOWN = np.radians(3.0)
 """Touchdown is when a box first comes this close to lying flat [rad]."""
 _AROUND = 0.1
-"""How long before and after touchdown its angular speed is looked at [s]."""
+"""Time before and after touchdown over which its angular speed is taken [s]."""
 
 CONTROLLED: Mapping[str, tuple[float, float]] = {
     "tilt [deg]": (85.0, 95.0),
@@ -21,36 +21,23 @@ CONTROLLED: Mapping[str, tuple[float, float]] = {
     "yaw [deg]": (0.0, 15.0),
     "touchdown [rad/s]": (0.0, 2.0),
 }
-"""Bounds of a controlled tumble. Pushed over by one hand, a box also ends on its next face, but it drops there."""
+"""Bounds of a controlled tumble. A box that one hand pushes over also ends on its next face, but it drops there."""
 
 
 def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
-    """Return the measures of every rolling and of every tumble, each by the name of its instance and its own.
+    """Return the metrics of every rolling and every tumble by instance and metric.
 
-    Rolling: how far the object came, how truly it rolled (``roll_ratio``, radius times angle over distance, is 1
-    without slip) and how far its centre was from the region's when the instance ended.
-    Tumbling, of the instance that brought the box down: the tilt reached, how far the pivot edge moved and how far the
-    box turned about the vertical since the tumble began, and the angular speed at touchdown.
+    Rolling: the distance covered, ``roll_ratio`` (radius times angle over distance, 1 without slip), and the final
+    distance of the object's centre from the region's.
+    Tumbling, for the instance that brings the box down: the final tilt, the slip of the pivot edge and the yaw of the
+    box since the tumble began, and the angular speed at touchdown.
     """
-    found: dict[tuple[str, str], float] = {}
-    for instance in recording.instances:
-        if instance.block == "ROLLING":
-            measures = _rolling(task, recording, instance)
-        elif instance.block == _LOWERING:
-            measures = _tumble(task, recording, instance)
-        else:
-            continue
-        found |= {(instance.name, name): value for name, value in measures}
-    return found
-
-
-def _rows(recording: Recording, start: float, end: float) -> slice:
-    return slice(*(round(time / recording.timestep) for time in (start, end)))
+    return measure_instances(task, recording, {"ROLLING": _rolling, "TIPPING:lower": _tumble})
 
 
 def _rolling(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, float]]:
     thing = task.token_by_name[instance.slots["object"]]
-    rows = _rows(recording, instance.start, instance.end)
+    rows = rows_of(recording, instance.start, instance.end)
     run = recording.trajectory
     path = run[thing, "position"][rows]
     if len(path) < 2:
@@ -67,15 +54,15 @@ def _rolling(task: Task, recording: Recording, instance: BlockInstance) -> Itera
 def _tumble(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, float]]:
     thing = task.token_by_name[instance.slots["object"]]
     start = _beginning(recording.instances, instance, thing)
-    # The box goes on coming down, or to rest, after its hands have let go.
-    run = State(recording.layout, recording.states[_rows(recording, start, instance.end + _AROUND)])
+    # The box still moves after its hands have let go.
+    run = run_of(recording, start, instance.end + _AROUND)
     (onto,) = faces_of(instance.targets["outcome"])
     edge = edge_between(instance.targets["before"], instance.targets["outcome"])
     yield from tumble_measures(run, thing, edge[0] if edge[1] == onto else edge[1], onto, recording.timestep)
 
 
 def _beginning(instances: Sequence[BlockInstance], last: BlockInstance, thing: Token) -> float:
-    """Return when the tumble that ends with an instance began: as the box was last tipped from lying flat [s]."""
+    """Return when the tumble that ends with an instance began [s]: when the box was last tipped from lying flat."""
     begins = [
         i.start
         for i in instances

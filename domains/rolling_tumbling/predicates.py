@@ -1,13 +1,15 @@
-"""What the conditions of rolling speak of."""
+"""Predicates of rolling."""
 
 import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token
 
 from ..common.classes import Region, StaticEndEffector
-from ..common.predicates import inside
+from ..common.predicates import inside, length_predicate
+from ..common.roles import POSE
+from ..common.vectors import HORIZONTAL, depth_in_workspace, dot
 from .classes import Rollable
-from .geometry import axis, dot, heading, standby, touching, working_height
+from .geometry import axis, heading, standby, touching, working_height
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Rollable)
@@ -15,7 +17,7 @@ _REGION = Parameter("region", Region)
 _TILT_TOLERANCE = np.sin(np.radians(3.0))
 _STANDBY_TOLERANCE = 0.025
 _DRIFT = 0.002
-"""How far a rolling thing may drift off its line [m]: so much less is not said to be impossible before it is tried."""
+"""Drift of a rolling thing off its line [m] that does not count as infeasible before execution."""
 
 
 def _close_to_standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
@@ -28,18 +30,18 @@ def _levelness(state: State, thing: Token) -> FloatArray:
 
 
 def _closeness_of_line(state: State, thing: Token, region: Token) -> FloatArray:
-    """How much nearer than the region's radius the rolling line passes its centre, or may pass it by drifting."""
-    offset = (state[region, "position"] - state[thing, "position"]) * np.array([1.0, 1.0, 0.0])
+    """Radius of the region, plus the drift, less the distance of the rolling line from its centre [m]."""
+    offset = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
     along = dot(offset, heading(state, thing))
     aside = np.sqrt(np.maximum(0.0, dot(offset, offset) - along**2))
     return np.asarray(region["radius"] + _DRIFT - aside)
 
 
 def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Least distance inside the workspace of the hand's place when the thing has come to the region.
+    """Depth in the workspace of the hand's place when the thing has come to the region.
 
-    From which side it comes is not known before search, so the better one counts: the fact is necessary wherever the
-    thing may be by then. Whether a hand really stayed in its workspace is measured by IN_WORKSPACE.
+    The direction of the roll is not known before search, so the better one counts: the fact is necessary for every
+    position of the thing. IN_WORKSPACE measures whether the hand stayed in its workspace.
     """
     along = heading(state, thing)
     ends = []
@@ -47,27 +49,20 @@ def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
         behind = touching(state, hand, thing, direction)
         place = state[region, "position"] - direction * behind[..., None]
         height = working_height(state, hand, thing)
-        ends.append(_depth_in_workspace(hand, np.concatenate([place[..., :2], height[..., None]], axis=-1)))
+        ends.append(depth_in_workspace(hand, np.concatenate([place[..., :2], height[..., None]], axis=-1)))
     return np.asarray(np.maximum(*ends))
 
 
-def _depth_in_workspace(hand: Token, position: FloatArray) -> FloatArray:
-    lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
-    return np.asarray(np.minimum(position - lower, upper - position).min(axis=-1))
-
-
 def _own_room(state: State, hand: Token) -> FloatArray:
-    return _depth_in_workspace(hand, state[hand, "position"])
+    return depth_in_workspace(hand, state[hand, "position"])
 
 
 INSIDE = inside(Rollable)
-BEHIND = Predicate(
+BEHIND = length_predicate(
     "behind",
     (_HAND, _OBJECT, _REGION),
     _close_to_standby,
-    unit="m",
-    scale=0.01,
-    reads={"hand": ("position",), "object": ("position", "orientation"), "region": ("position",)},
+    reads={"hand": ("position",), "object": POSE, "region": ("position",)},
     kind=Kind.MAINTAINED,
     description="{hand} stands by behind {object} as seen from {region}",
     denial="{hand} does not stand by behind {object} as seen from {region}",
@@ -83,34 +78,28 @@ LIES_ON_SIDE = Predicate(
     description="{object} lies with its axis of rotation level",
     denial="the axis of rotation of {object} is not level",
 )
-ON_ROLLING_LINE = Predicate(
+ON_ROLLING_LINE = length_predicate(
     "on_rolling_line",
     (_OBJECT, _REGION),
     _closeness_of_line,
-    unit="m",
-    scale=0.01,
-    reads={"object": ("position", "orientation"), "region": ("position",)},
+    reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
     description="{region} lies on the line along which {object} rolls, perpendicular to its axis",
     denial="{region} is not on the rolling line of {object}",
 )
-WITHIN_WORKSPACE = Predicate(
+WITHIN_WORKSPACE = length_predicate(
     "within_workspace",
     (_HAND, _OBJECT, _REGION),
     _room,
-    unit="m",
-    scale=0.01,
-    reads={"object": ("position", "orientation"), "region": ("position",)},
+    reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
     description="{hand} can be behind {object} at {region} within its workspace",
     denial="{hand} cannot be behind {object} at {region} within its workspace",
 )
-IN_WORKSPACE = Predicate(
+IN_WORKSPACE = length_predicate(
     "in_workspace",
     (_HAND,),
     _own_room,
-    unit="m",
-    scale=0.01,
     reads={"hand": ("position",)},
     description="{hand} is within its workspace",
     denial="{hand} is not within its workspace",

@@ -1,4 +1,4 @@
-"""Whether a new object is ROLLABLE: a hand rolls it 0.6 m, as it would roll a labelled one."""
+"""Test whether a new object is ROLLABLE: a hand rolls it 0.6 m like a labelled one."""
 
 from collections.abc import Mapping
 
@@ -25,23 +25,24 @@ from hybrid_tamp.authoring import (
 )
 
 from ..common.classes import Region, StaticEndEffector
+from ..common.vectors import HORIZONTAL, UP
 from .classes import Rollable
-from .geometry import UP, heading
+from .geometry import heading
 from .predicates import WITHIN_WORKSPACE
 from .tumbling_geometry import hand_axis
 
 DISTANCE, TOLERANCE = 0.6, 0.05
-"""What is ROLLABLE is rolled so far, and comes to rest so close to the place wanted [m]."""
+"""Distance of the trial roll, and largest final distance from its goal [m]."""
 ROLLED: Mapping[str, tuple[float, float]] = {"final_distance [m]": (0.0, TOLERANCE), "roll_ratio": (0.9, 1.1)}
-"""The ratio alone would pass what turns once and stops."""
+"""Bounds of a passed trial. The ratio alone would pass an object that turns once and stops."""
 _OFFSET, _YAW = 0.02, float(np.radians(1.0))
-"""How far starts differ, at most [m], [rad]."""
+"""Largest random offset of the start [m], [rad]."""
 _HAND = (0.25, -0.45, 0.3)
-"""Where the hand starts: along the way, beyond the token's end along the axis, up [m]."""
+"""Start of the hand: along the way, beyond the token's end along the axis, up [m]."""
 
 
 def mass_of(token: Token, labelled: Token) -> float:
-    """Return the mass [kg] that a token is known to have, else that of its volume at a labelled one's density."""
+    """Return the known mass of a token [kg], or that of its volume at the density of a labelled one."""
     if "mass" in token.properties:
         return float(token["mass"])
     assert token.shape is not None
@@ -50,7 +51,7 @@ def mass_of(token: Token, labelled: Token) -> float:
 
 
 def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
-    """Turn the labelled axis onto the axis about which the new shape is the roundest."""
+    """Return the rotation that turns the labelled axis onto the roundest axis of the new shape."""
     assert token.shape is not None
     return np.asarray(frame(roundest_axis(token.shape)) @ frame(np.asarray(labelled["axis_of_rotation"])).T)
 
@@ -61,7 +62,7 @@ def frame(axis: FloatArray) -> FloatArray:
 
 
 def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estimate:
-    """The axis goes through what were the ends of the labelled axis; hands touch what was its side."""
+    """Estimate properties: the axis goes through the carried ends of the labelled one, hands touch its side."""
     assert token.shape is not None
     assert labelled.shape is not None
     old = np.asarray(labelled["axis_of_rotation"])
@@ -105,22 +106,22 @@ def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
 def _towards(state: State, member: Token, hand: Token | None, region: Token, sign: float) -> State:
     along = sign * heading(state, member)
     centre = state[member, "position"]
-    changes = {(region.name, "position"): (centre + DISTANCE * along) * np.array([1.0, 1.0, 0.0])}
+    changes = {(region.name, "position"): (centre + DISTANCE * along) * HORIZONTAL}
     if hand is not None:
         assert member.shape is not None
         ahead, beyond, up = _HAND
         aside = beyond - float(np.abs(points_of(member.shape) @ np.asarray(member["axis_of_rotation"])).max())
-        start = centre * np.array([1.0, 1.0, 0.0]) + ahead * along + aside * np.cross(UP, along) + up * UP
+        start = centre * HORIZONTAL + ahead * along + aside * np.cross(UP, along) + up * UP
         inside = np.clip(start, hand["workspace_lower"], hand["workspace_upper"])
         changes[hand.name, "position"] = inside
     return state.replace(changes)
 
 
 def _lying(task: Task, member: Token, hand: Token | None, yaw: float) -> tuple[FloatArray, float]:
-    """Return the orientation in which the token lies on its widest side, and how high its centre then is [m]."""
+    """Return the orientation in which the token lies on its widest side, and the height of its centre then [m]."""
     assert member.shape is not None
     axis = np.asarray(member["axis_of_rotation"])
-    along = np.array([0.0, 1.0, 0.0]) if hand is None else hand_axis(task.state, hand) * np.array([1.0, 1.0, 0.0])
+    along = np.array([0.0, 1.0, 0.0]) if hand is None else hand_axis(task.state, hand) * HORIZONTAL
     along = along / np.linalg.norm(along) if np.linalg.norm(along) > 0.5 else np.array([0.0, 1.0, 0.0])
     points = points_of(member.shape)
     reach = silhouette(points, axis)

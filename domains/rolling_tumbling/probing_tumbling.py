@@ -1,4 +1,4 @@
-"""Whether a new object is TUMBLABLE: two hands tumble it onto its next face, as they would tumble a labelled one."""
+"""Test whether a new object is TUMBLABLE: two hands tumble it onto its next face like a labelled one."""
 
 import numpy as np
 
@@ -18,27 +18,27 @@ from hybrid_tamp.authoring import (
 )
 
 from ..common.classes import StaticEndEffector
+from ..common.vectors import HORIZONTAL, UP, to_body
 from .classes import Tumblable
 from .faces import FACE, NORMALS, flat
-from .geometry import UP
 from .metrics import CONTROLLED
 from .probing_rolling import mass_of
 from .standing import FLAT_TOLERANCE
-from .tumbling_geometry import GRIP, hand_axis, in_body, normal, sides_across, to_the_right
+from .tumbling_geometry import GRIP, hand_axis, normal, sides_across, to_the_right
 
 _OFFSET, _YAW = 0.02, float(np.radians(2.0))
-"""How far starts differ, at most [m], [rad]."""
+"""Largest random offset of the start [m], [rad]."""
 _ASIDE, _UP = 0.35, 0.55
-"""Where hands start beside the token's longest half, and above the floor [m]."""
+"""Start of the hands beyond the token's longest half, and above the floor [m]."""
 
 
 def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
-    """Faces are fixed to the body's axes, of the labelled token and of the new one."""
+    """Return no rotation: faces are fixed to the body's axes of both tokens."""
     return np.eye(3)
 
 
 def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estimate:
-    """Faces are those of the box about it; hands touch where the labelled box's contact points have come to."""
+    """Estimate properties: faces are those of the bounding box, hands touch the carried contact points."""
     assert token.shape is not None
     halves = np.abs(points_of(token.shape)).max(axis=0)
     contacts: dict[str, tuple[float, float, float]] = {}
@@ -59,15 +59,15 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 
 
 def _turning_axis(task: Task, token: Token) -> int:
-    """Return the body axis of a token about which hands turn it: the nearest one to a level hand, else y."""
+    """Return the body axis of a token about which hands turn it: the nearest one to the hand's axis, else y."""
     hand = next((one for one in task.tokens if one.is_member(StaticEndEffector)), None)
     if hand is None:
         return 1
-    return int(np.argmax(np.abs(in_body(task.state, token, hand_axis(task.state, hand)))))
+    return int(np.argmax(np.abs(to_body(task.state, token, hand_axis(task.state, hand)))))
 
 
 def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:
-    """Return where hands touch a labelled box that turns about an axis: each side at GRIP from either edge."""
+    """Return the contact points on a labelled box that turns about an axis: each side at GRIP from either edge."""
     halves = np.asarray(labelled["half_extents"]) - np.asarray(labelled["hollow"])
     found = {}
     for face in FACE.symbols:
@@ -85,7 +85,7 @@ def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
     hands = tuple(token for token in task.tokens if token.is_member(StaticEndEffector))[:2]
     x, y, yaw = (0.0, 0.0, 0.0) if rng is None else rng.uniform(-1.0, 1.0, 3) * (_OFFSET, _OFFSET, _YAW)
     tokens = (*hands, member)
-    centre = task.state[member, "position"] * np.array([1.0, 1.0, 0.0])
+    centre = task.state[member, "position"] * HORIZONTAL
     standing = _standing(task, member)
     turned = quaternion_multiply(quaternion_from_axis_angle(UP, yaw), standing)
     given = {

@@ -1,11 +1,9 @@
 """ROLLING (paper, D1): a hand pushes an object from behind so that it rolls to a region and stops there.
 
-The hand follows the speed ``v = min(speed, sqrt(2 deceleration e))`` of the remaining distance e, so that the object
-comes to rest at the distance, and adds the force that rolling resistance takes; sideways it stays with the object's
-centre.
+The hand follows the speed ``v = min(speed, sqrt(2 deceleration e))`` for the remaining distance e, so that the object
+comes to rest at the distance, and adds the force of the rolling resistance. Across the direction it stays behind the
+object's centre.
 """
-
-from typing import cast
 
 import numpy as np
 
@@ -32,21 +30,23 @@ from hybrid_tamp.authoring import (
 from ..common.classes import Region, StaticEndEffector
 from ..common.predicates import AT_REST
 from ..common.reaching import ReachGoal
+from ..common.roles import BODY, MOTION, get_tokens
 from ..common.servos import force_on, position_servo
+from ..common.vectors import HORIZONTAL, UP, dot
 from .classes import Rollable
-from .geometry import STANDOFF, UP, dot, standby, touching, way, working_height
+from .geometry import STANDOFF, standby, touching, way, working_height
 from .predicates import BEHIND, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .tumbling_predicates import FEASIBLE_TUMBLING, POSTURE
 
 _APPROACH_GAIN = 4.0
 _APPROACH_SPEED = 0.15
 _SPEED_RATE = 200.0
-"""How fast the hand takes on a wanted speed [1/s]."""
+"""Rate at which the hand approaches the wanted speed [1/s]."""
 _FEASIBLE = (LIES_ON_SIDE("object"), ON_ROLLING_LINE("object", "region"), WITHIN_WORKSPACE("hand", "object", "region"))
 
 
-def _roles(binding: Binding) -> tuple[Token, Token, Token]:
-    return cast(Token, binding["hand"]), cast(Token, binding["object"]), cast(Token, binding["region"])
+def _roles(binding: Binding) -> tuple[Token, ...]:
+    return get_tokens(binding, "hand", "object", "region")
 
 
 def _standby_position(binding: Binding, state: State) -> FloatArray:
@@ -67,7 +67,7 @@ def _initial_distance(binding: Binding, state: State) -> FloatArray:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    """Constant speed, then constant deceleration, and the approach before."""
+    """Return the duration [s] of the approach, constant speed and constant deceleration."""
     speed, slowing = float(hyperparameters["speed"]), float(hyperparameters["deceleration"])
     distance = float(hyperparameters["distance"])
     braking = min(distance, speed**2 / (2 * slowing))
@@ -92,7 +92,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
         velocity = dot(state[hand, "velocity"], direction)
         push = rate * (wanted + closing - velocity)
         push = push + np.where((remaining > 0) & (gap < STANDOFF / 2), resistance, 0.0)
-        # Across the direction the hand keeps to the object's centre by position, along it by speed.
+        # The hand controls its position across the direction, and its speed along it.
         beside = centre.copy()
         beside[..., 2] = working_height(state, hand, thing)
         across = servo(state, beside)
@@ -103,7 +103,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Rolling without slip of a solid cylinder that a hand may push, never pull; inelastic contact."""
+    """Make the system: a hand pushes, never pulls, a solid cylinder that rolls without slip; no bounce."""
     hand, thing, region = _roles(binding)
     mass, radius = hand["mass"], thing["radius_of_rotation"]
     inertia = 1.5 * thing["mass"]  # m + I / R^2 of a solid cylinder
@@ -112,7 +112,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
     def system(state: State, commands: Commands, dt: float) -> State:
         direction, _ = way(state, thing, region)
-        # The roll goes on in the direction it has: past the region, `way` would turn round.
+        # The roll keeps its direction; `way` turns round past the region.
         moving = dot(state[thing, "velocity"], direction)
         direction = np.where((moving < -1e-9)[..., None], -direction, direction)
         pushed = touching(state, hand, thing, direction)
@@ -145,7 +145,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 def _outcome(binding: Binding, state: State) -> State:
     """The object lies in the middle of the region, the hand behind it as it was."""
     hand, thing, region = _roles(binding)
-    rolled = (state[region, "position"] - state[thing, "position"]) * np.array([1.0, 1.0, 0.0])
+    rolled = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
     return state.replace({(token.name, "position"): state[token, "position"] + rolled for token in (hand, thing)})
 
 
@@ -156,12 +156,9 @@ ROLLING = Block(
     targets=(Target("region", Region),),
     entry=(*_FEASIBLE, BEHIND("hand", "object", "region"), AT_REST("object")),
     exit=(~INSIDE("object", ANY), INSIDE("object", "region"), AT_REST("object"), AT_REST("hand"), IN_WORKSPACE("hand")),
-    writes={
-        "hand": ("position", "velocity"),
-        "object": ("position", "orientation", "velocity", "angular_velocity"),
-    },
-    # Rolling keeps the axis level and the centre on its line, so what was feasible stays so.
-    # What tumbles is a box and does not roll.
+    writes={"hand": MOTION, "object": BODY},
+    # Rolling keeps the axis level and the centre on its line, so feasibility does not change.
+    # A thing that tumbles is a box and does not roll.
     keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, POSTURE, *FEASIBLE_TUMBLING),
     hyperparameters=(
         Hyperparameter("distance", "m", 0.0, 10.0, _initial_distance, "how far to roll"),

@@ -1,4 +1,4 @@
-"""How a box stands: how well it fits a posture, and whether tumbling can begin from where it is."""
+"""How well the pose of a box fits a posture, and whether tumbling can begin from it."""
 
 from collections.abc import Iterable
 
@@ -7,14 +7,14 @@ import numpy as np
 from hybrid_tamp.authoring import FloatArray, State, Token
 
 from ..common.classes import StaticEndEffector
+from ..common.vectors import UP, dot, to_body
 from .faces import FACE, NORMALS, POSTURES, faces_of, flat
-from .geometry import dot
-from .tumbling_geometry import hand_axis, in_body, lowest_point, nominal_tilt, normal, tilt
+from .tumbling_geometry import hand_axis, lowest_point, nominal_tilt, normal, tilt
 
 SLENDERNESS = 1.6
-"""Largest ratio of a box's edges that the method has been shown to tumble."""
+"""Largest ratio of the edges of a box for which the method has been tested."""
 FLAT_TOLERANCE = np.radians(5.0)
-# Less than the angle past the balance, so that leaning one way and leaning the other never both hold.
+# Less than the angle past the balance: a box never leans both ways at once.
 _TIPPED_TOLERANCE = np.radians(5.0)
 _TWIST_TOLERANCE = np.radians(5.0)
 _FLOOR_TOLERANCE = 0.015
@@ -23,9 +23,9 @@ _LEVEL = 0.5
 
 
 def standing(state: State, thing: Token, posture: str) -> FloatArray:
-    """Return the margin ``(...)`` [rad] of a posture: zero or positive where the box stands in it.
+    """Return the margin ``(...)`` [rad] of a posture: zero or positive if the box stands in it.
 
-    It is the least of how well the orientation fits and, scaled to an angle, how close to the floor the box is.
+    It is the least of the margin of the orientation and the margin of the lowest point's height, scaled to an angle.
     """
     contact = 1.0 - np.abs(lowest_point(state, thing)) / _FLOOR_TOLERANCE
     return np.asarray(np.minimum(_fit(state, thing, posture), FLAT_TOLERANCE * contact))
@@ -38,7 +38,7 @@ def _fit(state: State, thing: Token, posture: str) -> FloatArray:
     angle = tilt(state, thing, *faces) - nominal_tilt(thing, posture, *faces)
     # Both faces beside the edge must face down: their common axis is level.
     level = np.cross(NORMALS[faces[0]], NORMALS[faces[1]])
-    heights = np.abs(dot(in_body(state, thing, np.array([0.0, 0.0, 1.0])), level))
+    heights = np.abs(dot(to_body(state, thing, UP), level))
     twist = _TWIST_TOLERANCE - np.arcsin(np.clip(heights, 0.0, 1.0))
     return np.asarray(np.minimum(_TIPPED_TOLERANCE - np.abs(angle), twist))
 
@@ -49,7 +49,7 @@ def start_complaint(thing: Token, state: State, tokens: Iterable[Token]) -> str 
     Args:
         thing: the box.
         state: the initial state, a single one.
-        tokens: all tokens of the task; across the axes of its hands the box is tumbled.
+        tokens: all tokens of the task; the box tumbles about the axes of its hands.
     """
     if not any(float(standing(state, thing, posture)) >= 0 for posture in POSTURES.symbols):
         return _unsupported(thing, state)
@@ -82,7 +82,7 @@ def _unsupported(thing: Token, state: State) -> str:
 
 
 def _proportions(thing: Token, state: State, tokens: Iterable[Token], down: str) -> tuple[float, float]:
-    """Return the height and the base [m] of a box that lies flat, across the hands' axis that suits it best."""
+    """Return the height and the base [m] of a box that lies flat, across the most favourable axis of the hands."""
     extents = 2.0 * np.asarray(thing["half_extents"])
     upright = int(np.argmax(np.abs(NORMALS[down])))
     hands = (token for token in tokens if token.is_member(StaticEndEffector))
@@ -92,8 +92,8 @@ def _proportions(thing: Token, state: State, tokens: Iterable[Token], down: str)
 
 
 def _edge_along(thing: Token, state: State, hand: Token) -> int | None:
-    """Return the axis of the box that a level hand is nearest to, or None of a hand that is upright."""
+    """Return the axis of the box nearest to that of a level hand, or None for an upright hand."""
     axis = hand_axis(state, hand)
     if abs(float(axis[2])) > _LEVEL:
         return None
-    return int(np.argmax(np.abs(in_body(state, thing, axis))))
+    return int(np.argmax(np.abs(to_body(state, thing, axis))))

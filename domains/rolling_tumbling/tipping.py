@@ -1,12 +1,12 @@
-"""TIPPING (paper, D2 and D4): two hands turn a box about one of its edges, in three modes.
+"""TIPPING (paper, D2 and D4): two hands turn a box about one of its edges, in three modes; TILTING (D3): one holds it.
 
 ``opposite``: with hands on opposite sides the box is tipped from lying flat to leaning over the edge (D2).
 ``lower``: with hands below and above it comes down on its next face (D2 again, with another outcome).
 ``adjacent``: with hands on the two faces beside the edge it is tilted back until it leans the other way (D4).
+In TILTING the hand on the face over which the box leans holds it while another one moves.
 """
 
 from functools import partial
-from typing import cast
 
 import numpy as np
 
@@ -25,12 +25,15 @@ from hybrid_tamp.authoring import (
     Slot,
     State,
     Target,
-    Token,
 )
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST, REST_SPEED
-from ..common.primitives import straight_profile
+from ..common.primitives import profile_of
+from ..common.resting import stay
+from ..common.roles import BODY, MOTION, get_symbol, get_token
+from ..common.servos import hand_system
+from ..common.timetable import round_up
 from .classes import Tumblable
 from .faces import FACE, POSTURES
 from .predicates import IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
@@ -39,6 +42,7 @@ from .tumbling_geometry import half_extent, nominal_tilt
 from .tumbling_predicates import (
     AT_FACE,
     FEASIBLE_TUMBLING,
+    HOLDS,
     LEANS,
     LOW_ENOUGH,
     LOWERS,
@@ -52,12 +56,11 @@ from .turning import CLOSING, Roles, after_turning, make_turning, turning_system
 
 _LEAN_SQUEEZE = 25.0
 _SETTLING = 0.05
-_BODY = ("position", "orientation", "velocity", "angular_velocity")
 _KEPT = (*FEASIBLE_TUMBLING, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
 
 
 def _opposed(binding: Binding, state: State) -> FloatArray:
-    return np.asarray(SQUEEZE * GRAVITY * cast(Token, binding["object"])["mass"])
+    return np.asarray(SQUEEZE * GRAVITY * get_token(binding, "object")["mass"])
 
 
 def _light(binding: Binding, state: State) -> FloatArray:
@@ -65,30 +68,24 @@ def _light(binding: Binding, state: State) -> FloatArray:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
-    """Closing, the turn between the two postures until it is good enough; the pose at the beginning does not matter."""
+    """Return the time [s] to close and to turn between the two postures within tolerance, from any initial pose."""
     roles = Roles.of(binding)
-    angle = roles.wanted - nominal_tilt(roles.thing, cast(str, binding["before"]), *roles.edge)
-    # The hands are the fastest, about as far from the edge as the box's section is wide.
+    angle = roles.wanted - nominal_tilt(roles.thing, get_symbol(binding, "before"), *roles.edge)
+    # The hands move fastest; their distance from the edge is about the width of the box's section.
     one, other = (half_extent(roles.thing, face) for face in roles.edge)
     width = 2.0 * float(np.hypot(one, other))
     turn = turning_time(angle, float(hyperparameters["rate"]))
-    seconds = CLOSING + profile.arrival(angle, turn, FLAT_TOLERANCE, REST_SPEED / width) + _SETTLING
-    # Schedules count in milliseconds.
-    return float(np.ceil(1e3 * seconds) / 1e3)
+    return round_up(CLOSING + profile.arrival(angle, turn, FLAT_TOLERANCE, REST_SPEED / width) + _SETTLING)
 
 
 def _tipping(
     mode: str, relation: Predicate, squeeze: Hyperparameter, description: str, primitive: DMP | None = None
 ) -> Block:
-    """Return one mode; its primitive in one dimension is the course of the tilt, by default a straight movement."""
-    profile = straight_profile() if primitive is None else Profile(primitive)
+    """Return one mode; its primitive in one dimension moves the tilt, by default a straight movement."""
+    profile = profile_of(primitive)
     return Block(
         name=f"TIPPING:{mode}",
-        slots=(
-            Slot("first", StaticEndEffector),
-            Slot("second", StaticEndEffector),
-            Slot("object", Tumblable),
-        ),
+        slots=(Slot("first", StaticEndEffector), Slot("second", StaticEndEffector), Slot("object", Tumblable)),
         anchor="object",
         targets=(Target("near", FACE), Target("far", FACE), Target("before", POSTURES), Target("outcome", POSTURES)),
         entry=(
@@ -110,9 +107,9 @@ def _tipping(
             AT_REST("first"),
             AT_REST("second"),
         ),
-        writes={"first": ("position", "velocity"), "second": ("position", "velocity"), "object": _BODY},
-        # A box turns about the axis of the hands only, and by little more than its own size: what was feasible stays
-        # so. Boxes do not roll, so nothing is said of where a roll would bring them. The hands' workspace is not
+        writes={"first": MOTION, "second": MOTION, "object": BODY},
+        # A box turns about the axis of the hands only and moves by little more than its own size, so feasibility does
+        # not change. Boxes do not roll, so the facts of rolling do not change either. The hands' workspace is not
         # measured in the blocks of tumbling yet.
         keeps=_KEPT,
         hyperparameters=(
@@ -149,4 +146,26 @@ TIPPING = (
         Hyperparameter("squeeze", "N", 0.0, 500.0, _light, "force with which each hand pushes on its face"),
         "two hands beside the edge tilt the box back until it leans on the other hand",
     ),
+)
+
+TILTING = Block(
+    name="TILTING",
+    slots=(Slot("hand", StaticEndEffector), Slot("object", Tumblable)),
+    anchor="object",
+    targets=(Target("face", FACE), Target("posture", POSTURES)),
+    entry=(
+        HOLDS("face", "posture"),
+        POSTURE("object", "posture"),
+        AT_FACE("hand", "object", "face"),
+        STRONG_ENOUGH("hand", "object"),
+    ),
+    exit=(AT_FACE("hand", "object", "face"), AT_REST("hand")),
+    writes={"hand": MOTION},
+    # The hands' workspace is not measured in the blocks of tumbling yet.
+    keeps=(IN_WORKSPACE,),
+    duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),
+    hold=True,
+    policy=partial(stay, slot="hand"),
+    system=hand_system,
+    description="one hand holds the tipped box, which leans on it",
 )

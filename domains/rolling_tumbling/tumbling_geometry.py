@@ -1,24 +1,23 @@
-"""Where a tumbling box turns and where hands touch it: world frame unless a name says otherwise, batch first."""
+"""Edges of a tumbling box and contact points of hands: world frame unless a name says otherwise, batch first."""
 
 import numpy as np
 
-from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, quaternion_conjugate, rotate
+from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, rotate
 
+from ..common.vectors import UP, dot, to_body
 from .faces import NORMALS, faces_of
-from .geometry import FLOOR_CLEARANCE, dot
+from .geometry import FLOOR_CLEARANCE
 
 GRIP = 0.72
-"""How far up its face a hand touches, as a share of the face's extent from the edge below.
+"""Height of the contact of a hand on its face, as a share of the face's extent from the edge below.
 
 Measured: lower, the tipping force is too large; higher, the hands lift the pivot edge.
 """
 _HIGHEST = 0.9
 STANDBY_GAP = 0.012
-"""Gap between hand and face where a hand stands by [m]."""
+"""Gap between a face and a hand that stands by [m]."""
 PAST_BALANCE = float(np.radians(6.0))
-"""How far past the balance a tipped box leans [rad]: enough to stay there, little enough for one hand to hold."""
-HAND_AXIS = np.array([0.0, 0.0, 1.0])
-"""Axis of a hand in its own frame; its wrist is stiff, so it stays as it is in the world."""
+"""Angle of a tipped box past the balance [rad]: enough to stay there, little enough for one hand to hold."""
 
 
 def half_extent(thing: Token, face: str) -> float:
@@ -71,23 +70,18 @@ def edge_axis(state: State, thing: Token, down: str, forward: str) -> FloatArray
 
 
 def hand_axis(state: State, hand: Token) -> FloatArray:
-    """Return the axis of a cylindrical hand ``(..., 3)``."""
-    return rotate(state[hand, "orientation"], HAND_AXIS)
-
-
-def in_body(state: State, thing: Token, vectors: FloatArray) -> FloatArray:
-    """Return vectors in the box's frame ``(..., 3)``."""
-    return rotate(quaternion_conjugate(state[thing, "orientation"]), vectors)
+    """Return the axis ``(..., 3)`` of a cylindrical hand: its z axis, constant as the wrist is stiff."""
+    return rotate(state[hand, "orientation"], UP)
 
 
 def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
     """Return the normal ``(..., 3)``, in the body frame, of the lower neighbour of a face across the hand's axis.
 
-    It is the face from whose edge a hand on `face` measures its way up.
+    The height of a hand on `face` is measured from the edge to this neighbour.
     """
-    along = np.abs(in_body(state, thing, hand_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
+    along = np.abs(to_body(state, thing, hand_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
     across = np.eye(3)[np.argmin(along, axis=-1)]
-    height = dot(rotate(state[thing, "orientation"], across), np.array([0.0, 0.0, 1.0]))
+    height = dot(rotate(state[thing, "orientation"], across), UP)
     return np.asarray(across * np.where(height > 0, -1.0, 1.0)[..., None])
 
 
@@ -96,7 +90,7 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
     halves = np.asarray(thing["half_extents"])
     below = side_below(state, hand, thing, face)
     extent = 2.0 * dot(np.abs(below), halves)
-    # Leaning over the face, the box is this far from lying on it: a hand there must not touch the floor.
+    # A box that leans over the face is at this angle from lying on it: a hand there must not touch the floor.
     angle = np.arctan2(extent / 2.0, half_extent(thing, face)) - PAST_BALANCE
     clear = hand["radius"] * (1.0 + np.cos(angle)) / np.sin(angle) + FLOOR_CLEARANCE
     height = np.clip(clear, GRIP * extent, _HIGHEST * extent)
@@ -104,13 +98,13 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
 
 
 def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:
-    """Return where the centre of a hand is ``(..., 3)`` [m] when it stands at a face of a box."""
+    """Return the centre ``(..., 3)`` [m] of a hand that stands at a face of a box."""
     contact = contact_in_body(state, hand, thing, face) + NORMALS[face] * (hand["radius"] + gap)
     return above_floor(hand, state[thing, "position"] + rotate(state[thing, "orientation"], contact))
 
 
 def above_floor(hand: Token, position: FloatArray) -> FloatArray:
-    """Lift positions ``(..., 3)`` [m] of a level hand so far that it keeps off the floor."""
+    """Raise positions ``(..., 3)`` [m] of a level hand until it is clear of the floor."""
     assert isinstance(hand.shape, Cylinder), "a STATIC END-EFFECTOR is a cylinder"
     lowest = np.array([-np.inf, -np.inf, hand.shape.radius + FLOOR_CLEARANCE])
     return np.asarray(np.maximum(position, lowest))
@@ -125,20 +119,18 @@ def lowest_point(state: State, thing: Token) -> FloatArray:
 
 def sides_across(state: State, hand: Token, thing: Token) -> tuple[str, ...]:
     """Return the four faces of a box (single state) that a hand can touch along its whole length."""
-    along = np.abs(in_body(state, thing, hand_axis(state, hand)))
+    along = np.abs(to_body(state, thing, hand_axis(state, hand)))
     own = int(np.argmax(along))
     return tuple(face for face in NORMALS if not NORMALS[face][own])
 
 
 def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> float:
-    """Return how far a face turns to the hand's right, -1 to 1, once the box stands in a posture (single state).
+    """Return the component of a face's normal to the hand's right, -1 to 1, with the box in a posture (single state).
 
-    Boxes turn about the hand's axis only, so the posture and today's pose tell the direction. Right is the axis times
-    up. A face through which the axis goes turns to neither side: 0.
+    Boxes turn about the hand's axis only, so the posture and the current pose determine the direction. Right is the
+    axis times up. For a face that the axis crosses the result is 0.
     """
-    if face not in sides_across(state, hand, thing) or not set(faces_of(posture)) <= set(
-        sides_across(state, hand, thing)
-    ):
+    if not {face, *faces_of(posture)} <= set(sides_across(state, hand, thing)):
         return 0.0
     down, *others = faces_of(posture)
     turned = -np.pi / 2 - _angle(state, hand, thing, down)
@@ -150,7 +142,7 @@ def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) ->
 
 def to_the_right(state: State, hand: Token) -> FloatArray:
     """Return the level unit vector ``(..., 3)`` across a hand's axis."""
-    return np.asarray(np.cross(hand_axis(state, hand), np.array([0.0, 0.0, 1.0])))
+    return np.asarray(np.cross(hand_axis(state, hand), UP))
 
 
 def _angle(state: State, hand: Token, thing: Token, face: str) -> float:

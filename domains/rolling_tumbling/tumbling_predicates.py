@@ -1,39 +1,31 @@
-"""What the conditions of tumbling speak of."""
-
-from collections.abc import Callable
+"""Predicates of tumbling."""
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token, Value
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
 
 from ..common.classes import StaticEndEffector
+from ..common.predicates import length_predicate, one_by_one
+from ..common.roles import POSE
+from ..common.vectors import depth_in_workspace, dot
 from .classes import Tumblable
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, NORMALS, POSTURES, TIPS_HOLD
-from .geometry import dot
 from .standing import SLENDERNESS, standing
-from .tumbling_geometry import (
-    GRIP,
-    hand_axis,
-    normal,
-    outlook,
-    place_at,
-    sides_across,
-    to_the_right,
-)
+from .tumbling_geometry import GRIP, hand_axis, normal, outlook, place_at, sides_across, to_the_right
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
 _FACE = Parameter("face", FACE)
 _POSTURE = Parameter("posture", POSTURES)
 FACE_TOLERANCE = 0.06
-"""How far from its place at a face a hand may be [m]."""
+"""Largest distance of a hand from its place at a face [m]."""
 _ABOVE = 0.05
 _LEAST_OUTLOOK = 0.1
 _ALIGNMENT = np.sin(np.radians(6.0))
 SQUEEZE = 0.5
 """Force with which two hands squeeze a box, as a share of its weight.
 
-More of it makes the hands carry the weight: then the pivot edge unloads and slides.
+With more force the hands carry the weight, and the pivot edge unloads and slides.
 """
 
 
@@ -70,8 +62,8 @@ def strength_needed(state: State, hand: Token, thing: Token) -> float:
 def _share(state: State, hand: Token, thing: Token) -> tuple[float, float]:
     """Return the force [N] that a hand needs and the one that it has.
 
-    What two hands can do is pooled in equal shares: they squeeze the box between them, so that neither can push harder
-    than the other one withstands, and while hands change each of them holds the box alone.
+    Two hands bear equal shares: they squeeze the box between them, so neither can push harder than the other one
+    withstands, and while hands change, each of them holds the box alone.
     """
     return strength_needed(state, hand, thing), float(hand["maximal_force"])
 
@@ -81,8 +73,7 @@ def _strength(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Least distance inside the workspace of the hand's places beside the box, and above it when it stands tipped."""
-    lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
+    """Least depth in the workspace of the hand's places beside the box, and above the tipped box."""
     beside = [
         place_at(state, hand, thing, face)
         for face in sides_across(state, hand, thing)
@@ -90,7 +81,7 @@ def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
     ]
     diagonal = float(np.hypot(*_sections(state, hand, thing)))
     points = [*beside, *(np.array([*point[:2], diagonal + hand["radius"]]) for point in beside)]
-    return np.asarray(min((float(np.minimum(p - lower, upper - p).min()) for p in points), default=-1.0))
+    return np.asarray(min((float(depth_in_workspace(hand, point)) for point in points), default=-1.0))
 
 
 def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
@@ -99,23 +90,12 @@ def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
-    """How far the face turns to the side of the box where the hand is; a hand above it may go to either side."""
+    """Component of the face's normal to the side of the hand; a hand above the box may go to either side."""
     if (face, posture) not in EXPOSED_HOLD:
         return np.asarray(-1.0)
     offset = float((state[hand, "position"] - state[thing, "position"]) @ to_the_right(state, hand))
     facing = outlook(state, hand, thing, face, posture)
     return np.asarray((facing if offset > 0 else -facing) if abs(offset) > _ABOVE else abs(facing)) - _LEAST_OUTLOOK
-
-
-def _one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Make a margin of single states one of batches; static margins need not be fast."""
-
-    def batched(state: State, *values: Value) -> FloatArray:
-        rows = state.values.reshape(-1, state.values.shape[-1])
-        found = [float(margin(State(state.layout, row), *values)) for row in rows]
-        return np.array(found).reshape(state.values.shape[:-1])
-
-    return batched
 
 
 POSTURE = Predicate(
@@ -124,19 +104,17 @@ POSTURE = Predicate(
     standing,
     unit="rad",
     scale=0.02,
-    reads={"object": ("position", "orientation")},
+    reads={"object": POSE},
     kind=Kind.FUNCTIONAL,
     value_of="posture",
     description="{object} stands {posture}",
     denial="{object} does not stand {posture}",
 )
-AT_FACE = Predicate(
+AT_FACE = length_predicate(
     "at_face",
     (_HAND, _OBJECT, _FACE),
     _close_to_face,
-    unit="m",
-    scale=0.01,
-    reads={"hand": ("position",), "object": ("position", "orientation")},
+    reads={"hand": ("position",), "object": POSE},
     kind=Kind.MAINTAINED,
     description="{hand} stands at the {face} face of {object}",
     denial="{hand} does not stand at the {face} face of {object}",
@@ -155,20 +133,20 @@ ALIGNED = Predicate(
 ON_SIDE = Predicate(
     "on_side",
     (_HAND, _OBJECT, _FACE, _POSTURE),
-    _one_by_one(_outlook),
+    one_by_one(_outlook),
     unit="1",
     scale=0.1,
-    # Of the hand it takes the side where it starts, which no block changes.
-    reads={"hand": ("orientation",), "object": ("position", "orientation")},
+    # The side where the hand starts does not change, so the position of the hand is not listed.
+    reads={"hand": ("orientation",), "object": POSE},
     kind=Kind.STATIC,
     description="{face} of {object}, when it is {posture}, looks to the side where {hand} starts",
     denial="the {face} face of {object}, when it is {posture}, does not look to the side where {hand} starts",
 )
-"""Hands stay on their side of a box: two that change sides at once would meet above it."""
+"""Hands stay on their side of a box: two that changed sides at once would collide above it."""
 STRONG_ENOUGH = Predicate(
     "strong_enough",
     (_HAND, _OBJECT),
-    _one_by_one(_strength),
+    one_by_one(_strength),
     unit="N",
     scale=10.0,
     reads={"object": ("orientation",)},
@@ -177,13 +155,11 @@ STRONG_ENOUGH = Predicate(
     denial="{object} is too heavy for {hand} to bear its share of it",
     share=_share,
 )
-WITHIN_REACH = Predicate(
+WITHIN_REACH = length_predicate(
     "within_reach",
     (_HAND, _OBJECT),
-    _one_by_one(_reach),
-    unit="m",
-    scale=0.01,
-    reads={"object": ("position", "orientation")},
+    one_by_one(_reach),
+    reads={"object": POSE},
     kind=Kind.STATIC,
     description="{hand} reaches the places beside and above {object}",
     denial="{object} is too far for {hand}, whose workspace does not reach the places beside and above it",
@@ -191,7 +167,7 @@ WITHIN_REACH = Predicate(
 LOW_ENOUGH = Predicate(
     "low_enough",
     (_HAND, _OBJECT),
-    _one_by_one(_lowness),
+    one_by_one(_lowness),
     unit="1",
     scale=0.1,
     reads={"object": ("orientation",)},
@@ -238,13 +214,4 @@ EXPOSED = Predicate.relation(
     denial="no hand can stand at {face} of a box that is {posture}",
 )
 FEASIBLE_TUMBLING = (ALIGNED, ON_SIDE, STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
-TUMBLING_PREDICATES = (
-    POSTURE,
-    AT_FACE,
-    *FEASIBLE_TUMBLING,
-    TIPS,
-    LOWERS,
-    LEANS,
-    HOLDS,
-    EXPOSED,
-)
+TUMBLING_PREDICATES = (POSTURE, AT_FACE, *FEASIBLE_TUMBLING, TIPS, LOWERS, LEANS, HOLDS, EXPOSED)

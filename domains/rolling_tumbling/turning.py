@@ -1,14 +1,12 @@
 """How two hands turn a box about an edge: the policy and the forward model that all modes of TIPPING share.
 
-Each hand follows the rigid motion of the planned tilt: its reference c is the point beside its face, turned about
-the edge by the tilt that a motor primitive asks for, and it pushes with F = K (c - x) + D (c' - v) - S n, n its
-face's outward normal and S the squeeze. Squeeze and contact are taken up in the first moment, before the box turns,
-and given up in the last one where the box comes to lie. A box whose edge slides stays behind the plan; then the hands
-turn further.
+Each hand follows the rigid motion of the planned tilt. Its reference c is the point beside its face, turned about the
+edge by the tilt of a motor primitive. It pushes with F = K (c - x) + D (c' - v) - S n; n is the outward normal of its
+face and S the squeeze. The hands close and squeeze before the box turns, and loosen their grip at the end if the box
+comes to lie. A box whose edge slides stays behind the plan; then the hands turn further.
 """
 
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
@@ -31,48 +29,48 @@ from hybrid_tamp.authoring import (
 )
 
 from ..common.primitives import straight_profile
+from ..common.roles import get_symbol, get_tokens
 from ..common.servos import STIFFNESS, damping, force_on
+from ..common.vectors import dot, to_body
 from .faces import NORMALS, edge_between, faces_of
-from .geometry import dot
 from .tumbling_geometry import (
     contact_distance,
     edge_axis,
     edge_position,
     half_extent,
-    in_body,
     nominal_tilt,
     normal,
     tilt,
 )
 
 CLOSING = 0.35
-"""How long the hands take to close on the box and to squeeze it [s]."""
+"""Time for the hands to close on the box and to squeeze it [s]."""
 _TOUCH = 1e-4
 _CATCHING_UP = 0.7
-"""How much further than planned the hands turn per angle that the box is behind: its edge may have slid a little."""
+"""Extra turn of the hands per angle that the box is behind the plan: its edge may have slid a little."""
 _LEAD = 0.3
-"""How much further at most [rad]."""
+"""Largest extra turn [rad]."""
 _LOOSENING = (0.82, 0.94)
-"""During which share of a turn onto a face the hands loosen their grip: the box all but lies, and soon they let go."""
+"""Shares of a turn onto a face between which the hands loosen their grip: the box almost lies."""
 _LYING = float(np.radians(0.7))
-"""How close to lying on a face a box is when they begin to, if it comes down before the plan [rad]."""
+"""Angle from lying on a face at which they begin to loosen, if the box comes down before the plan [rad]."""
 _TOUCHING_FORCE = 1.0
-"""With how much force a hand may go on touching a box that lies [N]."""
+"""Largest force of a hand on a box that lies [N]."""
 
 
 @dataclass(frozen=True)
 class Roles:
-    """What an instance of TIPPING is bound to.
+    """Tokens and symbols of an instance of TIPPING.
 
     Attributes:
         hands: the hand at the near and the hand at the far face.
         thing: the box.
         faces: the faces of the hands, in their order.
-        edge: the faces beside the edge about which the box turns; the tilt counts from the first to the second.
+        edge: the faces beside the edge about which the box turns; the tilt is from the first towards the second.
         outcome: the posture wanted.
     """
 
-    hands: tuple[Token, Token]
+    hands: tuple[Token, ...]
     thing: Token
     faces: tuple[str, str]
     edge: tuple[str, str]
@@ -81,13 +79,9 @@ class Roles:
     @classmethod
     def of(cls, binding: Binding) -> "Roles":
         """Read the roles of a binding."""
-        return cls(
-            (cast(Token, binding["first"]), cast(Token, binding["second"])),
-            cast(Token, binding["object"]),
-            (cast(str, binding["near"]), cast(str, binding["far"])),
-            edge_between(cast(str, binding["before"]), cast(str, binding["outcome"])),
-            cast(str, binding["outcome"]),
-        )
+        near, far, before, outcome = (get_symbol(binding, role) for role in ("near", "far", "before", "outcome"))
+        *hands, thing = get_tokens(binding, "first", "second", "object")
+        return cls(tuple(hands), thing, (near, far), edge_between(before, outcome), outcome)
 
     @property
     def wanted(self) -> float:
@@ -101,7 +95,7 @@ def turning_time(angle: FloatArray | float, rate: FloatArray | float) -> FloatAr
 
 
 def make_turning(binding: Binding, start: State, parameters: Parameters, profile: Profile) -> Policy:
-    """Return the impedance policy of both hands; the profile says how the tilt goes from one posture to the other."""
+    """Return the impedance policy of both hands; the profile is that of the tilt between the postures."""
     roles = Roles.of(binding)
     thing, wanted = roles.thing, roles.wanted
     rate, squeeze = (np.asarray(parameters.hyperparameters[name]) for name in ("rate", "squeeze"))
@@ -142,10 +136,10 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
 
 
 def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:
-    """Return how far the hands have loosened their grip ``(...)``, 0 to 1: by plan, or as the box comes down sooner.
+    """Return how much the hands have loosened their grip ``(...)``, 0 to 1: by plan, or earlier with the box.
 
     Args:
-        phase: share of the turn that is planned by now, ``(...)``.
+        phase: planned share of the turn, ``(...)``.
         left: angle from lying on the face wanted, ``(...)`` [rad].
     """
     by_plan = (phase - _LOOSENING[0]) / (_LOOSENING[1] - _LOOSENING[0])
@@ -154,15 +148,15 @@ def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:
 
 
 def _loosened(push: FloatArray, outward: FloatArray, hand: Token, grip: FloatArray) -> FloatArray:
-    """Bound how hard a hand pushes on its face by its share of the maximal force, but leave it a light touch."""
+    """Limit the force of a hand on its face to a share of the maximal force plus a light touch."""
     inward = -dot(push, outward)
     most = _TOUCHING_FORCE + grip * hand["maximal_force"]
     return np.asarray(push + outward * np.maximum(inward - most, 0.0)[..., None])
 
 
 def _gap(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the distance ``(...)`` [m] between a hand's surface and where it touches a face, along the normal."""
-    offset = in_body(state, thing, state[hand, "position"] - state[thing, "position"])
+    """Return the distance ``(...)`` [m] along the normal between a hand's surface and its contact on a face."""
+    offset = to_body(state, thing, state[hand, "position"] - state[thing, "position"])
     return np.asarray(dot(offset, NORMALS[face]) - contact_distance(thing, face) - hand["radius"])
 
 
@@ -183,7 +177,7 @@ def after_turning(binding: Binding, state: State) -> State:
 
 
 def turning_system(binding: Binding, start: State) -> ContinuousSystem:
-    """Rigid box on a fixed edge, with hands that stick to it once they touch; the floor stops it at both ends.
+    """Make the system: a rigid box on a fixed edge, with hands that stick to it on contact; the floor stops it.
 
     The moments of the hands' forces and of the weight about the edge turn box and hands as one body.
     """
@@ -205,7 +199,7 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
         speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
         angle = tilt(state, thing, *roles.edge)
         after = np.clip(angle + speed * dt, 0.0, np.pi / 2)
-        # Where the floor stops the box there is no speed left; the step itself ends on the floor exactly.
+        # The floor takes all speed; the step ends exactly on the floor.
         blocked = np.abs(after - angle - speed * dt) > 1e-12
         spin = axis * ((after - angle) / dt)[..., None]
         changes: dict[tuple[str, str], FloatArray] = {}
@@ -233,7 +227,7 @@ def _hand_after(
     commands: Commands,
     dt: float,
 ) -> dict[tuple[str, str], FloatArray]:
-    """Move one hand: with the box where both touch it, else by its own force until it meets its face."""
+    """Move one hand: with the box if both hands touch it, else by its own force until it meets its face."""
     velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
     outward = normal(state, thing, face)
     gap = np.maximum(_gap(state, hand, thing, face), 0.0)

@@ -1,49 +1,34 @@
-"""The domain's own measures of a finished run, beside what the closed forms predict of them."""
+"""Metrics of tool use for a finished run, and their predictions by the closed forms."""
 
 from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from hybrid_tamp.authoring import BlockInstance, FloatArray, Recording, State, Task, Token
+from hybrid_tamp.authoring import BlockInstance, FloatArray, Recording, Task, Token
 
+from ..common.metrics import measure_instances, rows_of, run_of
 from .feasibility import resistance
 from .geometry import dot, hand_in_tool, location, norm, side
 from .striking import tip_speed
 from .swing import swing_of
 
 _MOVING = 0.02
-"""Speed from which on a thing that is pushed counts as moving [m/s]."""
+"""Least speed at which a pushed thing counts as moving [m/s]."""
 _WITH_TOOL = ("CARRYING", "PUSHING", "STRIKING")
 
 
 def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
-    """Return the measures of every grasp, push and strike, each by the name of its instance and its own.
+    """Return the metrics of every grasp, push and strike by instance and metric.
 
-    Grasp: where it is when the grasp ends, and how far the hand was from there at most, in the tool's frame, at the
-    end of a later block that holds the tool. Push: mean torque of the wrist about the tool's y axis while the object
-    moves, and the one that follows from the grasp. Strike: largest speed of the impact point along its normal, and
-    the one that follows from the grasp.
+    Grasp: its location, and the largest slip of the hand in the tool's frame at the end of a later block that holds
+    the tool. Push: the mean torque of the wrist about the tool's y axis while the object moves, and its prediction
+    from the grasp. Strike: the largest speed of the impact point along its normal, and its prediction from the grasp.
     """
-    found: dict[tuple[str, str], float] = {}
-    for instance in recording.instances:
-        if instance.block == "GRASPING":
-            measures = _grasp(task, recording, instance)
-        elif instance.block == "PUSHING":
-            measures = _push(task, recording, instance)
-        elif instance.block == "STRIKING":
-            measures = _strike(task, recording, instance)
-        else:
-            continue
-        found |= {(instance.name, name): value for name, value in measures}
-    return found
+    return measure_instances(task, recording, {"GRASPING": _grasp, "PUSHING": _push, "STRIKING": _strike})
 
 
 def _tokens(task: Task, instance: BlockInstance) -> tuple[Token, Token]:
     return task.token_by_name[instance.slots["hand"]], task.token_by_name[instance.slots["tool"]]
-
-
-def _rows(recording: Recording, instance: BlockInstance) -> slice:
-    return slice(*(round(time / recording.timestep) for time in (instance.start, instance.end)))
 
 
 def _grasp(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, float]]:
@@ -61,7 +46,7 @@ def _grasp(task: Task, recording: Recording, instance: BlockInstance) -> Iterato
 
 
 def _later(recording: Recording, grasp: BlockInstance) -> Iterator[BlockInstance]:
-    """Yield what the hand does next, up to its next grasp, in order."""
+    """Yield the hand's later instances in order, up to its next grasp."""
     for instance in sorted(recording.instances, key=lambda other: other.start):
         if instance.slots.get("hand") == grasp.slots["hand"] and instance.start >= grasp.end:
             if instance.block == grasp.block:
@@ -71,9 +56,8 @@ def _later(recording: Recording, grasp: BlockInstance) -> Iterator[BlockInstance
 
 def _push(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, float]]:
     hand, tool = _tokens(task, instance)
-    thing, rows = task.token_by_name[instance.slots["object"]], _rows(recording, instance)
-    run = State(recording.layout, recording.states[rows])
-    torque = _commanded(recording, hand, "torque")[rows]
+    thing, run = task.token_by_name[instance.slots["object"]], run_of(recording, instance.start, instance.end)
+    torque = _commanded(recording, hand, "torque")[rows_of(recording, instance.start, instance.end)]
     moving = norm(run[thing, "velocity"]) > _MOVING
     if moving.any():
         about = dot(torque, side(run, tool))[moving]
@@ -84,7 +68,7 @@ def _push(task: Task, recording: Recording, instance: BlockInstance) -> Iterator
 
 def _strike(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, float]]:
     hand, tool = _tokens(task, instance)
-    run = State(recording.layout, recording.states[_rows(recording, instance)])
+    run = run_of(recording, instance.start, instance.end)
     if len(run.values):
         held_at = hand_in_tool(recording.at(instance.start), hand, tool)[0]
         swing = swing_of(hand, tool, held_at, instance.hyperparameters["swing_radius"])
