@@ -1,1 +1,1 @@
-"""One module per verb: load, call the stages, save."""
+"""One module per verb of the command line: it loads a task, calls the stages and saves the results."""

@@ -1,4 +1,4 @@
-"""The verb ``affordances``: which object affords which block, to whom, and what one token more or less would change."""
+"""The verb ``affordances``: which object affords which block to whom, and what one more or less token would change."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,13 +23,13 @@ def affordances(
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: what replaces what the file says.
+        settings: settings that replace those of the task file.
         view: the perspective.
-        agent: only what this agent, or a group with it, is afforded; everybody by default.
-        questions: what if there were one token more or less: ``+CLASS`` or ``-TOKEN``.
+        agent: name of an agent; leaves out what is not afforded to it or to a group with it. All agents by default.
+        questions: changes to examine: ``+CLASS`` adds a token of a class, ``-TOKEN`` removes a token.
 
     Raises:
-        InputError: the task file is wrong, there is no such agent, or a question has another form.
+        InputError: the task file is wrong, there is no such agent, or a question has neither form.
     """
     task = load(source, settings)
     _check_agents(task, view, agent)
@@ -44,13 +44,13 @@ def affordances(
 
 
 def _check_agents(task: Task, view: View, agent: str | None) -> None:
-    """Check that the task has the agents that a view needs.
+    """Check that the task has the agent, and the agents that a view needs.
 
     Raises:
-        InputError: it has none, or not the one that is named.
+        InputError: an agent is missing.
     """
     if agent is not None and agent not in task.agents:
         raise InputError([Issue("agent", f"unknown agent in the task {task.name}", repr(agent), tuple(task.agents))])
     if view != "environment" and not task.agents:
-        wanted = f"the {view} view needs an agent, and the task {task.name} names none"
-        raise InputError([Issue("view", wanted, remedy="say under 'agents:' whose the capability tokens are")])
+        wanted = f"the {view} view needs an agent, but the task {task.name} has none"
+        raise InputError([Issue("view", wanted, remedy="list each agent's capability tokens under 'agents:'")])

@@ -1,4 +1,4 @@
-"""The verb ``check``: a task file goes in; every fault at once, each with its place, or the sound task comes out."""
+"""The verb ``check``: find all faults of a task file, each with its place."""
 
 from pathlib import Path
 
@@ -7,13 +7,13 @@ from hybrid_tamp.verbs.loading import Settings, load
 
 
 def check(source: Path | str, settings: Settings = Settings()) -> Task:  # noqa: B008
-    """Check a task file, the planner that it names included, and return the task.
+    """Check a task file and the name of its planner, and return the task.
 
     Args:
         source: the path of a task file, or the name of a bundled task.
-        settings: what replaces what the file says.
+        settings: settings that replace those of the task file.
 
     Raises:
-        InputError: something is wrong with the file; every fault has its place.
+        InputError: the file has faults; each issue has its place.
     """
     return load(source, settings, plans=True)

@@ -1,4 +1,4 @@
-"""List the domains that are installed."""
+"""The verb ``domains``: list the installed domains."""
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.taskfile.domains import available_domains, find_domain
@@ -8,6 +8,6 @@ def list_domains() -> list[Domain]:
     """Return the installed domains, sorted by name.
 
     Raises:
-        InputError: one of them cannot be loaded.
+        InputError: a domain cannot be loaded.
     """
     return [find_domain(name) for name in available_domains()]

@@ -1,4 +1,4 @@
-"""The verb ``explain``: why a task has the plan that it has, or why it has none and what would give it one."""
+"""The verb ``explain``: why each token is in the plan of a task, or why there is no plan and what would give one."""
 
 from pathlib import Path
 
@@ -11,9 +11,9 @@ from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.verbs.loading import Settings, load
 
 SECONDS = 20.0
-"""How long single changes are searched for [s]."""
+"""Default time to search for single changes [s]."""
 MOST = 5
-"""How many single changes are enough."""
+"""Default number of single changes after which the search stops."""
 
 
 def explain(
@@ -27,14 +27,14 @@ def explain(
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: what replaces what the file says.
-        seconds: how long single changes are searched for [s].
-        most: how many changes are enough.
+        settings: settings that replace those of the task file.
+        seconds: time to search for single changes that would give a plan [s].
+        most: number of changes after which the search stops.
 
     Raises:
-        InputError: the task file is wrong, or the engine is unknown or not installed.
+        InputError: the task file is wrong, or the planner is unknown or not installed.
     """
-    # The planner's process starts up while the task file is read.
+    # The planner's process starts while the task file is read.
     with PlannerProcess() as process:
         task = load(source, settings, plans=True)
         outcome = plan_task(task, process)

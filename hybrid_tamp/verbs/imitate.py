@@ -1,6 +1,6 @@
-"""The verb ``imitate`` (paper, Sec. II-E): one agent is seen to act, another one with the same classes does likewise.
+"""The verb ``imitate`` (paper, Sec. II-E): an agent imitates another agent with the same capability classes.
 
-What was shown -> segmentation -> primitives and a plan for the other agent -> a run of it.
+The demonstration is segmented into a plan, which is transferred to the imitator together with primitives, and then run.
 """
 
 import logging
@@ -35,7 +35,7 @@ from hybrid_tamp.verbs.run import run
 
 _WAY = "imitation"
 _ALLOWANCE_OF_POSES = 1.0
-"""A file has no velocities, and its poses are noisy."""
+"""Allowance for a file, which has no velocities and noisy poses."""
 _logger = logging.getLogger(__name__)
 
 
@@ -51,23 +51,23 @@ def imitate(
     progress: Progress = lambda share, what: None,
     on_segmentation: Callable[[Segmentation], None] = lambda segmentation: None,
 ) -> ImitationResult:
-    """Do as another agent was seen to do.
+    """Imitate a demonstration by another agent.
 
     Args:
-        shown: the folder of a run, of which only the states over time and the task are read; or a file of tokens'
-            poses; or what was read of either.
+        shown: the demonstration: the folder of a run, of which only the states and the task are read; a file of
+            poses of tokens; or what `read_shown` returned for either.
         source: the imitator's task, the path of its file, or the name of a bundled task.
-        folder: where the files of the run go.
-        settings: what replaces what the file says.
-        actor: the demonstrator's task, for a file of poses; by default the imitator's.
+        folder: folder for the files of the run.
+        settings: settings that replace those of the task file.
+        actor: the demonstrator's task, if a file of poses is shown; by default the imitator's task.
         backend: name of the physics backend.
-        force: whether the files may replace another run's.
-        progress: told how far the work is.
-        on_segmentation: told what was seen before the run.
+        force: whether to replace the files of another run.
+        progress: called with the finished share and the current activity.
+        on_segmentation: called with the segmentation before the run.
 
     Raises:
-        NoPlan: the imitator cannot do what was shown; the message says why.
-        InputError: a task or what was shown is wrong, the folder is in use, or the backend is unknown.
+        NoPlan: the imitator cannot do what the demonstration shows; the message says why.
+        InputError: a task or the demonstration is wrong, the folder is in use, or the backend is unknown.
         NotFinite: every rollout of the plan failed.
     """
     task = load(source, settings)
@@ -95,16 +95,16 @@ def read_shown(
     settings: Settings = Settings(),  # noqa: B008
     actor: Task | Path | str | None = None,
 ) -> Shown:
-    """Read what was shown.
+    """Read a demonstration.
 
     Args:
-        path: the folder of a run or a file of tokens' poses.
-        task: the task whose tokens a file names, unless an actor is given.
-        settings: what replaces what task files say.
-        actor: the demonstrator's task, for a file.
+        path: the folder of a run, or a file of poses of tokens.
+        task: the task whose tokens a file names, unless `actor` is given.
+        settings: settings that replace those of the task file.
+        actor: the demonstrator's task, if `path` is a file.
 
     Raises:
-        InputError: the folder holds no run, or the file is wrong.
+        InputError: the folder has no complete run, or the file is wrong.
     """
     if not path.is_dir():
         demonstrator, allowance = task if actor is None else load(actor, settings), _ALLOWANCE_OF_POSES
@@ -114,14 +114,14 @@ def read_shown(
         demonstrator = load_task(path / "task.yaml", domain_finder(settings.domain))
         layout = StateLayout.of(demonstrator.tokens)
         if recording.layout != layout:
-            raise InputError([Issue(str(path), "a recording of the tokens of its task.yaml", "one of other tokens")])
+            raise InputError([Issue(str(path), "a recording of the tokens in task.yaml", "one of other tokens")])
         times, states = recording.times, State(layout, recording.states)
     observation = Observation.of(times, states, allowance, noise)
     return Shown(path.name, demonstrator.replaced(state=observation.at(0.0)), observation)
 
 
 def _learn_primitives(shown: Shown, plan: TaskPlan, task: Task) -> dict[str, PrimitiveFile]:
-    """Return the primitives of all blocks that were seen and can be taught."""
+    """Return the primitives of all demonstrated blocks that can be taught."""
     found = {}
     for name in sorted({instance.block for instance in plan.instances}):
         block = shown.task.domain.block_by_name[name]
@@ -133,14 +133,15 @@ def _learn_primitives(shown: Shown, plan: TaskPlan, task: Task) -> dict[str, Pri
             movements = demonstrated_movements(shown.source, seen.times, seen.trajectory, instances, block.movement)
             found[name] = fit_primitive(name, list(movements), block.movement)
         except InputError as error:
-            _logger.warning("%s keeps its own motor primitive: %s", name, error)
+            _logger.warning("%s keeps the motor primitive of the domain: %s", name, error)
     return found
 
 
 def _outcome(task: Task, moved: Transfer, seconds: float) -> PlanOutcome:
-    """Return the transferred plan as the outcome of planning a task, which may exclude it by now."""
+    """Return the transferred plan as the outcome of planning; replanning may have excluded it from the task."""
     outcome = PlanOutcome(task, PlannerFigures(_WAY, seconds, _WAY), PlannedNetwork.of(task, task))
     breaches = check_law(task, moved.plan)
     if breaches:
-        return replace(outcome, failure=PlanningFailure(KIND, f"what was seen is no plan of the task: {breaches[0]}"))
+        detail = f"the demonstration is not a plan of the task: {breaches[0]}"
+        return replace(outcome, failure=PlanningFailure(KIND, detail))
     return replace(outcome, plan=moved.plan, chosen=moved.task)

@@ -1,4 +1,4 @@
-"""Learn a block's motor primitive from demonstrations: files of time and position or pose, or the folders of runs."""
+"""The verb ``learn``: fit a motor primitive to demonstrations: files of poses over time, or folders of runs."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -28,18 +28,18 @@ def learn(
     """Fit a block's motor primitive to demonstrations.
 
     Args:
-        block: name of a block, or of an action whose modes all move alike, e.g. ``"REACHING:behind"``.
-        demonstrations: CSV files of time and position or pose, or folders of runs. In a run every instance of the
+        block: name of a block, e.g. ``"REACHING:behind"``, or of an action all of whose modes move in the same way.
+        demonstrations: CSV files of time and position or pose, or folders of runs. In a run, every instance of the
             block is a demonstration, from its start until its exit conditions hold.
-        domain: the domain or its name; by default the installed one that has the block.
-        token: the token to watch in a run that has several.
+        domain: the domain or its name; by default the installed domain that has the block.
+        token: the token to follow in a run with several.
         weights: number of basis functions.
 
     Returns:
-        The primitive with its sources and its distance from them. `save_primitive` writes it.
+        The primitive with its sources and its distance from them, for `save_primitive`.
 
     Raises:
-        InputError: a demonstration, the block, the domain or the number of weights is wrong; with the place.
+        InputError: a demonstration, the block, the domain or the number of weights is wrong.
     """
     paths = [Path(path) for path in demonstrations]
     if not paths or weights < 1:
@@ -59,13 +59,13 @@ def fit_primitive(
     """Fit a primitive to movements.
 
     Args:
-        block: name of the block or action that it is for.
-        shown: the movements.
-        movement: what of the block's tokens the primitive moves.
+        block: name of the block or action.
+        shown: the demonstrated movements.
+        movement: what the primitive of the block moves.
         weights: number of basis functions.
 
     Raises:
-        InputError: the movements show nothing that the block could be taught.
+        InputError: the block cannot learn from the movements.
     """
     try:
         primitive, rms = learnt(shown, movement.moves, movement.dimensions, weights)
@@ -76,19 +76,19 @@ def fit_primitive(
 
 
 def save_primitive(primitive: PrimitiveFile, path: Path, *, force: bool = False) -> None:
-    """Write a primitive as JSON. The file appears under its name only when it is whole.
+    """Write a primitive as JSON. The file appears under its name only when it is complete.
 
     Raises:
-        InputError: the file exists and `force` is not given, or it cannot be written.
+        InputError: the file exists and `force` is false, or it cannot be written.
     """
     if path.is_dir() or (path.exists() and not force):
-        came = "a folder" if path.is_dir() else "a file that is there already"
+        came = "a folder" if path.is_dir() else "an existing file"
         raise InputError([Issue(str(path), "a new file for the primitive", came, remedy="force=True replaces a file")])
     RunFolder(path.parent).write_text(path.name, primitive.text)
 
 
 def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], Movement]:
-    """Return the blocks with a name or of an action, and what their primitive moves."""
+    """Return the block of a name, or the blocks of an action, and what their primitive moves."""
     if domain is None:
         domains = [find_domain(installed) for installed in available_domains()]
     else:
@@ -98,12 +98,12 @@ def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], M
     found = [block for block in able if name in (block.name, block.action)]
     if not found:
         known = sorted({word for block in able for word in (block.name, block.action)})
-        said = "has no motor primitive" if any(name in (b.name, b.action) for b in blocks) else "is no block"
+        said = "has no motor primitive" if any(name in (b.name, b.action) for b in blocks) else "is not a block"
         raise InputError([Issue("block", f"{name} {said}", repr(name), tuple(known))])
     movements = {block.movement for block in found if block.movement}
     if len(movements) > 1:
         modes = tuple(block.name for block in found)
-        raise InputError([Issue("block", f"the modes of {name} move differently: name one", available=modes)])
+        raise InputError([Issue("block", f"the modes of {name} move differently: choose one", available=modes)])
     return found, movements.pop()
 
 
@@ -123,10 +123,10 @@ def _read_run(path: Path, blocks: Sequence[Block], movement: Movement, token: st
 
 
 def _check_movements(path: Path, shown: Iterable[ShownMovement], block: Block, movement: Movement) -> None:
-    """Check that each movement shows what a primitive of the block imitates.
+    """Check that each movement shows what the primitive of a block moves.
 
     Raises:
-        InputError: one does not.
+        InputError: a movement does not.
     """
     for one in shown:
         try:

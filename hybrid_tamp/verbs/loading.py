@@ -1,4 +1,4 @@
-"""Loading a task, with settings of a verb in place of those of the task file."""
+"""Loading of tasks, with settings that replace those of the task file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -16,18 +16,18 @@ Record = TypeVar("Record", Task, Limits, MidLevel)
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings that replace those of the task file; None keeps what the file says.
+    """Settings that replace those of the task file; None keeps the setting of the file.
 
     Attributes:
         domain: the domain: a name, ``package.module:ATTRIBUTE`` or a Python file.
         planner: name of the planning engine.
-        objective: what a plan should be short in, ``length`` or ``makespan``.
-        seed: seed of everything random.
-        time_limit: wall-clock time of the planner [s].
-        memory_limit: memory of the planner [MiB].
-        optimiser: how hyperparameters are searched, ``cma`` or ``grid``.
-        evaluations: budget of candidates that are rolled out.
-        refine: ``none``, or ``physics``: go on from the analytic optimum in the physics backend.
+        objective: what the planner minimises, ``length`` or ``makespan``.
+        seed: seed of all random numbers.
+        time_limit: wall-clock time limit of the planner [s].
+        memory_limit: memory limit of the planner [MiB].
+        optimiser: optimiser of hyperparameters, ``cma`` or ``grid``.
+        evaluations: largest number of rollouts of the optimiser.
+        refine: ``none``, or ``physics`` to continue from the analytic optimum in the physics backend.
     """
 
     domain: str | None = None
@@ -44,15 +44,15 @@ class Settings:
 def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: bool = False) -> Task:
     """Load a task.
 
-    Code is imported only if the settings, not the file, name it.
+    A task file cannot import code; only the settings can.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: what replaces what the file says.
-        plans: whether the verb plans: then the planner that the file names is checked, unless another one is set.
+        settings: settings that replace those of the task file.
+        plans: whether the verb plans; if so, the planner of the file is checked, unless the settings replace it.
 
     Raises:
-        InputError: something is wrong with the file; every fault has its place.
+        InputError: the file has faults; each issue has its place.
     """
     check = check_engine if plans and not settings.planner else None
     task = load_task(source, domain_finder(settings.domain), check)
@@ -65,13 +65,13 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
 
 
 def _replaced(record: Record, **values: Any) -> Record:
-    """Return a record with those values that are not None, or the record itself if they change nothing."""
+    """Return a record with the values that are not None, or the record itself if they change nothing."""
     changed = {name: value for name, value in values.items() if value not in (None, getattr(record, name))}
     return replace(record, **changed) if changed else record
 
 
 def domain_finder(name: str | None) -> Callable[[str], Domain]:
-    """Return how the domain of a task file is found: the one that is given, else among the installed ones."""
+    """Return a function that finds the domain of a task file: the given domain, or the installed one of that name."""
     if name is None:
         return installed_domain
     chosen = find_domain(name)

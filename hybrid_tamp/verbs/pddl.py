@@ -1,4 +1,4 @@
-"""The verb ``pddl``: a task goes in, PDDL files that any planner reads come out."""
+"""The verb ``pddl``: write a task as PDDL files that any planner can read."""
 
 from pathlib import Path
 from typing import Literal
@@ -18,7 +18,7 @@ from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
 from hybrid_tamp.verbs.loading import Settings, load
 
 Encoding = Literal["classical", "temporal"]
-"""Slot by slot without time, or one durative action for each block."""
+"""One action per slot without time, or one durative action per block."""
 
 
 def pddl(
@@ -34,18 +34,18 @@ def pddl(
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        folder: where the files go.
-        settings: what replaces what the file says.
+        folder: folder for the files.
+        settings: settings that replace those of the task file.
         encoding: how blocks become planning actions.
-        solve: whether to plan the task and to write the plan, too.
-        force: whether the files may replace another run's.
+        solve: whether to plan the task and write the plan as well.
+        force: whether to replace the files of another run.
 
     Returns:
-        The files that were written.
+        The written files.
 
     Raises:
-        InputError: the task file is wrong, the folder cannot be used, or the goal leaves a choice that no plan makes.
-        NoPlan: there is no plan to write, or none was found.
+        InputError: the task file is wrong, the folder cannot be used, or the goal leaves a choice and there is no plan.
+        NoPlan: there is no plan, or none was found.
         LimitReached: the planner reached a limit.
     """
     task = load(source, settings)
@@ -58,16 +58,16 @@ def pddl(
 
 
 def export(task: Task, folder: RunFolder, plan: TaskPlan | None = None, encoding: Encoding = "classical") -> list[Path]:
-    """Write the PDDL of a task, and of its plan where given.
+    """Write the PDDL of a task, and of a plan if there is one.
 
     Args:
         task: the task.
-        folder: where the files go.
-        plan: a plan of it, whatever encoding it was found in.
+        folder: folder for the files.
+        plan: a plan of the task, found in any encoding.
         encoding: how blocks become planning actions.
 
     Raises:
-        InputError: the goal leaves a choice, and there is no plan that would make it.
+        InputError: the goal leaves a choice, and there is no plan that makes it.
     """
     if plan is not None and len(task.alternatives()) > 1:
         task = next(each for each in task.alternatives() if not check_law(each, plan))

@@ -1,4 +1,4 @@
-"""The verb ``plan``: a task goes in, a checked plan or the reason why there is none comes out."""
+"""The verb ``plan``: find a checked plan of a task, or the reason why there is none."""
 
 from contextlib import ExitStack
 from dataclasses import replace
@@ -20,7 +20,7 @@ from hybrid_tamp.verbs.loading import Settings, load
 from hybrid_tamp.verbs.pddl import export
 
 SECONDS = 4.0
-"""How long a single change is searched for with which there would be a plan [s]."""
+"""Default time to search for a single change that would give a plan [s]."""
 
 
 def plan(
@@ -34,24 +34,24 @@ def plan(
     planner: Planner | None = None,
     progress: Progress | None = None,
 ) -> PlanOutcome:
-    """Plan a task; the plan is checked, and if there is none, the outcome explains why.
+    """Plan a task and check the plan; if there is none, the outcome explains why.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: what replaces what the file says.
-        folder: where plan.json, PDDL and the task file go, if anywhere.
-        force: whether they may replace another run's.
-        optimise: whether to optimise the hyperparameters, too, and replan if none satisfy the plan.
-        seconds: how long a single change is searched for with which there would be a plan, if there is none [s].
-        planner: a running planner process; by default one is started for this call.
-        progress: told how far the optimisation is.
+        settings: settings that replace those of the task file.
+        folder: folder for plan.json, PDDL and the task file, if they are wanted.
+        force: whether to replace the files of another run.
+        optimise: whether to optimise the hyperparameters, and to replan if none satisfy the plan.
+        seconds: time to search for a single change that would give a plan, if there is none [s].
+        planner: a running planner process; by default this call starts one.
+        progress: called with the finished share and the current activity.
 
     Raises:
-        InputError: the task file is wrong, the engine is unknown or not installed, or the folder cannot be used.
+        InputError: the task file is wrong, the planner is unknown or not installed, or the folder cannot be used.
         NotFinite: every rollout of a plan failed.
     """
     with ExitStack() as stack:
-        # The planner's process starts up while the task file is read.
+        # The planner's process starts while the task file is read.
         process = planner or stack.enter_context(PlannerProcess())
         task = load(source, settings, plans=True)
         target = None if folder is None else RunFolder.open(folder, force=force)
@@ -67,11 +67,11 @@ def plan(
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Write a plan's document, convergence curve and PDDL, the task file and what it names, in place of another run's.
+    """Replace the files of a folder by the task file, the files that it names, the plan, its curve and its PDDL.
 
-    A goal with a choice of which none was made has no PDDL, nor has one about a token of which too little is known.
+    Without a plan, a goal that leaves a choice, or whose tokens have unknown classes, has no PDDL.
     """
-    # The task may be another run's, in this very folder.
+    # Read the task file first, because it may be in this folder.
     text, named = portable(outcome.task)
     folder.clear()
     for name, content in {"task.yaml": text, **named}.items():

@@ -1,4 +1,4 @@
-"""The verb ``probe``: of which classes is a token a member, and the task file in which it is."""
+"""The verb ``probe``: find the classes of a token, and write a task file in which it is a member of them."""
 
 import time
 from collections.abc import Sequence
@@ -30,23 +30,23 @@ def probe(
     backend: str = "pybullet",
     tell: Tell = lambda share, what: None,
 ) -> MembershipResult:
-    """Find out of which classes a token is a member, by predictions from its shape and by trials in physics.
+    """Find the classes of a token by predictions from its shape and by trials in physics.
 
     Args:
-        source: a task, the path of a task file, or the name of a bundled task; its other tokens lend hands and
-            labelled members.
+        source: a task, the path of a task file, or the name of a bundled task; its other tokens
+            serve as hands and as labelled members.
         token: name of the token.
-        classes: names of the classes to try; all that the token is unknown in by default.
-        settings: what replaces what the file says; the seed draws the starts.
-        starts: from how many starts each class is tried at first.
-        most_starts: from how many at most, if fewer leave the verdict unsure.
-        seconds: wall-clock time for everything [s]; unlimited by default.
+        classes: names of the classes to try; by default all classes whose membership is unknown.
+        settings: settings that replace those of the task file; the seed draws the starts.
+        starts: number of trials of each class at first, each from another start.
+        most_starts: largest number of trials, if fewer leave the verdict unsure.
+        seconds: wall-clock time limit [s]; unlimited by default.
         backend: name of the physics backend.
-        tell: told how far the work is.
+        tell: called with the finished share and the current activity.
 
     Raises:
-        InputError: the task file is wrong, there is no such token, class or backend, or nothing to find out.
-        LimitReached: not done in time.
+        InputError: the task file is wrong, there is no such token, class or backend, or no class is unknown.
+        LimitReached: the time is up.
     """
     from hybrid_tamp.physics.protocol import open_backend
 
@@ -69,29 +69,29 @@ def save_members(
     *,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write a task file in which the token is a member of the classes that were confirmed.
+    """Write a task file in which the token is a member of the confirmed classes.
 
     Args:
-        source: the task that was probed, or its file.
+        source: the probed task, or its file.
         result: the result of the probe.
         target: the new file.
-        settings: those with which it was probed.
-        force: whether the file is replaced if it is there already.
+        settings: the settings of the probe.
+        force: whether to replace an existing file.
 
     Returns:
         The names of the classes that the token joins.
 
     Raises:
         ExecutionFailed: no class was confirmed.
-        InputError: the file is there already or cannot be written, or the token cannot stay where it is as a member.
+        InputError: the file exists or cannot be written, or the token is not in a valid pose for a member.
     """
     joined = [verdict for verdict in result.verdicts if verdict.verdict == "yes"]
     if not joined:
         said = ", ".join(f"{verdict.object_class}: {verdict.verdict}" for verdict in result.verdicts)
-        raise ExecutionFailed(f"nothing is written: no class was confirmed of {result.token}; {said}")
+        raise ExecutionFailed(f"nothing is written, because no class of {result.token} was confirmed; {said}")
     if target.is_dir() or (target.exists() and not force):
         remedy = "force=True replaces a file"
-        raise InputError([Issue(str(target), "a new task file", "one that is there", remedy=remedy)])
+        raise InputError([Issue(str(target), "a new task file", "an existing file", remedy=remedy)])
     task = load(source, settings)
     assert task.source is not None, "a task that came from a file"
     names = tuple(verdict.object_class for verdict in joined)

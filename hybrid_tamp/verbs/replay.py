@@ -1,4 +1,4 @@
-"""The verb ``replay``: a recording goes in; whether its commands give the same states again, bit for bit, comes out."""
+"""The verb ``replay``: check whether the recorded commands give the same states again, bit for bit."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -13,14 +13,14 @@ from hybrid_tamp.taskfile.loader import load_task
 
 
 def replay(directory: Path | str, find_domain: Callable[[str], Domain] = installed_domain) -> ReplayResult:
-    """Run the commands of a recording again and compare, bit for bit.
+    """Run the commands of a recording again and compare the states, bit for bit.
 
     Args:
-        directory: the folder that a run left.
-        find_domain: how the domain is found that the task file names.
+        directory: the folder of a run.
+        find_domain: finds the domain that the task file names.
 
     Raises:
-        InputError: the folder holds no run, or a broken one; the message says what is wrong with it.
+        InputError: the folder has no complete run; the message says what is wrong.
     """
     folder = Path(directory)
     recording = load_recording(folder / "recording.npz")

@@ -1,4 +1,4 @@
-"""Write the page of a run again."""
+"""The verb ``report``: write the page of a run again."""
 
 import logging
 from pathlib import Path
@@ -16,8 +16,8 @@ def write_report(directory: Path | str, settings: Settings = Settings()) -> Path
     """Write report.html again from the documents in a folder, and return its path.
 
     Args:
-        directory: the folder that `plan` or `run` left.
-        settings: the domain of the task, if it is not an installed one.
+        directory: the folder that `plan` or `run` wrote.
+        settings: name the domain of the task, if it is not installed.
 
     Raises:
         InputError: a document is missing or wrong, or the folder cannot be written to.
@@ -26,7 +26,7 @@ def write_report(directory: Path | str, settings: Settings = Settings()) -> Path
     try:
         resting = load(folder / "task.yaml", settings).domain.resting
     except InputError as error:
-        # The documents say everything but which block is the one to rest in.
-        _LOG.info("the page takes %s as the block to rest in: %s", Domain.resting, error)
+        # The documents say everything except which block tokens rest in.
+        _LOG.info("the page assumes that tokens rest in %s: %s", Domain.resting, error)
         resting = Domain.resting
     return write_page(RunFolder(folder), resting)

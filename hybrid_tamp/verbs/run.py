@@ -1,4 +1,4 @@
-"""The verb ``run``: a task is planned, optimised, carried out in physics, recorded and judged."""
+"""The verb ``run``: plan and optimise a task, execute the plan in physics, record and judge it."""
 
 import time
 from contextlib import ExitStack
@@ -46,21 +46,21 @@ def run(
     find_plan: FindPlan | None = None,
     progress: Progress | None = None,
 ) -> RunResult:
-    """Plan a task, optimise its hyperparameters, carry the plan out, record it and judge the recording.
+    """Plan a task, optimise its hyperparameters, execute the plan, record it and judge the recording.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        folder: where the files of the run go.
-        settings: what replaces what the file says.
+        folder: folder for the files of the run.
+        settings: settings that replace those of the task file.
         backend: name of the physics backend.
-        video: where the video goes; without it only one picture for each step is drawn.
-        force: whether the files may replace another run's.
-        planner: a running planner process; by default one is started for this call.
-        find_plan: how plans are found, if not by the planner.
-        progress: told how far the work is.
+        video: file for a video; without it, only one picture per step is drawn.
+        force: whether to replace the files of another run.
+        planner: a running planner process; by default this call starts one.
+        find_plan: finds a plan; by default the planner does.
+        progress: called with the finished share and the current activity.
 
     Raises:
-        NoPlan: there is no plan, or none was found that the forward models can carry out.
+        NoPlan: there is no plan, or the forward models can execute none of the plans found.
         LimitReached: the planner reached a limit.
         InputError: the task file, the folder, the planner or the backend cannot be used.
         NotFinite: every rollout of a plan failed.
@@ -68,7 +68,7 @@ def run(
     began = time.monotonic()
     tell = progress or (lambda share, what: None)
     with ExitStack() as stack:
-        # The planner's process starts up while the task file is read.
+        # The planner's process starts while the task file is read.
         process = planner or stack.enter_context(PlannerProcess())
         task = load(source, settings, plans=find_plan is None)
         target = RunFolder.open(folder, force=force)
@@ -94,14 +94,14 @@ def run(
 
 
 def judge(outcome: PlanOutcome, recording: Recording, seconds: float) -> RunResult:
-    """Judge a recording by what was predicted, the law of assignment and the domain's measures.
+    """Judge a recording by the predictions, the law of assignment and the domain's measures.
 
     Args:
-        outcome: the plan that was run, refined.
-        recording: what was measured.
-        seconds: how long all the work took [s].
+        outcome: the outcome of planning, with the refined plan that was run.
+        recording: the recording of the run.
+        seconds: wall-clock time from planning to the end of the run [s].
     """
-    assert outcome.refinement is not None, "what was run was refined"
+    assert outcome.refinement is not None, "a plan is refined before it runs"
     task = outcome.task
     recording = add_predictions(recording, outcome.refinement.expected)
     own = task.domain.metrics(task, recording) if task.domain.metrics else {}

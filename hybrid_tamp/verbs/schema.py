@@ -1,4 +1,4 @@
-"""Show the JSON Schema of task files and documents, or the reference page of the task file."""
+"""The verb ``schema``: the JSON Schemas of task files and documents, and the reference page of task files."""
 
 from typing import Any
 
@@ -16,5 +16,5 @@ def find_schema(document: str) -> dict[str, Any]:
 
 
 def write_reference() -> str:
-    """Return the reference page of the task file in Markdown."""
+    """Return the reference page of task files in Markdown."""
     return reference_page(list_domains())

@@ -1,4 +1,4 @@
-"""What the command line shows and leaves of a plan whose hyperparameters are optimised; the world is that of pucks."""
+"""What the command line prints and writes when it optimises hyperparameters; the domain is that of pucks."""
 
 import json
 import os
@@ -77,7 +77,7 @@ def test_a_run_shows_what_was_optimised(ran: tuple[Path, "subprocess.CompletedPr
 
 
 class Page(HTMLParser):
-    """What a browser would fetch, and the tags it would open."""
+    """The files that a browser would fetch from a page, and the tags that it would open."""
 
     def __init__(self, text: str) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""Where the output goes to: a reader that leaves, a full disk, no output at all."""
+"""Standard output that cannot be written: the reader has gone, the disk is full, or it is closed."""
 
 import subprocess
 import sys

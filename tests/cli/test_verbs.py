@@ -1,4 +1,4 @@
-"""The command line as a user and a script meet it: every verb, every exit status, every document."""
+"""The command line as users and scripts see it: every verb, every exit status, every document."""
 
 import json
 import shutil
@@ -20,7 +20,7 @@ Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
 def valid(document: str, stem: str) -> dict[str, Any]:
-    """Return the one JSON document, checked against its published schema."""
+    """Return the JSON document, after a check against its published schema."""
     data: dict[str, Any] = json.loads(document)
     schema = json.loads(files("hybrid_tamp.report.schemas").joinpath(f"{stem}.json").read_text(encoding="utf-8"))
     Draft202012Validator.check_schema(schema)

@@ -48,7 +48,7 @@ FAILED = PlanOutcome(
 
 
 def valid(outcome: PlanOutcome) -> Json:
-    """Return the document of an outcome, as it is read back and as its published schema allows it."""
+    """Return the document of an outcome, read back from text that follows its published schema."""
     text = json.dumps(document(outcome), allow_nan=False)
     schema = files("hybrid_tamp.report.schemas").joinpath("plan-1.json").read_text(encoding="utf-8")
     Draft202012Validator(json.loads(schema)).validate(json.loads(text))

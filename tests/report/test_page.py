@@ -1,4 +1,4 @@
-"""The page is made from documents, whatever they hold."""
+"""The page of a run is made from its documents, whatever they contain."""
 
 from pathlib import Path
 

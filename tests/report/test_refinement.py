@@ -1,4 +1,4 @@
-"""Tables, the curve and the bar of an optimisation, from data made by hand."""
+"""Tables, the curve and the progress bar of an optimisation, from data made by hand."""
 
 from io import BytesIO, StringIO
 

@@ -1,4 +1,4 @@
-"""Videos, step pictures and their captions, with a drawing that needs no physics."""
+"""Videos, step pictures and their captions, with pictures that need no physics."""
 
 import re
 import subprocess
@@ -28,7 +28,7 @@ from hybrid_tamp.report.caption import Captions, allocation
 from hybrid_tamp.report.video import frame_times, step_pictures, write_video
 
 TIMESTEP = 1 / 240
-WIDTH, HEIGHT = 161, 90  # odd, as no video may be
+WIDTH, HEIGHT = 161, 90  # odd, which a video cannot be
 
 
 def block(name: str) -> Block:
@@ -80,7 +80,7 @@ def draw(state: State) -> Any:
 
 
 def read(path: Path, width: int) -> tuple[str, list[Any]]:
-    """Return what ffmpeg says about a video, and its frames."""
+    """Return the messages of ffmpeg about a video, and its frames."""
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", str(path), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     done = subprocess.run(command, capture_output=True, check=True)
     said = done.stderr.decode()
@@ -169,7 +169,7 @@ def caption(task: Task, recording: Recording, time: float, width: int = 480) -> 
 
 
 def coloured(pixels: Any) -> set[str]:
-    """Return which of green and red is written."""
+    """Return which of green and red occur in the pixels."""
     red, green, blue = (pixels[..., i].astype(int) for i in range(3))
     found = {"green"} if ((green - red > 60) & (green - blue > 40)).any() else set()
     return found | ({"red"} if ((red - green > 80) & (red - blue > 80)).any() else set())
@@ -191,7 +191,7 @@ def test_long_captions_stay_inside_the_picture(task: Task, recording: Recording)
     crowded = replace(recording, instances=(long,))
     plain, high = (caption(task, r, 0.2, 320) for r in (recording, crowded))
     assert high.shape[0] > plain.shape[0]
-    # Nothing is written over the right margin.
+    # The right margin is empty.
     assert high[20:, -10:].min() == 255
 
 

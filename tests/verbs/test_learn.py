@@ -1,4 +1,4 @@
-"""Learning primitives from what was shown, and using them: from tables and recorded runs to another run."""
+"""Primitives are learnt from tables and recorded runs, and used in other runs."""
 
 import json
 import shutil
@@ -34,13 +34,13 @@ def table(path: Path, *columns: np.ndarray, names: str = "time [s],x [m],y [m],z
 
 
 def low_reach(path: Path) -> Path:
-    """Show a reach that is much lower than the one that comes with the package."""
+    """Write a demonstration of a reach that is much lower than that of the package."""
     height = 0.2 * (minimum_jerk(PHASE / 0.5) - minimum_jerk((PHASE - 0.4) / 0.6))
     return table(path, 2.0 * PHASE, 0.5 * minimum_jerk(PHASE), 0.0 * PHASE, height)
 
 
 def reaches(primitive: DMP, start: np.ndarray, goal: np.ndarray) -> None:
-    """Assert that the primitive comes from and to where nobody has shown, within a millimetre and slowly."""
+    """Assert that the primitive connects new starts and goals within a millimetre, and ends slowly."""
     starts, goals = np.random.default_rng(3000).uniform(-0.3, 0.3, (2, 50, 3)) + np.array([[start], [goal]])
     movement = primitive.trajectory(starts, goals, 1.5)
     position, velocity, _ = movement.at(1.5)
@@ -51,7 +51,7 @@ def reaches(primitive: DMP, start: np.ndarray, goal: np.ndarray) -> None:
 
 
 def distances(task: hybrid_tamp.Task, primitive: DMP) -> np.ndarray:
-    """Return how far hands are from their places [m] after REACHING from 20 starts to as many places of the drum."""
+    """Return the distances of hands from their places [m] after REACHING from 20 starts to 20 places of the drum."""
     block = task.domain.block_by_name["REACHING:behind"]
     assert block.taught is not None
     block = block.taught(primitive)
@@ -89,7 +89,7 @@ def test_a_recorded_reach_reaches_new_goals(recorded: Path, tmp_path: Path) -> N
     assert np.max(distances(load_task(ROLL), learnt.primitive)) < 1e-3
     hybrid_tamp.save_primitive(learnt, tmp_path / "reach.json")
     assert read_primitive(tmp_path / "reach.json") == learnt
-    # Where it was shown, it is what was shown, which is the packaged reach as a servo follows it.
+    # For the demonstrated start and goal it is the demonstration: the packaged reach as a servo follows it.
     ours, default = (p.trajectory(start, goal, 2.0).at(0.8)[0] for p in (learnt.primitive, demonstrated_reach()))
     assert 1e-4 < np.linalg.norm(ours - default) < 0.05
 
@@ -163,7 +163,7 @@ def taught_run(command: Command, tmp_path_factory: pytest.TempPathFactory) -> Pa
     done = command("run", work / "tasks" / "roll.yaml", "-o", work / "out", "--json")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["success"]
-    # Whoever gets the folder has all that it needs.
+    # The folder is complete: it does not depend on files elsewhere.
     (work / "low.json").unlink()
     return work / "out"
 
@@ -182,7 +182,7 @@ def test_the_folder_of_such_a_run_can_be_replayed(command: Command, taught_run: 
     done = command("replay", tmp_path / "moved", "--json")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["identical"] is True
-    # A run in place of the one whose task it is.
+    # The new run replaces the run whose task file it uses.
     again = command("plan", tmp_path / "moved" / "task.yaml", "-o", tmp_path / "moved", "--force")
     assert again.returncode == 0, again.stderr
     assert (tmp_path / "moved" / "primitive-01.json").exists()
@@ -208,7 +208,7 @@ def test_a_mode_counts_more_than_its_action(tmp_path: Path) -> None:
     one, other = (early(block.taught(DMP(weights))) for weights in (np.zeros((4, 3)), np.ones((4, 3))))
     np.testing.assert_array_equal(early(task.domain.block_by_name["REACHING:behind"]), other)
     assert not np.allclose(one, other)
-    # One in three dimensions is none for the other modes.
+    # A primitive in three dimensions does not fit the other modes.
     assert task.domain.block_by_name["REACHING:beside"] is DOMAIN.block_by_name["REACHING:beside"]
 
 
