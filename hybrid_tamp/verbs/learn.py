@@ -103,7 +103,7 @@ def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], M
     movements = {block.movement for block in found if block.movement}
     if len(movements) > 1:
         modes = tuple(block.name for block in found)
-        raise InputError([Issue("block", f"the modes of {name} move differently: choose one", available=modes)])
+        raise InputError([Issue("block", f"the modes of {name} move differently: name one", available=modes)])
     return found, movements.pop()
 
 
