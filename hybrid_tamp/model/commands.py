@@ -1,13 +1,12 @@
 """Commands as one flat row per control period, and their limits."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from hybrid_tamp.model.control import Commands
+from hybrid_tamp.model.state import Layout
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
@@ -22,15 +21,13 @@ class CommandError(ValueError):
 
 
 @dataclass(frozen=True)
-class CommandLayout:
+class CommandLayout(Layout):
     """The positions of the tokens' basic actions in a row of commands.
 
     Attributes:
-        entries: (token, basic action, size) in order.
         limits: largest norm of each entry's command, in the unit of the action; infinite if it has no limit.
     """
 
-    entries: tuple[tuple[str, str, int], ...]
     limits: tuple[float, ...]
 
     @classmethod
@@ -41,20 +38,6 @@ class CommandLayout:
             tuple((token.name, action.name, action.size) for token, action in pairs),
             tuple(math.inf if a.limit is None else float(token[a.limit]) for token, a in pairs),
         )
-
-    @cached_property
-    def slices(self) -> Mapping[Key, slice]:
-        """(token, basic action) to its columns in a row."""
-        found, start = {}, 0
-        for token, action, size in self.entries:
-            found[token, action] = slice(start, start + size)
-            start += size
-        return found
-
-    @property
-    def size(self) -> int:
-        """Length of a row."""
-        return sum(size for _, _, size in self.entries)
 
     def commands(self, row: FloatArray) -> Commands:
         """Return the commands in a row ``(size,)``."""

@@ -8,7 +8,7 @@ import numpy as np
 from hybrid_tamp.model.block import Movement
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.state import State, StateLayout
+from hybrid_tamp.model.state import Layout, State, StateLayout
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.demonstration import ShownMovement
 
@@ -129,12 +129,7 @@ class Recording:
         Raises:
             KeyError: the token has no such action.
         """
-        start = 0
-        for own, name, size in self.commands_layout:
-            if (own, name) == (token, action):
-                return self.commands[:, start : start + size]
-            start += size
-        raise KeyError((token, action))
+        return self.commands[:, Layout(self.commands_layout).slices[token, action]]
 
     def at(self, time: float) -> State:
         """Return the state measured nearest to an instant [s]."""

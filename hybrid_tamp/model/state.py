@@ -12,23 +12,18 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 @dataclass(frozen=True)
-class StateLayout:
-    """The positions of the tokens' varying properties in the flat array.
+class Layout:
+    """The positions of properties or basic actions of tokens in a flat array.
 
     Attributes:
-        entries: (token, property, size) in order.
+        entries: (token, property or basic action, size) in order.
     """
 
     entries: tuple[tuple[str, str, int], ...]
 
-    @classmethod
-    def of(cls, tokens: Iterable[Token]) -> "StateLayout":
-        """Return the layout of the varying properties of the tokens, in their order."""
-        return cls(tuple((t.name, varying.name, varying.size) for t in tokens for varying in t.varying))
-
     @cached_property
     def slices(self) -> Mapping[tuple[str, str], slice]:
-        """(token, property) to its slice of the last axis."""
+        """(token, property or basic action) to its slice of the last axis."""
         found, start = {}, 0
         for token, name, size in self.entries:
             found[token, name] = slice(start, start + size)
@@ -39,6 +34,16 @@ class StateLayout:
     def size(self) -> int:
         """Length of the flat array."""
         return sum(size for _, _, size in self.entries)
+
+
+@dataclass(frozen=True)
+class StateLayout(Layout):
+    """The positions of the tokens' varying properties in the flat array."""
+
+    @classmethod
+    def of(cls, tokens: Iterable[Token]) -> "StateLayout":
+        """Return the layout of the varying properties of the tokens, in their order."""
+        return cls(tuple((t.name, varying.name, varying.size) for t in tokens for varying in t.varying))
 
 
 @dataclass(frozen=True, eq=False)
