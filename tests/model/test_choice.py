@@ -1,4 +1,4 @@
-"""Goals with a choice: what they leave to choose from, which of it is nearest, and when they hold."""
+"""Goals with a choice: their ground goals, the order of these, and when such a goal holds."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def some_region(*regions: tuple[float, float]) -> Task:
 
 
 def resting(task: Task) -> TaskPlan:
-    """Return the plan in which everything rests."""
+    """Return the plan in which all tokens rest."""
     instances = [BlockInstance(f"R-{t.name}", "RESTING", {"token": t.name}, 0.0, 1.0) for t in task.assigned]
     return TaskPlan(tuple(instances), 1.0)
 

@@ -1,4 +1,4 @@
-"""A domain is checked when it is made: each fault is refused with its place and its remedy."""
+"""A domain is checked when it is made; each fault has its place and its remedy."""
 
 from dataclasses import replace
 from typing import ClassVar

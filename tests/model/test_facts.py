@@ -60,7 +60,7 @@ def test_margins_take_a_whole_population_at_once() -> None:
 
 
 def test_feasibility_does_not_hang_on_where_the_drum_starts() -> None:
-    """Else a chain of hands, each with a part of the way in its workspace, would be 'proven' impossible."""
+    """Otherwise a chain of hands, each with a part of the path in its workspace, would be proven impossible."""
     task = rolling_task(regions=[(0.45, 0.0), (0.7, 0.0)])
     moved = task.replaced(state=task.state.replace({("drum 0", "position"): (-30.0, 0.0, 0.1)}))
     assert static_facts(moved) == static_facts(task)

@@ -1,4 +1,4 @@
-"""A forbidden binding is used no more, and everything else is."""
+"""A forbidden binding is not used again; all other bindings still are."""
 
 from collections.abc import Callable
 from itertools import pairwise, permutations
@@ -92,7 +92,7 @@ def test_only_the_mode_is_forbidden_and_the_box_is_turned_in_another_way() -> No
 
 
 def test_of_a_block_with_many_slots_those_who_are_in_them_count() -> None:
-    """Who is in a slot is known where the last one is filled; any other hand of the task would do else."""
+    """The last slot decides which tokens take part; otherwise any other hand of the task could replace one."""
     given = random_lifting(0, hands=4)
     plan = solved(given)
     assert hybrid_tamp.plan(forbid(given, used(plan, "LIFTING")), seconds=0.0).status == "unsolvable"

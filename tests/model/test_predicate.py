@@ -1,4 +1,4 @@
-"""Predicates say what kind they are, and relations over symbols are declared by their rows."""
+"""Kinds of predicates, and relations over symbols that are declared by their rows."""
 
 from dataclasses import replace
 from itertools import product
@@ -88,7 +88,7 @@ TASKS = {
 def test_many_bindings_at_once_have_the_margins_that_they_have_one_at_a_time(
     name: str, seed: int, copies: int, batch: tuple[int, ...]
 ) -> None:
-    """Tokens are there twice, so that some are told apart by their states alone."""
+    """Each token has a copy, so that the two differ only in their states."""
     task, rng = TASKS[name](seed), np.random.default_rng(seed)
     for token in list(task.assigned)[:copies]:
         task = with_copy(task, token, task.state[token, "position"] + rng.uniform(0.0, 1.0, 3))
