@@ -1,1 +1,1 @@
-"""A plan and a physics backend go in, a `Recording` of what really happened comes out."""
+"""Execution of a plan on a physics backend, which gives a `Recording` of the measured run."""

@@ -1,4 +1,4 @@
-"""The events of a run as they happen, one JSON document a line."""
+"""The events of a run, one JSON document on each line."""
 
 import json
 import math
@@ -13,15 +13,15 @@ from hybrid_tamp.model.recording import AtomMargin
 
 @dataclass(frozen=True)
 class Event:
-    """One thing that happened.
+    """One event of a run.
 
     Attributes:
         time: simulated time [s].
-        event: what happened.
-        instance: the instance that it happened to; None if it concerns the whole run.
+        event: kind of the event.
+        instance: the instance concerned; None if the event concerns the whole run.
         ending: instances that end in a reassignment.
         starting: instances that start in a reassignment.
-        hyperparameters: hyperparameters that the instance uses.
+        hyperparameters: hyperparameters of the instance.
         margins: entry conditions at the beginning, exit conditions at the end, unmet conditions at a failure.
         reason: why a run failed; empty otherwise.
     """
@@ -35,8 +35,8 @@ class Event:
     margins: tuple[AtomMargin, ...] = ()
     reason: str = ""
 
-    def document(self) -> dict[str, Any]:
-        """Return the event as JSON data, every event with the same keys."""
+    def to_document(self) -> dict[str, Any]:
+        """Return the event as JSON data; every event has the same keys."""
         instance = self.instance
         return {
             "time": self.time,
@@ -60,7 +60,7 @@ Observer = Callable[[Event], None]
 
 
 def _finite(value: float | None) -> float | None:
-    """JSON has no infinity."""
+    """Return the value, or None if it is not finite: JSON has no infinity."""
     return value if value is not None and math.isfinite(value) else None
 
 
@@ -74,7 +74,7 @@ class EventLog:
     def __call__(self, event: Event) -> None:
         """Write one event; an `Observer`."""
         assert self._file is not None, "an EventLog is used in a with statement"
-        self._file.write(json.dumps(event.document(), allow_nan=False) + "\n")
+        self._file.write(json.dumps(event.to_document(), allow_nan=False) + "\n")
         self._file.flush()
 
     def __enter__(self) -> "EventLog":

@@ -1,4 +1,4 @@
-"""What a run records at each step, until it becomes a recording."""
+"""The log of a run, which becomes its recording."""
 
 import logging
 from collections import Counter
@@ -18,7 +18,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.physics.protocol import FLOOR, Backend
 
 NOTEWORTHY = 0.1
-"""Share of an instance's control steps with commands cut to their limit that is worth a warning."""
+"""Share of an instance's control steps with commands cut to their limit that causes a warning."""
 
 _logger = logging.getLogger(__name__)
 
@@ -83,10 +83,10 @@ class Logbook:
         self._commands.append(row)
         within = {token: one.instance.name for one in running for token in one.instance.slots.values()}
         self._cuts.update((within[key[0]], key) for key in cut if key[0] in within)
-        self._note_contacts(within)
+        self._record_contacts(within)
         return self.time
 
-    def _note_contacts(self, within: Mapping[str, str]) -> None:
+    def _record_contacts(self, within: Mapping[str, str]) -> None:
         """Keep the hardest contact of each pair of tokens in each pair of instances, except with the floor."""
         for one, other, force in self._backend.contact_forces():
             if FLOOR in (one, other):
@@ -108,7 +108,7 @@ class Logbook:
         self._instances.append(done)
         self._exits[done.name] = exits
 
-    def recording(self, goal: tuple[AtomMargin, ...], failure: Failure | None) -> Recording:
+    def make_recording(self, goal: tuple[AtomMargin, ...], failure: Failure | None) -> Recording:
         """Return everything that was recorded."""
         rows = len(self._states)
         return Recording(
@@ -123,11 +123,11 @@ class Logbook:
             backend=self._backend.name,
             timestep=self._backend.timestep,
             failure=failure,
-            warnings=tuple(self._warnings()),
+            warnings=tuple(self._warn_of_cuts()),
             contacts=tuple(sorted(self._contacts.values(), key=lambda c: (c.time, c.tokens))),
         )
 
-    def _warnings(self) -> Iterable[str]:
+    def _warn_of_cuts(self) -> Iterable[str]:
         lengths = {i.name: (i.end - i.start) / self._backend.timestep for i in self._instances}
         for (instance, (token, action)), count in sorted(self._cuts.items()):
             if count < NOTEWORTHY * lengths[instance]:

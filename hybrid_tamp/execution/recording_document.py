@@ -1,4 +1,4 @@
-"""Everything of a recording that is not an array, as it is stored; atoms are text there."""
+"""The stored form of everything in a recording except the arrays; atoms are stored as text."""
 
 import math
 from collections.abc import Mapping
@@ -15,6 +15,8 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 _STRICT = ConfigDict(extra="forbid", strict=True, ser_json_inf_nan="constants")
 _Entry = tuple[str, str, PositiveInt]
+_COMMON = ("commands_layout", "instances", "backend", "timestep", "warnings", "contacts")
+"""Attributes with the same form in a recording and in its document."""
 
 
 class _Margin(BaseModel):
@@ -57,7 +59,7 @@ class _Failure(BaseModel):
 
 
 class RecordingDocument(BaseModel):
-    """Everything of a recording that is not an array."""
+    """Everything in a recording except the arrays."""
 
     model_config = _STRICT
 
@@ -79,38 +81,28 @@ class RecordingDocument(BaseModel):
         return cls(
             version="hybrid-tamp/recording/1",
             layout=recording.layout.entries,
-            commands_layout=recording.commands_layout,
-            instances=recording.instances,
             exits={instance: tuple(map(_Margin.of, margins)) for instance, margins in recording.exits.items()},
             goal=tuple(map(_Margin.of, recording.goal)),
-            backend=recording.backend,
-            timestep=recording.timestep,
             failure=None if recording.failure is None else _Failure.of(recording.failure),
-            warnings=recording.warnings,
-            contacts=recording.contacts,
+            **{name: getattr(recording, name) for name in _COMMON},
         )
 
     def read(self, arrays: Mapping[str, FloatArray]) -> Recording:
-        """Return the recording that the document and these arrays make."""
+        """Return the recording with these arrays."""
         return Recording(
             layout=StateLayout(self.layout),
-            commands_layout=self.commands_layout,
             times=arrays["times"],
             states=arrays["states"],
             commands=arrays["commands"],
-            instances=self.instances,
             exits={instance: tuple(each.read() for each in margins) for instance, margins in self.exits.items()},
             goal=tuple(margin.read() for margin in self.goal),
-            backend=self.backend,
-            timestep=self.timestep,
             failure=None if self.failure is None else self.failure.read(),
-            warnings=self.warnings,
-            contacts=self.contacts,
+            **{name: getattr(self, name) for name in _COMMON},
         )
 
 
 def find_fault(recording: Recording) -> str:
-    """Return what contradicts what in a recording; empty if all is well."""
+    """Return a description of the first contradiction in a recording, or an empty text."""
     rows = len(recording.times)
     width = sum(size for _, _, size in recording.commands_layout)
     shapes = {

@@ -19,23 +19,23 @@ def replay(task: Task, recording: Recording, backend: Backend) -> ReplayResult:
     """Simulate the recorded commands from the recorded start.
 
     Args:
-        task: the task that was recorded.
-        recording: what happened.
+        task: the recorded task.
+        recording: the recording.
         backend: a backend of the kind that recorded it.
 
     Raises:
-        InputError: the recording is of another task or backend, or the task cannot be simulated.
+        InputError: the recording belongs to another task or backend, or the backend cannot simulate the task.
     """
     layout = CommandLayout.of(task)
-    _check(task, recording, backend, layout)
+    _check_origin(task, recording, backend, layout)
     state = backend.reset(task, recording.state(0))
     rows = len(recording.commands)
     assigned: tuple[BlockInstance, ...] | None = None
     for index in range(rows + 1):
-        difference = _difference(state, recording.state(index), float(recording.times[index]))
+        difference = _compare(state, recording.state(index), float(recording.times[index]))
         if difference is not None or index == rows:
             return ReplayResult(difference is None, index, difference)
-        running = tuple(_running(recording, float(recording.times[index])))
+        running = tuple(_find_running(recording, float(recording.times[index])))
         if running != assigned:
             backend.assign(running)
             assigned = running
@@ -46,7 +46,7 @@ def replay(task: Task, recording: Recording, backend: Backend) -> ReplayResult:
     raise AssertionError("the loop returns at its last row")
 
 
-def _check(task: Task, recording: Recording, backend: Backend, layout: CommandLayout) -> None:
+def _check_origin(task: Task, recording: Recording, backend: Backend, layout: CommandLayout) -> None:
     same = recording.layout == StateLayout.of(task.tokens) and recording.commands_layout == layout.entries
     if not same:
         wanted = f"a recording of the task {task.name}"
@@ -57,14 +57,14 @@ def _check(task: Task, recording: Recording, backend: Backend, layout: CommandLa
         raise InputError([Issue("recording", wanted, f"one by {theirs[0]} at {theirs[1]:.6f} s")])
 
 
-def _running(recording: Recording, time: float) -> Iterable[BlockInstance]:
+def _find_running(recording: Recording, time: float) -> Iterable[BlockInstance]:
     for instance in recording.instances:
         if instance.start - TIME_TOLERANCE <= time < instance.end - TIME_TOLERANCE:
             yield instance
 
 
-def _difference(mine: State, theirs: State, time: float) -> StateDifference | None:
-    # Bytes, because two numbers can compare as equal and differ in a bit: 0.0 and -0.0.
+def _compare(mine: State, theirs: State, time: float) -> StateDifference | None:
+    # Bytes, because numbers that differ in a bit can compare as equal: 0.0 and -0.0.
     if mine.values.tobytes() == theirs.values.tobytes():
         return None
     sizes = {

@@ -1,11 +1,11 @@
 """One run under way: its instances, its clock and its logbook.
 
-The plan only gives the order of reassignments. A reassignment happens at the first control step at which every ending
-instance has lasted its minimum and measures its exit conditions as true, and every starting instance measures its
-entry conditions as true. Until then the running blocks continue.
+The plan gives only the order of reassignments. A reassignment happens at the first control step at which the minimum
+durations of all ending instances are over, their exit conditions hold and the entry conditions of all starting
+instances hold. Until then the running blocks continue.
 
-The blocks bound the wait: a reassignment is due `PATIENCE` after the events before it, and after the bounds of its
-ending blocks. So every run ends, at the end of its plan or with a failure.
+The wait is bounded: a reassignment must happen within `PATIENCE` after the preceding events and the maximum durations
+of the blocks that it waits for. So every run ends, at the end of its plan or with a failure.
 """
 
 import logging
@@ -14,10 +14,16 @@ from copy import copy
 
 import numpy as np
 
-from hybrid_tamp.execution.commanding import blame_state, command
 from hybrid_tamp.execution.events import Event, Observer
 from hybrid_tamp.execution.logbook import Logbook
-from hybrid_tamp.execution.running_instance import RunError, Running, measure, shortfall
+from hybrid_tamp.execution.running_instance import (
+    RunError,
+    Running,
+    blame_state,
+    command_instances,
+    describe_shortfall,
+    measure_conditions,
+)
 from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
@@ -29,9 +35,9 @@ Progress = Callable[[float, float], None]
 """Called ten times a simulated second with the simulated time and the plan's expected end [s]."""
 
 PATIENCE = 5.0
-"""How long a reassignment that is due may wait until things settle [s]."""
+"""Time that a reassignment may wait for its conditions once it is due [s]."""
 SETTLING = 0.5
-"""Minimum time of the last instances [s], so that rest is measured, not assumed."""
+"""Minimum time of the last instances [s], so that the run measures rest instead of assuming it."""
 _PROGRESS_STEPS = 24
 
 _logger = logging.getLogger(__name__)
@@ -63,7 +69,7 @@ class Run:
         Args:
             before: names of instances; the run stops at the first control step at which one of them might begin.
             until: name of an instance; the run stops as soon as this instance has ended.
-            progress: called now and then.
+            progress: called every few steps.
         """
         try:
             if not self._log.started:
@@ -92,11 +98,11 @@ class Run:
         other._log = self._log.copy()
         return other
 
-    def recording(self) -> Recording:
-        """Return what was measured and commanded; the goal is measured at the end of the plan only."""
+    def make_recording(self) -> Recording:
+        """Return the recording so far; only a run that ended or failed measures the goal."""
         if self._error is not None:
             return self._record_failure(self._error)
-        return self._record_end() if self._ended else self._log.recording((), None)
+        return self._record_end() if self._ended else self._log.make_recording((), None)
 
     @property
     def _over(self) -> bool:
@@ -109,8 +115,6 @@ class Run:
 
     def _might_begin(self, names: Collection[str]) -> bool:
         """Say whether an event that starts one of these instances has all its ending instances ready."""
-        if not names:
-            return False
         return any(
             any(instance.name in names for instance in self._pending[index].starting)
             and self._are_ready(self._pending[index].ending)
@@ -118,13 +122,13 @@ class Run:
         )
 
     def _are_ready(self, names: Iterable[str]) -> bool:
-        return all(self._running[name].ready(self._time, self._state) for name in names)
+        return all(self._running[name].is_ready(self._time, self._state) for name in names)
 
     def _carry_out_events(self) -> None:
         """Carry out every event that can happen at this step."""
         for running in self._running.values():
-            if running.reached is None:  # this notes when it first reached its exit
-                running.ready(self._time, self._state)
+            if running.reached is None:  # `is_ready` records when it first reaches its exit
+                running.is_ready(self._time, self._state)
         for index in sorted(self._enabled_at):
             event = self._pending[index]
             if self._can_happen(event):
@@ -154,13 +158,13 @@ class Run:
         self._ended = event.final
         self._log.last_event = self._time
         del self._pending[index], self._enabled_at[index]
-        # From the next step on: events that the plan orders never happen at one instant.
+        # Enabled from the next step on: events that the plan orders never happen at the same instant.
         for other, later in self._pending.items():
             if other not in self._enabled_at and not later.after & self._pending.keys():
                 self._enabled_at[other] = self._time
 
     def _check_wait(self, index: int, event: Reassignment) -> None:
-        """Refuse to wait forever.
+        """Check the time that an event has waited.
 
         Raises:
             RunError: the reassignment is overdue.
@@ -170,16 +174,16 @@ class Run:
         due = max(self._enabled_at[index], *(self._running[name].latest for name in self._awaited(event))) + PATIENCE
         if self._time <= due:
             return
-        missing = [(name, m) for name in event.ending for m in self._running[name].exits(self._state)]
+        missing = [(name, m) for name in event.ending for m in self._running[name].measure_exits(self._state)]
         missing += [(instance.name, m) for instance in event.starting for m in self._entries(instance)]
         missing = [(name, margin) for name, margin in missing if not margin.holds]
-        said = "; ".join(f"{name}: {shortfall(margin)}" for name, margin in missing) or "nothing is missing"
+        said = "; ".join(f"{name}: {describe_shortfall(margin)}" for name, margin in missing) or "nothing is missing"
         first = missing[0][0] if missing else event.ending[0]
         reason = f"a reassignment was due at {due - PATIENCE:.3f} s and cannot happen: {said}"
         raise RunError(first, reason, (margin for _, margin in missing))
 
     def _awaited(self, event: Reassignment) -> list[str]:
-        """Return the instances that end, and those that still change what a starting instance reads (law 5)."""
+        """Return the ending instances and those that still change what a starting instance reads (law 5)."""
         changing = [
             name
             for name, running in self._running.items()
@@ -199,22 +203,23 @@ class Run:
         self._backend.assign([running.instance for running in self._running.values()])
 
     def _end(self, running: Running) -> None:
-        margins = tuple(running.exits(self._state))
+        margins = tuple(running.measure_exits(self._state))
         self._log.record_end(running, self._time, margins)
         chosen = running.hyperparameters
         self._observer(Event(self._time, "end", running.instance, hyperparameters=chosen, margins=margins))
 
     def _entries(self, instance: BlockInstance) -> list[AtomMargin]:
         block = self._task.domain.block_by_name[instance.block]
-        return measure(self._task, block.measured_entries, instance, self._state)
+        return measure_conditions(self._task, block.measured_entries, instance, self._state)
 
     def _step(self) -> None:
-        """Command, let one control period pass, measure.
+        """Command the instances, advance one control period and measure.
 
         Raises:
             RunError: a command or the measured state is not finite.
         """
-        row, cut = self._layout.limited(command(self._layout, self._running.values(), self._time, self._state))
+        commanded = command_instances(self._layout, self._running.values(), self._time, self._state)
+        row, cut = self._layout.limited(commanded)
         after = self._backend.step(self._layout.commands(row))
         if not np.isfinite(after.values).all():
             raise blame_state(after, self._running.values(), self._time)
@@ -229,15 +234,15 @@ class Run:
         instance = next((i for i in self._plan.instances if i.name == error.instance), None)
         self._observer(Event(self._time, "failure", instance, margins=error.margins, reason=error.reason))
         _logger.warning("step %d failed: %s", step, error.reason)
-        return self._log.recording(self._measure_goal(), failure)
+        return self._log.make_recording(self._measure_goal(), failure)
 
     def _record_end(self) -> Recording:
         goal = self._measure_goal()
         self._observer(Event(self._time, "goal", margins=goal))
         for margin in goal:
             if not margin.holds:
-                _logger.warning("the goal is not reached: %s", shortfall(margin))
-        return self._log.recording(goal, None)
+                _logger.warning("the goal is not reached: %s", describe_shortfall(margin))
+        return self._log.make_recording(goal, None)
 
     def _measure_goal(self) -> tuple[AtomMargin, ...]:
         margins = [(atom, self._task.margin(atom, self._state)) for atom in self._task.goal]

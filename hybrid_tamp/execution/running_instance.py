@@ -1,18 +1,20 @@
-"""A running instance: its policy, its measured conditions, its bounds."""
+"""Running instances: their policies and commands, measured conditions and bounds."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.commands import CommandError, CommandLayout
 from hybrid_tamp.model.control import Commands, Parameters
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.recording import AtomMargin
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 
 
 class RunError(Exception):
@@ -31,8 +33,10 @@ class RunError(Exception):
         self.margins = tuple(margins)
 
 
-def measure(task: Task, literals: Iterable[Literal], instance: BlockInstance, state: State) -> list[AtomMargin]:
-    """Return the measured margins of an instance's conditions; one that is no number counts as not measured."""
+def measure_conditions(
+    task: Task, literals: Iterable[Literal], instance: BlockInstance, state: State
+) -> list[AtomMargin]:
+    """Measure the margins of an instance's conditions; a margin that is not a number counts as not measured."""
     binding = task.bind(instance.roles)
     found = []
     for literal in literals:
@@ -42,7 +46,7 @@ def measure(task: Task, literals: Iterable[Literal], instance: BlockInstance, st
 
 
 class Running:
-    """One instance from its beginning on.
+    """One instance that has begun.
 
     Raises:
         RunError: a hyperparameter is not finite.
@@ -60,7 +64,7 @@ class Running:
         self._exits = self.block.measured_exits
         # Conditions over fewer roles are measured faster, e.g. whether the hand is at rest.
         self._in_turn = tuple(sorted(self._exits, key=lambda literal: len(literal.arguments)))
-        self.hyperparameters = self._chosen(state)
+        self.hyperparameters = self._choose_hyperparameters(state)
         arrays = {name: np.asarray(value) for name, value in self.hyperparameters.items()}
         maker = self.block.policy
         self._policy = None if maker is None else maker(self._binding, state, Parameters(arrays))
@@ -70,18 +74,18 @@ class Running:
 
     @property
     def latest(self) -> float:
-        """Latest time at which its exit conditions must have held [s]; without conditions, its minimum."""
+        """Latest time at which its exit conditions must hold [s]; without conditions, its minimum duration."""
         bounds = self.block.duration
         return self.begin + (bounds.maximum if self._exits or not self.block.hold else bounds.minimum)
 
-    def exits(self, state: State) -> list[AtomMargin]:
+    def measure_exits(self, state: State) -> list[AtomMargin]:
         """Measure its exit conditions."""
-        return measure(self._task, self._exits, self.instance, state)
+        return measure_conditions(self._task, self._exits, self.instance, state)
 
-    def ready(self, time: float, state: State) -> bool:
-        """Say whether it may end now: it has lasted its minimum and all its exit conditions hold.
+    def is_ready(self, time: float, state: State) -> bool:
+        """Say whether it may end now: its minimum duration is over and all its exit conditions hold.
 
-        It measures once at each instant.
+        The result of each instant is cached.
         """
         if time - self.begin < self.block.duration.minimum - TIME_TOLERANCE:
             return False
@@ -102,7 +106,7 @@ class Running:
         return True
 
     def changes(self, reader: BlockInstance) -> bool:
-        """Say whether it writes something that another instance reads of its targets."""
+        """Say whether it writes a property that another instance reads of its targets."""
         return any(
             reader.targets[target.name] == token and set(target.reads) & set(self.block.writes.get(slot, ()))
             for target in self._task.domain.block_by_name[reader.block].targets
@@ -110,16 +114,16 @@ class Running:
         )
 
     def check_overdue(self, time: float, state: State) -> None:
-        """Refuse to run beyond its maximum.
+        """Check its maximum duration.
 
         Raises:
-            RunError: it has no hold and should have ended, or its exit conditions have never held.
+            RunError: the maximum is over, and the block does not hold or its exit conditions have never held.
         """
         maximum = self.block.duration.maximum
         if time - self.begin <= maximum + TIME_TOLERANCE or (self.block.hold and self.reached is not None):
             return
-        missing = [margin for margin in self.exits(state) if not margin.holds]
-        said = "; ".join(map(shortfall, missing)) or "its exit conditions hold, but its tokens cannot leave it"
+        missing = [margin for margin in self.measure_exits(state) if not margin.holds]
+        said = "; ".join(map(describe_shortfall, missing)) or "its exit conditions hold, but its tokens cannot leave it"
         elapsed = time - self.begin
         raise RunError(
             self.instance.name,
@@ -127,11 +131,11 @@ class Running:
             missing,
         )
 
-    def commands(self, time: float, state: State) -> Commands:
-        """Ask its policy.
+    def command(self, time: float, state: State) -> Commands:
+        """Return the commands of its policy.
 
         Raises:
-            DomainError: the policy commands something that the block does not hold.
+            DomainError: the policy commands a token that the block does not hold.
         """
         if self._policy is None:
             return {}
@@ -143,18 +147,18 @@ class Running:
         return commands
 
     def check_finite(self, commands: Commands) -> None:
-        """Refuse commands on its tokens that are not finite.
+        """Check the commands on its tokens.
 
         Raises:
-            RunError: one is not.
+            RunError: a command is not finite.
         """
         for (token, action), command in commands.items():
             if token in self._held and not np.isfinite(command).all():
                 said = f"the policy of {self.block.name} commands {action} {np.asarray(command).tolist()} on {token}"
                 raise RunError(self.instance.name, f"{said}, which is not finite")
 
-    def _chosen(self, state: State) -> dict[str, float]:
-        """Return the plan's hyperparameters where it gives any, else the block's initial values."""
+    def _choose_hyperparameters(self, state: State) -> dict[str, float]:
+        """Return the hyperparameters in the plan, and the block's initial values for the others."""
         given = self.instance.hyperparameters
         chosen = {
             h.name: float(given[h.name] if h.name in given else h.initial_value(self._binding, state))
@@ -167,8 +171,46 @@ class Running:
         return chosen
 
 
-def shortfall(margin: AtomMargin) -> str:
-    """Say that a condition does not hold, and its margin."""
+def describe_shortfall(margin: AtomMargin) -> str:
+    """Return a message with the margin of a condition that does not hold."""
     if margin.measured is None:
         return f"{margin.atom.text} has no margin: it is not a number"
     return f"{margin.atom.text} does not hold, its margin is {margin.measured:.4g}"
+
+
+def command_instances(layout: CommandLayout, running: Collection[Running], time: float, state: State) -> FloatArray:
+    """Return the commands of all policies as a row.
+
+    Raises:
+        DomainError: a policy commands an unknown action, or a token that its block does not hold.
+        RunError: a command is not finite.
+    """
+    commands: Commands = {}
+    for each in running:
+        commands.update(each.command(time, state))
+    try:
+        row = layout.row(commands)
+    except CommandError as error:
+        blocks = ", ".join(sorted({each.block.name for each in running}))
+        raise DomainError([Issue(f"policy of {blocks}", str(error))]) from error
+    if not np.isfinite(row).all():
+        for each in running:
+            each.check_finite(commands)
+    return row
+
+
+def blame_state(state: State, running: Collection[Running], time: float) -> RunError:
+    """Return the failure of the first instance that holds a token with a state that is not finite.
+
+    Args:
+        state: a state that is not finite.
+        running: the instances.
+        time: last instant at which the state was finite [s].
+    """
+    for each in running:
+        for token in each.instance.slots.values():
+            for name in (name for owner, name, _ in state.layout.entries if owner == token):
+                if not np.isfinite(state[token, name]).all():
+                    said = f"the {name} of {token} is no longer finite after {time:.3f} s"
+                    return RunError(each.instance.name, said)
+    return RunError("", f"the state is no longer finite after {time:.3f} s")

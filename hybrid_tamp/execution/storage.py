@@ -1,7 +1,7 @@
 """Recordings as files: three arrays and one JSON document in an npz archive, without pickle.
 
-Whatever the bytes are, `load` returns a recording or says what is wrong with the file; a claim of the file, such as
-the shape of an array, is compared with what is there before it is believed.
+For any bytes, `load_recording` either returns a recording or says what is wrong with the file. It checks every claim
+of the file, such as the shape of an array, against the data.
 """
 
 import lzma
@@ -23,11 +23,11 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.motion.arrays import FloatArray
 
 MAXIMAL_SIZE = 512 * 2**20
-"""Largest uncompressed member that is read [bytes]: days of simulated time."""
+"""Largest uncompressed member that `load_recording` reads [bytes]: days of simulated time."""
 
 _MEMBERS = {"times": (1, "<f8"), "states": (2, "<f8"), "commands": (2, "<f8"), "document": (1, "|u1")}
-# The header that numpy writes before an array. Its reader evaluates the header as Python and so raises whatever
-# Python's tokenizer and parser raise; a pattern is enough for the few headers that we write.
+# The header that numpy writes before an array. numpy's own reader evaluates the header as Python and can raise any
+# error of Python's tokenizer and parser; a pattern is enough for the few headers that we write.
 _HEADER = re.compile(
     rb"\x93NUMPY\x01\x00..\{'descr': '([^']*)', 'fortran_order': (False|True), 'shape': \(([0-9, ]*)\), \} *\n",
     re.DOTALL,
@@ -47,7 +47,7 @@ _UNREADABLE = (
 
 
 def save(recording: Recording, path: Path) -> None:
-    """Write the recording under a temporary name and rename it.
+    """Write a recording under a temporary name and rename it.
 
     Raises:
         OSError: the folder cannot be written to.
@@ -72,40 +72,40 @@ def load_recording(path: Path | str) -> Recording:
     """Read a recording.
 
     Raises:
-        InputError: the file is not there, or is not a whole and consistent recording; names the file and the fault.
+        InputError: the file does not exist, or is not a complete and consistent recording; it names the fault.
     """
     path = Path(path)
     try:
-        arrays = _arrays(path)
+        arrays = _read_arrays(path)
         document = RecordingDocument.model_validate_json(arrays["document"].tobytes())
         recording = document.read(arrays)
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"])) or "the document"
-        raise _refused(path, f"its document is wrong at {place}: {first['msg']}") from error
+        raise _refuse(path, f"its document is wrong at {place}: {first['msg']}") from error
     except _UNREADABLE as error:
-        raise _refused(path, str(error) or type(error).__name__) from error
+        raise _refuse(path, str(error) or type(error).__name__) from error
     fault = find_fault(recording)
     if fault:
-        raise _refused(path, fault)
+        raise _refuse(path, fault)
     return recording
 
 
-def _refused(path: Path, what: str) -> InputError:
+def _refuse(path: Path, what: str) -> InputError:
     return InputError([Issue(str(path), "a recording of a run", what, remedy="run the task again")])
 
 
-def _arrays(path: Path) -> Mapping[str, FloatArray]:
+def _read_arrays(path: Path) -> Mapping[str, FloatArray]:
     with zipfile.ZipFile(path) as archive:
         names = set(archive.namelist())
         wanted = {f"{name}.npy" for name in _MEMBERS}
         if names != wanted:
             missing, strange = sorted(wanted - names), sorted(names - wanted)
             raise ValueError(f"it lacks {missing}" if missing else f"it holds {strange}, which it should not")
-        return {name: _array(archive, name) for name in _MEMBERS}
+        return {name: _read_array(archive, name) for name in _MEMBERS}
 
 
-def _array(archive: zipfile.ZipFile, name: str) -> FloatArray:
+def _read_array(archive: zipfile.ZipFile, name: str) -> FloatArray:
     dimensions, dtype = _MEMBERS[name]
     member = f"{name}.npy"
     claimed = archive.getinfo(member).file_size

@@ -4,8 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hybrid_tamp.midlevel.instance_model import InstanceModel
-from hybrid_tamp.midlevel.population import CHUNK, STILL, IntArray, Population, Stretch
+from hybrid_tamp.midlevel.population import CHUNK, STILL, InstanceModel, IntArray, Population, Stretch
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.task import Task

@@ -8,8 +8,7 @@ from math import isfinite
 from pathlib import Path
 
 from hybrid_tamp.execution.events import EventLog
-from hybrid_tamp.execution.loop import execute
-from hybrid_tamp.execution.prediction import add_predictions
+from hybrid_tamp.execution.loop import add_predictions, execute
 from hybrid_tamp.execution.storage import save
 from hybrid_tamp.midlevel.measured import measure_run
 from hybrid_tamp.model.law import check_law

@@ -1,4 +1,4 @@
-"""The closed loop: events by what is measured, bounds, failures, and what is written down."""
+"""The closed loop: measured events, bounds, failures and the log."""
 
 import json
 import logging
@@ -109,7 +109,7 @@ def test_hyperparameters_come_from_the_plan_or_initial_values_and_are_recorded(t
 
 
 def test_whoever_is_ready_first_goes_first(toys: Any) -> None:
-    """Two moves that share nothing end in the order of what is measured, against the plan's estimate."""
+    """Two moves that share nothing end in their measured order, not in the estimated order of the plan."""
     world = toys.world.pusher("far", position=(0, 1, 0.5)).pusher("close", position=(0.3, 0, 0.5))
     task = world.spot("a", x=0.4).spot("b", x=0.4).task(Atom("near", ("close", "b")))
     state = task.state.replace({("a", "position"): (0.4, 1, 0.5)})
@@ -163,7 +163,7 @@ def test_overdue_block_fails_with_atom_and_margin(toys: Any) -> None:
 
 
 def test_block_without_hold_that_cannot_leave_fails(toys: Any) -> None:
-    """Its exit holds, but what comes next may not begin: the other pusher never arrives."""
+    """Its exit holds, but the next instance cannot begin: the other pusher never arrives."""
     world = toys.world.pusher("one").pusher("two", position=(0, 1, 0.5)).spot("a").spot("b").spot("c")
     task = world.task(Atom("near", ("one", "c")))
     instances = (
@@ -307,7 +307,7 @@ def test_failure_is_an_event_too(toys: Any) -> None:
     seen: list[Event] = []
     run(toys.one_move_task(duration=duration(0.2, 0.3)), toys.one_move(), observer=seen.append)
     assert seen[-1].event == "failure"
-    assert seen[-1].document()["block"] == "MOVING"
+    assert seen[-1].to_document()["block"] == "MOVING"
     assert [event.event for event in seen].count("begin") == [event.event for event in seen].count("end")
 
 
@@ -319,7 +319,7 @@ def test_progress_is_told(toys: Any) -> None:
 
 
 def test_who_reads_what_another_holds_waits_until_it_is_still() -> None:
-    """Two hands come to a box that two others hold tipped: only once it stands still (law 5)."""
+    """Two hands approach a box that two others hold tipped, but only once it stands still (law 5)."""
     task = random_tumbling(3, hands=4)
     plan = hybrid_tamp.plan(task).required()
     recording = run(task, plan)

@@ -5,8 +5,7 @@ from typing import Any
 import pytest
 from predicted_runs import margins_of, predict
 
-from hybrid_tamp.execution.loop import execute
-from hybrid_tamp.execution.prediction import add_predictions
+from hybrid_tamp.execution.loop import add_predictions, execute
 from hybrid_tamp.physics.protocol import open_backend
 
 
@@ -21,7 +20,7 @@ def test_every_condition_gets_its_prediction(toys: Any) -> None:
         assert mine.predicted == theirs.measured
     assert merged.goal[0].predicted == predicted.goal[0].measured
     assert merged.goal[0].measured == measured.goal[0].measured
-    # A free hand is what the toy's forward model says it is.
+    # The toy's forward model describes a free hand exactly.
     near = merged.exits["MOVING-1"][0]
     assert near.measured == pytest.approx(near.predicted, abs=1e-3)
 

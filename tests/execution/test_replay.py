@@ -13,7 +13,7 @@ from hybrid_tamp.physics.protocol import open_backend
 
 
 def recorded(toys: Any, name: str = "pybullet") -> Any:
-    # A crooked start, whose quaternion Bullet would not give back to the last bit.
+    # An oblique start: Bullet would not return its quaternion to the last bit.
     world = toys.world.pusher(orientation=np.array([0.18, 0.36, 0.54, 0.74]) / np.linalg.norm([0.18, 0.36, 0.54, 0.74]))
     task = world.spot().task()
     with open_backend(name) as backend:

@@ -275,7 +275,7 @@ def test_claimed_size_is_refused_before_it_is_read(good: Path, monkeypatch: pyte
 @given(data=st.data())
 def test_flipped_bytes_never_raise_anything_else(good: Path, whole: bytes, data: Any) -> None:
     broken = bytearray(whole)
-    # The ends and the member headers are where an archive is most easily hurt.
+    # An archive is most sensitive to damage at its ends and in the headers of its members.
     places = [*range(60), *range(len(whole) - 400, len(whole)), *range(0, len(whole), 97)]
     for _ in range(data.draw(st.integers(1, 3))):
         broken[data.draw(st.sampled_from(places))] = data.draw(st.integers(0, 255))

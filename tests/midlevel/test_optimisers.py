@@ -233,7 +233,7 @@ def test_one_variable(best: float) -> None:
 
 
 def test_optimum_in_a_corner() -> None:
-    # Where cmaes does not arrive that samples again whatever falls outside.
+    # cmaes does not reach this corner if it resamples every point outside.
     seen: list[FloatArray] = []
 
     def evaluate(points: FloatArray) -> Scores:
@@ -265,7 +265,7 @@ def test_start_in_a_corner() -> None:
 
 
 def test_a_restart_leaves_a_local_optimum() -> None:
-    # A broad hill at -3, where the search starts, and a narrow one, twice as high, at 4.
+    # A broad hill at -3, near the start, and a narrow hill at 4, twice as high.
     def value(points: FloatArray) -> FloatArray:
         x = points[:, 0]
         return np.asarray(np.exp(-((x + 3.0) ** 2)) + 2.0 * np.exp(-((10.0 * (x - 4.0)) ** 2)))

@@ -37,7 +37,7 @@ def test_it_goes_on_towards_the_optimum_of_physics() -> None:
     # There the best is a = b = 0.55, by the forward models 0.5.
     assert [tuned.value for tuned in found.hyperparameters] == pytest.approx([0.55, 0.55], abs=0.02)
     assert found.physics.history[-1].value == found.physics.best.value
-    assert found.best.value < -0.18  # what the forward models expect of it is less than of their optimum
+    assert found.best.value < -0.18  # the forward models rate it below their own optimum
 
 
 def test_the_optimum_is_kept_where_physics_agrees_and_nothing_is_run_unasked() -> None:

@@ -123,7 +123,7 @@ def test_what_is_not_a_number_everywhere_names_the_block() -> None:
 
 
 def test_the_violation_comes_first() -> None:
-    # SECOND's exit asks for y < 2: a weight that draws b beyond what is allowed buys nothing.
+    # The exit of SECOND requires y < 2: a weight that draws b beyond the limit gains nothing.
     def far(b: Any, before: Any, after: Any, h: Any) -> Any:
         return after[b["puck"], "place"][..., 1]
 
@@ -136,5 +136,5 @@ def test_the_violation_comes_first() -> None:
     domain = replace(task.domain, predicates=(strict,), blocks=(*blocks, task.domain.blocks[2]))
     refined = refine(task.replaced(domain=domain), puck_plan())
     assert refined.best.violation == 0.0
-    # Half a scale of the goal's margin is kept for what physics adds.
+    # Half a scale of the goal's margin is reserved for errors in physics.
     assert values(refined)["b"] == pytest.approx(0.245, abs=2e-3)

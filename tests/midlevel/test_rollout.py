@@ -19,7 +19,7 @@ from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 
 
 def _rolling(**changes: object) -> Task:
-    """Return a rolling task whose blocks have a measure of each kind."""
+    """Return a rolling task with a performance measure of each kind."""
     task = rolling_task()
     rolling = task.domain.block_by_name["ROLLING"]
 
@@ -97,7 +97,7 @@ def test_a_missed_condition_is_a_violation_and_the_chain_goes_on(task: Task) -> 
     assert missed is not None
     assert (missed.where, missed.atom.text) == ("ROLLING-1", "inside(drum 0, region 0)")
     goal = next(c for c in rollout.conditions if c.where == GOAL)
-    # The hand goes on to rest: 0.2 m short of a region of radius 0.02 m.
+    # The hand continues to its rest 0.2 m short of a region of radius 0.02 m.
     assert goal.margin[1] == pytest.approx(-0.18, abs=0.01)
     assert rollout.violation[1] == pytest.approx(2 * 0.18 / 0.01, rel=0.1)
 
@@ -138,7 +138,7 @@ def test_hands_that_hold_while_others_come_are_as_in_the_executor() -> None:
     for instance in run.instances:
         begin, end = rollout.intervals[instance.name]
         assert (begin[0], end[0]) == pytest.approx((instance.start, instance.end))
-    # Hands reach for a box as it is when the others have tipped it; it settles by less than this while they come.
+    # Hands reach for a box in its pose after tipping; while they approach it settles by less than this.
     np.testing.assert_allclose(rollout.final.values[0], run.states[-1], atol=1e-3)
 
 

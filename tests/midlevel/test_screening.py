@@ -25,7 +25,7 @@ SPACE = SearchSpace(
 
 
 def value(points: FloatArray) -> FloatArray:
-    """x4 acts through an interaction only, and not at all at the default; x5 likewise, where x4 is 0."""
+    """x4 acts only through an interaction and not at the default; x5 acts only if x4 is not 0."""
     x1, x2, x3, x4, x5 = points[:, :5].T
     return np.asarray(3.0 * x1 - (x2 - 0.5) ** 2 + np.sin(2.0 * np.pi * x3) + x4 * (x5 - DEFAULT_5))
 
@@ -35,7 +35,7 @@ def always(points: FloatArray) -> Scores:
 
 
 def sometimes(points: FloatArray) -> Scores:
-    """All conditions hold in 20 % of the volume; where they do not, nothing else can be relied on."""
+    """All conditions hold in 20 % of the volume; elsewhere the value carries no information."""
     violation = np.maximum(0.0, np.abs(points[:, 0] - 0.1) - 0.2)
     return Scores(violation, np.where(violation > 0.0, 1e6 * violation * points[:, 1], value(points)))
 

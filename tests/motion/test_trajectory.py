@@ -76,7 +76,7 @@ def test_velocity_and_acceleration_are_the_derivatives() -> None:
     step = 1e-3
     for elapsed in np.linspace(0.01, 1.5, 40):
         before, now, after = movement.at(elapsed - step), movement.at(elapsed), movement.at(elapsed + step)
-        # Not across the end, where the reference is set on the goal.
+        # Without the end, at which the reference is set to the goal.
         running = np.abs(elapsed - movement.end) > 2.0 * step
         for order in (0, 1):
             difference = (after[order] - before[order]) / (2.0 * step)

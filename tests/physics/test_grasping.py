@@ -71,7 +71,7 @@ def test_holding_a_hammer_level_takes_its_weight_times_the_lever(grasp: float) -
 
 
 def strike(grasp: float, grip: float, torque: float = 4.0, angle: float = np.pi / 2) -> tuple[list[State], float]:
-    """Swing a hammer whose head is up by a constant torque about a wrist held in place; return the states and angle."""
+    """Swing a hammer, head up, by a constant torque about a fixed wrist; return the states and the angle."""
     task = held(grasp, HANDLE_UP)
     inertia = MOMENT + MASS * grasp**2 + WRIST
     turned: list[float] = [0.0]

@@ -42,7 +42,7 @@ def test_every_sphere_is_inside_the_frustum_and_one_touches_nearly(spheres: Any,
             gaps.append(offset @ inward - seen.radii)
     smallest = np.min(gaps)
     assert smallest >= 0
-    # The spare room is all that is left: eight hundredths of the distance, seen under half the angle of view.
+    # Only the spare room remains: 0.08 of the distance, seen at half the angle of view.
     assert smallest <= 0.08 * shot.distance
 
 

@@ -1,4 +1,4 @@
-"""What physics is told of each token, against closed forms."""
+"""The physical properties of tokens, against closed forms."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 def halves(length: float) -> Compound:
-    """Return a bar along z of two boxes, one of which is turned."""
+    """Return a bar along z that consists of two boxes, one of them turned."""
     quarter = length / 4
     upper = BoxPart(kind="box", half_extents=(0.1, 0.2, quarter), position=(0.0, 0.0, quarter))
     turned = BoxPart(

@@ -20,9 +20,8 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
-from hybrid_tamp.physics.bullet.driving import Drive
 from hybrid_tamp.physics.bullet.engine import SUBSTEPS, Client, create_body, prepare_world
-from hybrid_tamp.physics.bullet.fingers import Fingers
+from hybrid_tamp.physics.bullet.hands import Drive, Fingers
 from hybrid_tamp.physics.bullet.impacts import Impacts
 from hybrid_tamp.physics.protocol import FLOOR, ContactForce
 from hybrid_tamp.physics.scene import make_bodies
