@@ -1,26 +1,42 @@
-"""Read a demonstration: a table of time and position, or of time and pose.
+"""Read a demonstration: a comma-separated table of time and position, or of time and pose.
 
 ::
 
     time [s], x [m], y [m], z [m]
     0.00, 0.250, -0.450, 0.300
 
-The first line names the columns; units may follow in brackets. Poses also have the columns qx, qy, qz, qw.
+The first line names the columns; units may follow in brackets. Poses also have the columns qx, qy, qz, qw. Tables of
+whole scenes (`pose_tables`) share the cells and checks.
 """
 
+import math
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.demonstration import MINIMAL_SAMPLES, ShownMovement
 from hybrid_tamp.taskfile.places import Faults, Mark, shown
-from hybrid_tamp.taskfile.tables import MAX_BYTES, Cell, check_quaternions, check_times, numbered, sample
 from hybrid_tamp.taskfile.yaml.nodes import read_text
 
+MAX_BYTES = 64 * 1024**2
+"""Largest table that is read [bytes]."""
+_LARGEST = 1e6
+_UNIT_TOLERANCE = 0.01
 _POSITION = ("time", "x", "y", "z")
 _POSE = (*_POSITION, "qx", "qy", "qz", "qw")
 _NAME = re.compile(r"^([a-z]*)\s*(\[[^]]*\])?$")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One entry of a table and its place."""
+
+    text: str
+    mark: Mark
 
 
 def read_demonstration(path: Path | str) -> ShownMovement:
@@ -50,7 +66,73 @@ def _check_header(cells: list[Cell], faults: Faults) -> int:
     found = [_NAME.match(cell.text.casefold()) for cell in cells]
     names = tuple(match.group(1) if match else "" for match in found)
     if names not in (_POSITION, _POSE):
-        wanted = f"the first line must name the columns {', '.join(_POSITION)}; for poses also {', '.join(_POSE[4:])}"
+        wanted = f"the first line names the columns {', '.join(_POSITION)}; for poses also {', '.join(_POSE[4:])}"
         faults.add(Mark(), wanted, shown(",".join(cell.text for cell in cells)) if cells else "an empty file")
         faults.raise_all()
     return len(names)
+
+
+def cells(line: str, number: int) -> Iterator[Cell]:
+    """Yield the entries of a line."""
+    column = 1
+    for text in line.split(","):
+        indent = len(text) - len(text.lstrip())
+        yield Cell(text.strip(), Mark(number, column + indent))
+        column += len(text) + 1
+
+
+def numbered(text: str) -> list[tuple[int, list[Cell]]]:
+    """Return the lines that are not empty, each with its number and entries."""
+    return [(n, list(cells(line, n))) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
+
+
+def sample(entries: list[Cell], width: int, faults: Faults) -> list[float] | None:
+    """Return the numbers of a line, or record a fault and return None."""
+    if len(entries) != width:
+        mark = entries[min(width, len(entries) - 1)].mark
+        faults.add(mark, f"every line has {width} columns", f"{len(entries)} columns")
+        return None
+    values = []
+    for cell in entries:
+        try:
+            value = float(cell.text)
+        except ValueError:
+            faults.add(cell.mark, "a number", shown(cell.text) if cell.text else "nothing")
+            return None
+        if not math.isfinite(value) or abs(value) > _LARGEST:
+            faults.add(cell.mark, f"a finite number of at most {_LARGEST:g} in size", cell.text)
+            return None
+        values.append(value)
+    return values
+
+
+def check_times(times: FloatArray, lines: list[int], least: int, faults: Faults) -> None:
+    """Record a fault if there are too few samples or time does not increase.
+
+    Args:
+        times: the times [s], shape ``(t,)``.
+        lines: the line of each sample.
+        least: least number of samples.
+        faults: the file's faults.
+    """
+    if len(times) < least:
+        last = lines[-1] if lines else 1
+        faults.add(Mark(last), f"a demonstration has at least {least} samples", f"{len(times)} samples")
+    for row in np.flatnonzero(np.diff(times) <= 0.0) + 1:
+        came = f"{times[row]:g} s after {times[row - 1]:g} s"
+        faults.add(Mark(lines[row]), "time must increase from line to line", came)
+
+
+def check_quaternions(quaternions: FloatArray, lines: list[int], faults: Faults, name: str = "") -> None:
+    """Record every quaternion that is not a unit quaternion.
+
+    Args:
+        quaternions: x, y, z, w, shape ``(t, 4)``.
+        lines: the line of each sample.
+        faults: the file's faults.
+        name: prefix of the columns' names.
+    """
+    lengths = np.linalg.norm(quaternions, axis=-1)
+    for row in np.flatnonzero(np.abs(lengths - 1.0) > _UNIT_TOLERANCE):
+        columns = ", ".join(f"{name}{letter}" for letter in ("qx", "qy", "qz", "qw"))
+        faults.add(Mark(lines[row]), f"{columns} are a unit quaternion", f"one of length {lengths[row]:.3g}")

@@ -21,8 +21,15 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.demonstration import MINIMAL_SAMPLES
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotation_vector
+from hybrid_tamp.taskfile.demonstrations import (
+    MAX_BYTES,
+    Cell,
+    check_quaternions,
+    check_times,
+    numbered,
+    sample,
+)
 from hybrid_tamp.taskfile.places import Faults, Mark, shown
-from hybrid_tamp.taskfile.tables import MAX_BYTES, Cell, check_quaternions, check_times, numbered, sample
 from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 LONGEST = 600.0
@@ -76,7 +83,7 @@ def _columns(header: list[Cell], task: Task, faults: Faults) -> Columns:
     names = [str(_NAME.sub(r"\1", cell.text)) for cell in header]
     if not names or names[0].casefold() != "time":
         came = shown(names[0]) if names else "an empty file"
-        faults.add(Mark(), "the first line must name the columns: time, then token.x, token.y, token.z and so on", came)
+        faults.add(Mark(), "the first line names the columns: time, then token.x, token.y, token.z and so on", came)
         return {}
     wanted = _available(task)
     found: dict[str, int] = {}

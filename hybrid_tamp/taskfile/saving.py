@@ -1,9 +1,9 @@
-"""Save a task as a task file, with its mesh and primitive files beside it; it loads as the same task."""
+"""Save a task as a task file that loads as the same task, with its mesh and primitive files."""
 
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import fields
 from functools import partial
 from pathlib import Path
@@ -23,11 +23,11 @@ from hybrid_tamp.taskfile.yaml.dumping import dump, one_line, quoted
 from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 TOLERANCE = 1e-12
-"""How much a number may differ after loading: directions and quaternions are normalised again."""
+"""Largest difference of a number after loading, which normalises directions and quaternions again."""
 
 
 def save_task(task: Task, path: Path | str) -> None:
-    """Write a task as a YAML task file, in place of one that is there; `load_task` reads an equal task from it.
+    """Write a task as a YAML task file, from which `load_task` reads an equal task; replace an existing file.
 
     Mesh files and primitive files are copied into the folder of the task file.
 
@@ -36,54 +36,60 @@ def save_task(task: Task, path: Path | str) -> None:
         path: the task file.
 
     Raises:
-        InputError: the file cannot be written, or it would not load as the same task: a token is not clear of
-            another one, say, or the state has a velocity, which a task file cannot say.
+        InputError: the file cannot be written, or it would not load as the same task: for example, a token is not
+            clear of another one, or the state has a velocity, which a task file cannot express.
     """
     path = Path(path)
     text, files = task_text(task, path.stem, lambda name, content: _is_free(path.parent / name, content))
     for name, content in files.items():
-        _write(path.parent / name, content)
+        with _writing(path.parent / name):
+            (path.parent / name).write_bytes(content.encode("utf-8"))
     write_checked(path, text, lambda written: _check_same(task, written, path))
 
 
 def write_checked(path: Path, text: str, check: Callable[[Path], object]) -> None:
-    """Write a task file under another name beside its place, check it there, and rename it.
+    """Write a task file under a temporary name in the same folder, check it, and rename it.
 
     Raises:
         InputError: it cannot be written.
     """
-    try:
+    with _writing(path):
         descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=".yaml")
-    except OSError as error:
-        raise InputError([Issue(str(path), "a file that can be written", str(error.strerror))]) from error
+        try:
+            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+                file.write(text)
+            check(Path(name))
+            os.chmod(name, 0o644)
+            os.replace(name, path)
+        finally:
+            with suppress(FileNotFoundError):
+                os.unlink(name)
+
+
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """Translate an error of the operating system into one about a file that cannot be written."""
     try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            file.write(text)
-        check(Path(name))
-        os.chmod(name, 0o644)
-        os.replace(name, path)
+        yield
     except OSError as error:
         raise InputError([Issue(str(path), "a file that can be written", str(error.strerror))]) from error
-    finally:
-        with suppress(FileNotFoundError):
-            os.unlink(name)
 
 
 def task_text(
     task: Task, stem: str | None = None, free: Callable[[str, str], bool] = lambda name, content: True
 ) -> tuple[str, dict[str, str]]:
-    """Return the text of a task's file, and the files that go beside it.
+    """Return the text of a task's file, and the files that go into the same folder.
 
     Args:
         task: the task.
-        stem: the file's name without its ending, which need not be said to be the task's name.
-        free: whether a file of this name and content may be beside it.
+        stem: the file's name without its ending; if it is the task's name, the text has no name.
+        free: says whether a file of a name and content may be in the folder.
 
     Returns:
         The text, and name to content of the mesh and primitive files that it names.
 
     Raises:
-        InputError: a mesh or primitive file cannot be read, or is not what it was when the task was made.
+        InputError: a mesh or primitive file cannot be read, or has changed since the task was made.
     """
     files: dict[str, str] = {}
     beside = partial(_beside, files, free)
@@ -107,7 +113,7 @@ def task_text(
 
 
 def _beside(files: dict[str, str], free: Callable[[str, str], bool], name: str, content: str) -> str:
-    """Add a file under its name, or under one like it if that is taken; return the name."""
+    """Add a file under its name, or under a similar one if that is taken; return the name."""
     stem, ending = Path(name).stem, Path(name).suffix
     number = 1
     while files.get(name, content) != content or not free(name, content):
@@ -157,7 +163,7 @@ def _goal(task: Task) -> CommentedSeq:
 
 
 def _changed(value: Any, default: Any) -> dict[str, Any]:
-    """Return the attributes of a record that are not those of another one."""
+    """Return the attributes of a record that differ from those of another one."""
     found = {field.name: getattr(value, field.name) for field in fields(value)}
     return {key: _plain(each) for key, each in found.items() if each != getattr(default, key)}
 
@@ -169,19 +175,12 @@ def _plain(value: Any) -> Any:
 
 
 def _is_free(path: Path, content: str) -> bool:
-    """Say whether no file of this name is there, or one of the same content."""
+    """Say whether no file has this name, or the file has the same content."""
     return not path.exists() or (path.is_file() and path.read_bytes() == content.encode("utf-8"))
 
 
-def _write(path: Path, content: str) -> None:
-    try:
-        path.write_bytes(content.encode("utf-8"))
-    except OSError as error:
-        raise InputError([Issue(str(path), "a file that can be written", str(error.strerror))]) from error
-
-
 def _check_same(task: Task, written: Path, path: Path) -> None:
-    """Refuse what a task file cannot say."""
+    """Refuse a task that a task file cannot express."""
     again = load_task(written, lambda _: task.domain).replaced(name=task.name)
     different = [
         Issue(str(path), "a task that a file can say", f"one whose {what}") for what in differences(task, again)
@@ -191,7 +190,7 @@ def _check_same(task: Task, written: Path, path: Path) -> None:
 
 
 def differences(task: Task, other: Task) -> list[str]:
-    """Return what is not the same in two tasks of one domain, up to `TOLERANCE`."""
+    """Return the differences of two tasks of one domain, up to `TOLERANCE`, as phrases."""
     found = [
         f"{name} differs"
         for name in ("name", "goal", "agents", "assignment", "planner", "limits", "seed", "objective", "midlevel")
