@@ -59,7 +59,7 @@ def _judge(result: "RunResult", as_json: bool) -> None:
     if failure is not None:
         typer.echo(f"step {failure.step}, {failure.instance}: {failure.reason}", err=True)
     for breach in result.law:
-        typer.echo(f"the recording breaks {breach}", err=True)
+        typer.echo(f"the recording breaks {breach.text}", err=True)
     if not result.success or result.law:
         typer.echo("The plan was run and the goal was not reached.", err=True)
         raise typer.Exit(40)

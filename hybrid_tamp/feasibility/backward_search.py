@@ -1,24 +1,16 @@
-"""From a goal atom backwards: which blocks could bring it about, what they wait for, and why others are of no use.
+"""Backward search from a goal atom: which blocks could bring it about, what they wait for, and why others cannot.
 
-What a block deletes is left out of account (the delete relaxation of planning), and of the network it is only asked
-whether edges lead a token to a slot at all: an atom that cannot be reached so cannot be reached at all.
+The search ignores what blocks delete (the delete relaxation of planning), and of the network it asks only whether edges
+lead a token to a slot at all. So an atom that it cannot reach cannot be reached by any plan.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from hybrid_tamp.feasibility.bindings import (
-    MOST,
-    Bound,
-    Margins,
-    TooMany,
-    completed,
-    feasible,
-    static_entry,
-)
+from hybrid_tamp.feasibility.bindings import MOST, Bound, TooMany, complete, find_feasible, order_conditions
 from hybrid_tamp.feasibility.passages import Passages
-from hybrid_tamp.feasibility.reasons import BLOCK, reason_of
-from hybrid_tamp.feasibility.shares import amount, best_choice, failing
+from hybrid_tamp.feasibility.reasons import BLOCK
+from hybrid_tamp.feasibility.shares import explain_unmet, find_best_choice, with_unit
 from hybrid_tamp.model.bindings import Choices
 from hybrid_tamp.model.block import Block, Slot
 from hybrid_tamp.model.explanation import Reason, ReasonKind
@@ -33,60 +25,59 @@ class Ways:
     """The ways to bring an atom about.
 
     Attributes:
-        waits: for each way, the atoms that must have been brought about before, each once.
-        reasons: why blocks that could bring it about are of no use.
+        waits: for each way, the atoms that must be brought about first; each way once.
+        reasons: why blocks that could bring the atom about cannot run.
     """
 
     waits: dict[tuple[Atom, ...], None] = field(default_factory=dict)
     reasons: list[Reason] = field(default_factory=list)
 
 
-class Backwards:
-    """The ways to a task's goal atoms.
+class BackwardSearch:
+    """The search for ways to a task's goal atoms.
 
     Attributes:
-        ways: atom that does not hold at the beginning to the ways to it.
+        ways: atom that does not hold initially to the ways to it.
     """
 
     def __init__(self, task: Task) -> None:
         self.task = task
         self.ways: dict[Atom, Ways] = {}
-        self._margins = Margins(task)
         self._facts = facts(task)
         self._static = StaticFacts(task)
         self._passages = Passages(task)
         self._count = 0
 
     def holds(self, atom: Atom) -> bool:
-        """Say whether an atom holds at the beginning."""
+        """Say whether an atom holds initially."""
         static = self.task.domain.predicate_by_name[atom.predicate].static
-        return atom in self._static if static else atom in self._facts
+        return atom in (self._static if static else self._facts)
 
-    def direct(self, goal: Atom) -> list[Reason]:
-        """Return why no block at all can bring an atom about; an empty list where one has something to wait for."""
+    def explain_directly(self, goal: Atom) -> list[Reason]:
+        """Return why no block can bring an atom about; an empty list if a block can once other atoms hold."""
         try:
-            self.ways[goal] = self._ways(goal)
+            self.ways[goal] = self._find_ways(goal)
         except TooMany:
             return []
         return [] if self.ways[goal].waits else self.ways[goal].reasons
 
     def explore(self, goal: Atom) -> bool:
-        """Find all ways to an atom and to all that they wait for, and say whether it can be reached.
+        """Find all ways to an atom and to all atoms that they wait for, and say whether it can be reached.
 
         Raises:
-            TooMany: there are more ways than are looked at.
+            TooMany: there are more ways than are examined.
         """
         open_atoms, seen = [goal], set[Atom]()
         while open_atoms:
             atom = open_atoms.pop()
             if atom not in seen and not self.holds(atom):
                 seen.add(atom)
-                self.ways[atom] = self.ways.get(atom) or self._ways(atom)
+                self.ways[atom] = self.ways.get(atom) or self._find_ways(atom)
                 open_atoms.extend({wait: None for waits in self.ways[atom].waits for wait in waits})
-        return self.holds(goal) or goal in self.reached()
+        return self.holds(goal) or goal in self.find_reached()
 
-    def reached(self) -> set[Atom]:
-        """Return the atoms that can be brought about, of those explored."""
+    def find_reached(self) -> set[Atom]:
+        """Return the explored atoms that can be brought about."""
         found: set[Atom] = set()
         before = -1
         while len(found) > before:
@@ -94,49 +85,48 @@ class Backwards:
             found |= {atom for atom, ways in self.ways.items() if any(found.issuperset(waits) for waits in ways.waits)}
         return found
 
-    def _ways(self, atom: Atom) -> Ways:
+    def _find_ways(self, atom: Atom) -> Ways:
         ways, never = Ways(), list[Reason]()
         for block, fixed in self._achievers(atom):
             member = _no_member(self.task, block, fixed)
             allowed = self.task.choices(block, fixed)
-            literals = static_entry(block)
+            conditions = order_conditions(block)
             if member:
                 ways.reasons.append(member)
-            elif not feasible(self._margins, filter(_over_symbols, literals), allowed):
+            elif not find_feasible(self._static, filter(_over_symbols, conditions), allowed):
                 outcome = ", ".join(value for value in fixed.values() if isinstance(value, str))
-                never.append(reason_of(block, "no_block", f"{BLOCK} never brings about {outcome or atom.predicate}"))
-            elif missing := self._missing(block, literals, allowed):
+                message = f"{BLOCK} never brings about {outcome or atom.predicate}"
+                never.append(Reason((), block.name, "no_block", message))
+            elif missing := self._missing(block, conditions, allowed):
                 ways.reasons.extend(missing)
-            elif bounds := feasible(self._margins, literals, allowed):
-                ways.waits.update(self._waits(block, bounds, allowed))
-                ways.reasons.extend(self._passages.missing(block, allowed))
+            elif bounds := find_feasible(self._static, conditions, allowed):
+                ways.waits |= dict.fromkeys(self._waits(block, bounds, allowed))
+                ways.reasons.extend(self._passages.explain_missing(block, allowed))
             else:
-                ways.reasons.extend(self._infeasible(block, literals, allowed))
+                ways.reasons.extend(self._infeasible(block, conditions, allowed))
         if not ways.waits and not ways.reasons:
             message = f"no block of {self.task.domain.name} brings about {atom.predicate}, whatever its conditions are"
             ways.reasons = never or [Reason((), "", "no_block", message)]
         return ways
 
-    def at_hand(self, atom: Atom, reached: set[Atom]) -> list[Reason]:
-        """Return why an atom is not brought about from what is reached, for want of feasibility alone.
+    def explain_infeasible(self, atom: Atom, reached: set[Atom]) -> list[Reason]:
+        """Return the feasibility conditions that alone keep blocks from bringing an atom about if `reached` holds.
 
-        Where a block would have to wait for something else first, nothing is said.
+        Blocks that have to wait for another atom first give no reason.
         """
         found: list[Reason] = []
         for block, fixed in self._achievers(atom):
             allowed = self._narrowed(block, self.task.choices(block, fixed), reached)
-            literals = static_entry(block)
-            symbols = list(filter(_over_symbols, literals))
-            rows = feasible(self._margins, symbols, allowed)
+            conditions = order_conditions(block)
+            rows = find_feasible(self._static, filter(_over_symbols, conditions), allowed)
             if rows and all(allowed.values()):
                 bound = {role: tuple(dict.fromkeys(row[role] for row in rows)) for role in rows[0]}
-                found += failing(
-                    self._margins, block, [each for each in literals if each not in symbols], {**allowed, **bound}
-                )
+                others = [each for each in conditions if not _over_symbols(each)]
+                found += explain_unmet(self.task, self._static, block, others, {**allowed, **bound})
         return found
 
     def _narrowed(self, block: Block, allowed: Choices, reached: set[Atom]) -> Choices:
-        """Keep of every role what its changing conditions leave, if only what is reached may hold."""
+        """Keep the values of each role with which the changing conditions can hold if only `reached` may hold."""
         kept = dict(allowed)
         for literal in block.changing_entry:
             if not literal.positive:
@@ -151,53 +141,51 @@ class Backwards:
         return kept
 
     def _achievers(self, atom: Atom) -> Iterator[tuple[Block, Bound]]:
-        """Yield the blocks with an exit condition that is the atom, unless they ask for it at their beginning."""
+        """Yield the blocks with an exit condition that is the atom, except those whose entry needs the same atom."""
         for block in self.task.domain.blocks:
             for literal in block.exit:
                 if literal.positive and literal.predicate.name == atom.predicate and literal not in block.entry:
                     names = zip(literal.arguments, atom.arguments, strict=True)
                     yield block, {argument: self.task.value(name) for argument, name in names}
 
-    def _waits(self, block: Block, bounds: list[Bound], allowed: Choices) -> Iterator[tuple[tuple[Atom, ...], None]]:
+    def _waits(self, block: Block, bounds: list[Bound], allowed: Choices) -> Iterator[tuple[Atom, ...]]:
         literals = [literal for literal in block.changing_entry if literal.positive]
-        for bound in completed(bounds, allowed):
+        for bound in complete(bounds, allowed):
             self._count += 1
             if self._count > MOST:
                 raise TooMany
-            if not self._passages.allow(block, bound):
-                continue
-            atoms = (literal.ground(bound) for literal in literals)
-            yield tuple(atom for atom in atoms if not self.holds(atom)), None
+            if self._passages.allow(block, bound):
+                atoms = (literal.ground(bound) for literal in literals)
+                yield tuple(atom for atom in atoms if not self.holds(atom))
 
-    def _missing(self, block: Block, literals: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
-        """Slots of one class need as many different tokens; what cannot be filled is named.
+    def _missing(self, block: Block, conditions: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
+        """Return a reason for every class with fewer tokens than the block has slots for it.
 
-        That more tokens would do is said only if those that are there meet what is asked alike of all of them.
+        More tokens would be enough only if the present ones meet the conditions that the slots share.
         """
         found: list[Reason] = []
         for slot, wanted, have in _short_slots(self.task, block):
-            unable = failing(self._margins, block, literals, allowed, alike=True)
+            unable = explain_unmet(self.task, self._static, block, conditions, allowed, alike=True)
             message = (
                 f"no token can fill slot {slot.name} of {BLOCK}: {BLOCK} needs {wanted} of class "
                 f"{slot.object_class.name}, the task has {have}; {wanted - have} more "
                 f"{'like these would not be enough' if unable else 'would be enough'}"
             )
             kind: ReasonKind = "too_few_tokens" if have else "no_token"
-            found += [reason_of(block, kind, message, lacks=slot.object_class), *unable]
+            found += [Reason((), block.name, kind, message, lacks=slot.object_class), *unable]
         return found
 
-    def _infeasible(self, block: Block, literals: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
-        found = failing(self._margins, block, literals, allowed)
+    def _infeasible(self, block: Block, conditions: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
+        found = explain_unmet(self.task, self._static, block, conditions, allowed)
         if found:
             return found
-        literal, bound, margin = best_choice(self._margins, literals, allowed)
-        atom = literal.ground(bound)
-        said = literal.predicate.sentence(atom.arguments, not literal.positive)
+        literal, bound, margin = find_best_choice(self._static, conditions, allowed)
+        atom, unit = literal.ground(bound), literal.predicate.unit
         message = (
-            f"{BLOCK} is impossible: no choice of tokens meets all its conditions at once; in the best one {said} "
-            f"(off by {amount(-margin, literal.predicate.unit)})"
+            f"{BLOCK} is impossible: no choice of tokens meets all its conditions at once; in the best one "
+            f"{literal.predicate.sentence(atom.arguments, not literal.positive)} (off by {with_unit(-margin, unit)})"
         )
-        return [reason_of(block, "not_feasible", message, atom, margin, literal.predicate.unit)]
+        return [Reason((), block.name, "not_feasible", message, atom, margin, unit)]
 
 
 def _no_member(task: Task, block: Block, fixed: Bound) -> Reason | None:
@@ -205,12 +193,12 @@ def _no_member(task: Task, block: Block, fixed: Bound) -> Reason | None:
         sort = block.roles.get(role)
         if isinstance(value, Token) and isinstance(sort, type) and value not in task.values_of(sort):
             message = f"{value.name} is not a member of {sort.name}, which {role} of {BLOCK} needs"
-            return reason_of(block, "no_token", message, lacks=sort)
+            return Reason((), block.name, "no_token", message, lacks=sort)
     return None
 
 
 def _short_slots(task: Task, block: Block) -> Iterator[tuple[Slot, int, int]]:
-    """Yield the last slot of each class of which there are too few tokens, how many it takes and how many there are."""
+    """Yield the last slot of each class that has too few tokens, the number of tokens needed and the number present."""
     for slot in {each.object_class: each for each in block.slots}.values():
         wanted = sum(each.object_class is slot.object_class for each in block.slots)
         have = len(task.values_of(slot.object_class))

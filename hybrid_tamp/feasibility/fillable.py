@@ -1,22 +1,50 @@
-"""Which blocks the tokens of a task can fill, as far as classes, feasibility facts and edges decide."""
+"""Which blocks tokens can fill: by their classes alone, or by classes, feasibility facts and edges."""
 
-from collections.abc import Collection, Mapping
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Mapping, Sequence, Set
 from functools import cached_property
 
-from hybrid_tamp.feasibility.bindings import MOST, Bound, Margins, TooMany, static_entry
+from hybrid_tamp.feasibility.bindings import MOST, Bound, TooMany, order_conditions
 from hybrid_tamp.feasibility.passages import Passages
 from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.predicate import Literal, Value, name_of
+from hybrid_tamp.model.facts import StaticFacts
+from hybrid_tamp.model.predicate import Literal, SymbolSort, Value, name_of
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+
+
+class Members:
+    """The members of classes among some tokens."""
+
+    def __init__(self, tokens: Iterable[Token]) -> None:
+        # From each token up to the classes above its own: asking every class of every token takes longer.
+        self._of: defaultdict[type, list[Token]] = defaultdict(list)
+        for token in tokens:
+            for above in {above for member in token.classes for above in member.__mro__}:
+                self._of[above].append(token)
+
+    def can_fill(self, block: Block) -> bool:
+        """Say whether the slots and targets of a block, except symbols, can have a different token each."""
+        # The roles with the fewest members first; one with as many members as there are roles always finds one left.
+        members = sorted(self._of_roles(block), key=len)
+        tight = {str(role): tokens for role, tokens in enumerate(members) if len(tokens) < len(members)}
+        return next(enumerate_bindings(tight), None) is not None
+
+    def names(self, block: Block) -> Set[str]:
+        """Return the names of the tokens that fit a slot or a target of a block."""
+        return frozenset(token.name for tokens in self._of_roles(block) for token in tokens)
+
+    def _of_roles(self, block: Block) -> list[Sequence[Token]]:
+        return [self._of.get(sort, []) for sort in block.roles.values() if not isinstance(sort, SymbolSort)]
 
 
 class FillableBlocks:
-    """The blocks that a task's tokens can fill, and to which tokens can come through such blocks only."""
+    """The blocks that a task's tokens can fill; the tokens can come to them through such blocks only."""
 
-    def __init__(self, task: Task, margins: Margins | None = None) -> None:
+    def __init__(self, task: Task) -> None:
         self._task = task
-        self._margins = margins or Margins(task)
+        self._facts = StaticFacts(task)
 
     def witness(self, block: Block, fixed: Bound) -> Mapping[str, str] | None:
         """Return a binding of a block as names, or None if there is none.
@@ -43,7 +71,7 @@ class FillableBlocks:
             blocks = fewer
 
     def _find(self, block: Block, fixed: Bound, passages: Passages) -> Bound | None:
-        conditions = static_entry(block)
+        conditions = order_conditions(block)
         examined = 0
 
         def holds(literal: Literal, bound: Mapping[str, Value]) -> bool:
@@ -51,7 +79,7 @@ class FillableBlocks:
             examined += 1
             if examined > MOST:
                 raise TooMany
-            return self._margins.of(literal, bound) >= 0
+            return self._facts.margin(literal, bound) >= 0
 
         choices = order_roles(self._task.choices(block, fixed), conditions)
         found = enumerate_bindings(choices, conditions, holds)

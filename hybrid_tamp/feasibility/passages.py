@@ -1,4 +1,4 @@
-"""To which slots the network lets a token come, conditions aside."""
+"""Which slots tokens can reach along edges of the network, whatever the conditions of blocks are."""
 
 from collections.abc import Collection, Mapping
 from functools import cached_property
@@ -6,7 +6,7 @@ from functools import cached_property
 import networkx as nx
 
 from hybrid_tamp.feasibility.bindings import Bound
-from hybrid_tamp.feasibility.reasons import BLOCK, reason_of
+from hybrid_tamp.feasibility.reasons import BLOCK
 from hybrid_tamp.model.bindings import Choices
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.explanation import Reason
@@ -18,15 +18,10 @@ _SHOWN = 4
 
 
 class Passages:
-    """The slots to which each token of a task can come along edges, its classes permitting."""
+    """The slots that each token of a task can reach along edges through slots of its classes."""
 
     def __init__(self, task: Task, through: Collection[str] | None = None) -> None:
-        """Take the network of a task.
-
-        Args:
-            task: the task.
-            through: names of the blocks through which tokens may go; all if None.
-        """
+        """Take a task and the names of the blocks through which tokens may go; all blocks if None."""
         self._task = task
         self._through = task.domain.block_by_name if through is None else through
         self._known: dict[tuple[object, ...], frozenset[SlotName]] = {}
@@ -37,12 +32,12 @@ class Passages:
         return {(block.name, slot.name): slot.object_class for block in blocks for slot in block.slots}
 
     def start(self, token: Token) -> SlotName:
-        """Return the slot in which a token is at the beginning."""
+        """Return the slot in which a token starts."""
         block = self._task.domain.block_by_name[self._task.assignment.get(token.name, self._task.domain.resting)]
         return (block.name, block.slots[0].name)
 
     def slots(self, token: Token) -> frozenset[SlotName]:
-        """Return the slots to which a token can come, its first one included."""
+        """Return the slots that a token can reach, including the slot in which it starts."""
         key = (token.classes, start := self.start(token))
         if key not in self._known:
             graph = self._task.domain.network.graph
@@ -51,15 +46,15 @@ class Passages:
         return self._known[key]
 
     def allow(self, block: Block, bound: Bound) -> bool:
-        """Say whether every token that is bound to a slot of a block can come there."""
+        """Say whether every token that is bound to a slot of a block can reach it."""
         return all(
             (block.name, slot.name) in self.slots(token)
             for slot in block.slots
             if isinstance(token := bound.get(slot.name), Token)
         )
 
-    def missing(self, block: Block, allowed: Choices) -> list[Reason]:
-        """Return a reason for every slot of a block to which none of the tokens that could fill it can come."""
+    def explain_missing(self, block: Block, allowed: Choices) -> list[Reason]:
+        """Return a reason for every slot of a block that none of the tokens that could fill it can reach."""
         found = []
         for slot in block.slots:
             tokens = [token for token in allowed[slot.name] if isinstance(token, Token)]
@@ -71,5 +66,5 @@ class Passages:
                     f"no edge of the network leads to slot {slot.name} of {BLOCK} "
                     f"from any slot that {names} can reach: {shown}"
                 )
-                found.append(reason_of(block, "no_edge", message, lacks=(block.name, slot.name)))
+                found.append(Reason((), block.name, "no_edge", message, lacks=(block.name, slot.name)))
         return found

@@ -1,30 +1,14 @@
-"""Reasons of blocks: made for one block, then merged so that what several modes of an action share is said once."""
+"""Reasons of blocks, merged so that a reason that several modes of an action share is given once."""
 
 from collections.abc import Iterable
 from dataclasses import replace
 
-from hybrid_tamp.model.affordance import ObjectClass
-from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.explanation import Reason, ReasonKind
-from hybrid_tamp.model.network import SlotName
+from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import Atom
 
 BLOCK = "\N{OBJECT REPLACEMENT CHARACTER}"
-"""Stands in a message for the block's name until it is known for which modes the message holds."""
-
-
-def reason_of(
-    block: Block,
-    kind: ReasonKind,
-    message: str,
-    atom: Atom | None = None,
-    margin: float | None = None,
-    unit: str = "",
-    lacks: type[ObjectClass] | SlotName | None = None,
-) -> Reason:
-    """Return a reason of a block for a goal that is not named yet; `BLOCK` stands in the message for its name."""
-    return Reason((), block.name, kind, message, atom, margin, unit, lacks)
+"""Stands for the block's name in a message until it is known for which modes the message holds."""
 
 
 def merge_reasons(goal: Atom, reasons: Iterable[Reason]) -> list[Reason]:

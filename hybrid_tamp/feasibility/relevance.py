@@ -1,14 +1,14 @@
 """Relevance: the blocks that a goal may need, whatever tokens there are, and the part of a task that is about them.
 
-Backwards from the goal, a block is relevant if it changes something that the goal, or the entry of a relevant block,
-asks for; and if tokens may have to pass through it on their way between relevant blocks. A task that has a plan has one
-of relevant blocks alone: whoever would pass through another one stays where it was, or goes on at once.
+Backwards from the goal, a block is relevant if it changes an atom that the goal or the entry of a relevant block needs,
+or if tokens may have to pass through it between relevant blocks. If a task has a plan, it has one of relevant blocks
+only: a token that would pass through another block stays where it was or goes on at once.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Set
+from dataclasses import replace
 from itertools import product
 
-from hybrid_tamp.feasibility.domain_part import domain_part
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
@@ -18,24 +18,47 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
 Classes = tuple[type[ObjectClass], ...]
-Ask = tuple[str, tuple[Classes, ...]]
-"""A predicate and, for each of its arguments, the classes of what stands there; none for a symbol."""
+Pattern = tuple[str, tuple[Classes, ...]]
+"""A predicate and, for each of its arguments, the classes of the tokens that it may be; empty for a symbol."""
 
 
-def relevant_blocks(task: Task) -> tuple[Block, ...]:
-    """Return the blocks that a plan of the task may need, in the domain's order; resting is among them."""
+def restrict_domain(task: Task, blocks: Collection[Block], tokens: Iterable[Token]) -> Domain:
+    """Return the part of the domain that has these blocks and what they, these tokens and the goal mention."""
+    domain = task.domain
+    mentioned = {literal.predicate.name for block in blocks for literal in (*block.entry, *block.exit)}
+    mentioned |= {atom.predicate for atom in task.goal}
+    predicates = tuple(predicate for predicate in domain.predicates if predicate.name in mentioned)
+    sorts = {sort for block in blocks for sort in block.roles.values()}
+    sorts |= {parameter.sort for predicate in predicates for parameter in predicate.parameters}
+    members = {sort for sort in sorts if not isinstance(sort, SymbolSort)}
+    members |= {member for token in tokens for member in token.classes}
+    above = {each for member in members for each in member.__mro__}
+    return replace(
+        domain,
+        classes=tuple(each for each in domain.classes if each in above),
+        predicates=predicates,
+        blocks=tuple(blocks),
+        network=domain.network.restrict({block.name for block in blocks}),
+        sorts=(),
+        disjoint=tuple(tuple(member for member in group if member in above) for group in domain.disjoint),
+        reduced=True,
+    )
+
+
+def find_relevant_blocks(task: Task) -> tuple[Block, ...]:
+    """Return the blocks that a plan of the task may need, in the domain's order, including the resting block."""
     domain = task.domain
     kept = {domain.resting, *task.assignment.values()}
-    asks = set(_asked_by_goal(task))
+    wanted = set(_goal_patterns(task))
     more = kept
     while more:
-        kept = _with_serving(domain, kept | more, asks)
-        # Only then: what is relevant already need not be passed through.
+        kept = _with_serving(domain, kept | more, wanted)
+        # Last, because tokens need not pass through blocks that are relevant already.
         more = _on_the_way(domain, kept)
     return tuple(block for block in domain.blocks if block.name in kept)
 
 
-def _asked_by_goal(task: Task) -> Iterator[Ask]:
+def _goal_patterns(task: Task) -> Iterator[Pattern]:
     for atom in task.goal:
         parameters = task.domain.predicate_by_name[atom.predicate].parameters
         yield (
@@ -49,46 +72,40 @@ def _asked_by_goal(task: Task) -> Iterator[Ask]:
         )
 
 
-def _asked_by_block(block: Block) -> Iterator[Ask]:
-    # Conditions that something is not so are feasibility conditions, which nothing changes.
-    return (_ask(block, literal) for literal in block.changing_entry)
-
-
-def _ask(block: Block, literal: Literal) -> Ask:
-    roles = block.roles
-    return (literal.predicate.name, tuple(_of_sort(roles.get(argument)) for argument in literal.arguments))
+def _pattern(block: Block, literal: Literal) -> Pattern:
+    return (literal.predicate.name, tuple(_of_sort(block.roles.get(argument)) for argument in literal.arguments))
 
 
 def _of_sort(sort: type[ObjectClass] | SymbolSort | None) -> Classes:
     return () if sort is None or isinstance(sort, SymbolSort) else (sort,)
 
 
-def _with_serving(domain: Domain, kept: Set[str], asks: Set[Ask]) -> set[str]:
-    """Return some blocks and those that serve what is asked for, by the goal and by the blocks themselves."""
+def _with_serving(domain: Domain, kept: Set[str], wanted: Set[Pattern]) -> set[str]:
+    """Return some blocks and all that serve them or the goal."""
     found, before = set(kept), set[str]()
     while found != before:
         before = set(found)
-        every = asks | {ask for name in found for ask in _asked_by_block(domain.block_by_name[name])}
+        blocks = [domain.block_by_name[name] for name in found]
+        every = wanted | {_pattern(block, literal) for block in blocks for literal in block.changing_entry}
         found |= {block.name for block in domain.blocks if block.name not in found and _serves(domain, block, every)}
     return found
 
 
-def _serves(domain: Domain, block: Block, asks: Collection[Ask]) -> bool:
-    """Say whether a block may change what is asked for."""
+def _serves(domain: Domain, block: Block, wanted: Collection[Pattern]) -> bool:
+    """Say whether a block may change an atom of some patterns: a token may be a member of both patterns' classes."""
+
+    def can_be_one(one: Classes, other: Classes) -> bool:
+        return all(domain.relations.can_share_token(a, b) for a, b in product(one, other))
+
     return any(
-        name == ask_name and all(_can_be_one(domain, one, other) for one, other in zip(changed, classes, strict=True))
-        for name, changed in (_ask(block, literal) for literal in block.exit)
-        for ask_name, classes in asks
+        name == wanted_name and all(map(can_be_one, changed, classes))
+        for name, changed in (_pattern(block, literal) for literal in block.exit)
+        for wanted_name, classes in wanted
     )
 
 
-def _can_be_one(domain: Domain, one: Classes, other: Classes) -> bool:
-    """Say whether a token of some classes may stand where one of others is asked for; of symbols that is not asked."""
-    return all(domain.relations.can_share_token(a, b) for a, b in product(one, other))
-
-
 def _on_the_way(domain: Domain, kept: Collection[str]) -> set[str]:
-    """Return the further blocks through which tokens may have to pass between slots of some blocks."""
+    """Return the other blocks through which tokens may have to pass between slots of some blocks."""
     graph = domain.network.graph
     ends = [slot for slot in graph if slot[0] in kept]
     after = {slot: _reached(graph.successors, slot, kept) for slot in ends}
@@ -102,7 +119,7 @@ def _on_the_way(domain: Domain, kept: Collection[str]) -> set[str]:
 
 
 def _reached(step: Callable[[SlotName], Iterable[SlotName]], end: SlotName, kept: Collection[str]) -> set[SlotName]:
-    """Return the slots to which steps lead from a slot without passing one of the blocks that are kept."""
+    """Return the slots that can be reached from a slot without passing through a kept block."""
     found: set[SlotName] = set()
     waiting = [end]
     while waiting:
@@ -113,19 +130,19 @@ def _reached(step: Callable[[SlotName], Iterable[SlotName]], end: SlotName, kept
 
 
 def _passed_by(domain: Domain, source: SlotName, target: SlotName) -> bool:
-    """Say whether a token can go from one slot to the other directly and wait in one of them as long as it has to."""
+    """Say whether a token can go from one slot to the other directly and wait in one of them without limit."""
     waits = any(
         block.hold and len(block.slots) == 1 for block in (domain.block_by_name[n] for n, _ in (source, target))
     )
     return waits and (source == target or domain.network.allows(source, target))
 
 
-def relevant_part(task: Task) -> Task:
-    """Return what is left of the task with relevant blocks alone; the task itself if all are.
+def keep_relevant(task: Task) -> Task:
+    """Return the task with relevant blocks only; the task itself if all are relevant.
 
-    Tokens of other classes alone than these blocks ask for are left out; those of no class of their own stay.
+    A token is left out if it has classes of its own and no relevant block asks for any of them.
     """
-    blocks = relevant_blocks(task)
+    blocks = find_relevant_blocks(task)
     if len(blocks) == len(task.domain.blocks):
         return task
     asked = {sort for block in blocks for sort in block.roles.values() if not isinstance(sort, SymbolSort)} - {TOKEN}
@@ -136,4 +153,4 @@ def relevant_part(task: Task) -> Task:
         return token.name in named or not own or any(issubclass(one, sort) for one, sort in product(own, asked))
 
     kept = [token for token in task.tokens if concerns(token)]
-    return task.restrict({token.name for token in kept}, domain=domain_part(task, blocks, kept))
+    return task.restrict({token.name for token in kept}, domain=restrict_domain(task, blocks, kept))

@@ -29,6 +29,11 @@ class Violation:
     message: str
 
     def __str__(self) -> str:
+        return self.text
+
+    @property
+    def text(self) -> str:
+        """The breach in a line."""
         return f"law {self.law} at {self.time:.3f} s, {self.where}: {self.message}"
 
 

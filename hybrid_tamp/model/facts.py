@@ -5,10 +5,10 @@ have such margins, the value in the goal, else the value with the largest margin
 follow from the continuous state, because they belong to running instances.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from hybrid_tamp.model.bindings import enumerate_bindings
-from hybrid_tamp.model.predicate import Atom, Parameter, Predicate, SymbolSort, Value, name_of
+from hybrid_tamp.model.predicate import Atom, Literal, Parameter, Predicate, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token, different
@@ -32,31 +32,36 @@ def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[At
 
 
 class StaticFacts:
-    """The feasibility facts of a task, each decided on demand, because there may be very many."""
+    """The feasibility facts of a task, each margin evaluated when it is first needed: there may be very many."""
 
     def __init__(self, task: Task) -> None:
         self._task = task
-        self._known: dict[Atom, bool] = {}
+        self._known: dict[Atom, float] = {}
 
     def __contains__(self, atom: Atom) -> bool:
         """Say whether the positive atom is one of `static_facts`."""
         predicate = self._task.domain.predicate_by_name[atom.predicate]
         values = tuple(map(self._task.value, atom.arguments))
-        return all(map(_fits, values, predicate.parameters)) and different(values) and self.holds(atom, values)
+        fits = all(map(_fits, values, predicate.parameters)) and different(values)
+        return fits and self._margin(predicate, values, atom) >= 0
+
+    def margin(self, literal: Literal, bound: Mapping[str, Value]) -> float:
+        """Return the signed margin of a static literal whose roles are bound, in the initial state."""
+        values = tuple(bound.get(argument, argument) for argument in literal.arguments)
+        margin = self._margin(literal.predicate, values, next(_atoms(literal.predicate, [values])))
+        return margin if literal.positive else -margin
 
     def holding(self, predicate: Predicate, bindings: Sequence[tuple[Value, ...]]) -> Iterator[Atom]:
-        """Yield the facts among well-typed bindings; one call decides all that are not known yet."""
+        """Yield the facts among well-typed bindings; margins that are not known yet are evaluated at once."""
         atoms = list(_atoms(predicate, bindings))
         unknown = [place for place, atom in enumerate(atoms) if atom not in self._known]
         margins = predicate.margins(self._task.state, [bindings[place] for place in unknown])
-        self._known |= {atoms[place]: bool(margin >= 0) for place, margin in zip(unknown, margins, strict=True)}
-        return (atom for atom in atoms if self._known[atom])
+        self._known |= {atoms[place]: float(margin) for place, margin in zip(unknown, margins, strict=True)}
+        return (atom for atom in atoms if self._known[atom] >= 0)
 
-    def holds(self, atom: Atom, values: tuple[Value, ...]) -> bool:
-        """Say whether the positive, well-typed atom with these values holds."""
+    def _margin(self, predicate: Predicate, values: tuple[Value, ...], atom: Atom) -> float:
         if atom not in self._known:
-            predicate = self._task.domain.predicate_by_name[atom.predicate]
-            self._known[atom] = float(predicate.evaluate(self._task.state, *values)) >= 0
+            self._known[atom] = float(predicate.evaluate(self._task.state, *values))
         return self._known[atom]
 
 

@@ -1,1 +1,1 @@
-"""A task goes in, a plan outcome comes out: tailor the network, plan, optimise, exclude what failed, plan again."""
+"""Planning a task: tailor the network, plan, optimise, exclude the binding that failed, replan."""

@@ -1,6 +1,7 @@
-"""Candidates of the mid-level planner run in physics, and scored as rollouts are."""
+"""Physics rollouts: candidates of the mid-level planner run in physics and scored like rollouts on forward models."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -12,33 +13,34 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.workers.processes import map_in_processes
 
 
+@dataclass(frozen=True, eq=False)
 class PhysicsRollouts:
-    """A way to roll out (`midlevel.objective.RollOut`) that runs each candidate in a physics backend.
+    """Rolls out candidates (`midlevel.objective.RollOut`) by running each in a physics backend.
 
-    Each process gets an equal share of the candidates, in their order. What all of a share have in common is run
-    once; each then goes on from a snapshot. A run from there is the same to the bit as one from the start, so
-    the result does not depend on how many processes there are.
+    Each process gets an equal share of the candidates, in their order. It runs the common beginning of its share once
+    and continues each candidate from a snapshot. A continued run is bit-identical to one from the start, so the result
+    does not depend on the number of processes.
 
     Attributes:
-        task: the task; with its domain it travels to the processes.
+        task: the task; it is sent to the processes together with its domain.
         plan: the plan whose hyperparameters are varied.
         backend: name of the physics backend.
-        processes: processes that run at once.
+        processes: number of processes that run at once.
     """
 
-    def __init__(self, task: Task, plan: TaskPlan, backend: str = "pybullet", processes: int = 1) -> None:
-        self.task = task
-        self.plan = plan
-        self.backend = backend
-        self.processes = processes
+    task: Task
+    plan: TaskPlan
+    backend: str = "pybullet"
+    processes: int = 1
 
     def __call__(self, chosen: Chosen, count: int, until: str | None = None) -> Rollout:
         """Run a population.
 
         Args:
-            chosen: (instance, hyperparameter) to its values ``(n,)``; others are as the plan says, or initial values.
+            chosen: (instance, hyperparameter) to its values ``(n,)``; the others come from the plan or are initial
+                values.
             count: size n of the population.
-            until: the instance with whose end the runs end; what comes later is left out.
+            until: the runs end with this instance; later instances are left out.
 
         Raises:
             InputError: the backend cannot simulate the task.
@@ -52,7 +54,7 @@ class PhysicsRollouts:
 
 
 def _run(task: Task, plans: Sequence[TaskPlan], backend: str, until: str | None) -> list[Rollout]:
-    """Run plans one after the other, in a process of this machine."""
+    """Run plans one after the other in one process."""
     from hybrid_tamp.execution.loop import execute_variants
     from hybrid_tamp.physics.protocol import open_backend
 

@@ -1,4 +1,4 @@
-"""Plan a task on a network that is tailored to it: reduced first, widened while it has no plan (paper, Sec. II-C)."""
+"""Plan a task on a network that is tailored to it: first reduced, then widened while there is no plan (Sec. II-C)."""
 
 import logging
 import time
@@ -19,8 +19,6 @@ from hybrid_tamp.symbolic.strategies.search import Planner, SearchResult
 
 _LOG = logging.getLogger(__name__)
 
-UNREACHABLE = "in the network without it no block brings about"
-"""Why an object is brought in without planning."""
 _WITHOUT = {
     "unsolvable": "the network without it has no plan; the planner has proven that",
     "not_found": "the planner found no plan in the network without it",
@@ -30,9 +28,9 @@ _TOO_LONG = "the planner found no plan in the network without it in half of the 
 
 
 def plan_task(task: Task, planner: Planner) -> PlanOutcome:
-    """Plan a task: reduce its network, ask the planner, and bring in further objects while there is no plan.
+    """Plan a task: reduce its network, ask the planner, and bring in other objects while there is no plan.
 
-    The outcome is 'unsolvable' only if nothing was left out that could be in a plan.
+    The outcome is 'unsolvable' only if no token or block was left out that could be in a plan.
 
     Args:
         task: the task.
@@ -62,7 +60,7 @@ def plan_task(task: Task, planner: Planner) -> PlanOutcome:
 
 
 class _TailoredNetwork:
-    """The network of one task, as far as it has been widened, and the time that planning has taken.
+    """The network of one task as widened so far, and the time that planning has taken.
 
     Attributes:
         task: the whole task.
@@ -76,7 +74,7 @@ class _TailoredNetwork:
         self._began = time.monotonic()
         self._widening = Widening(task)
         self._step = 1
-        self.reduction: Reduction = self._widening.reduce()
+        self.reduction: Reduction = self._widening.reducer.reduce()
         self.added: list[AddedToken] = []
         self.stages: defaultdict[str, float] = defaultdict(float)
 
@@ -87,31 +85,27 @@ class _TailoredNetwork:
 
     @property
     def can_widen(self) -> bool:
-        """Whether there are objects left that could be brought in."""
-        return bool(self._widening.find_outside(self.reduction, self._names))
+        """Whether objects are left that could be brought in."""
+        return bool(self._widening.find_outside(self.reduction))
 
     @property
     def unreachable(self) -> str:
-        """Which goal atoms no block of the reduced network brings about, in words; empty if there are none."""
-        atoms = find_unreachable(self.reduction.task)
-        return f"{UNREACHABLE} {' and '.join(atom.text for atom in atoms)}" if atoms else ""
+        """The goal atoms that no block of the reduced network brings about, in words; empty if there are none."""
+        atoms = " and ".join(atom.text for atom in find_unreachable(self.reduction.task))
+        return f"in the network without it no block brings about {atoms}" if atoms else ""
 
     @property
     def network(self) -> PlannedNetwork:
         """The network as a value."""
         return PlannedNetwork.of(self.task, self.reduction.task, self.added)
 
-    @property
-    def _names(self) -> list[str]:
-        return [each.token for each in self.added]
-
     def widen(self, why: str) -> None:
         """Bring in the next objects, twice as many each time unless one suffices."""
-        for name in self._widening.choose_next(self.reduction, self._names, self._step):
-            blocks = self._widening.newly_fillable(self.reduction, self._names, name)
+        for name in self._widening.choose_next(self.reduction, self._step):
+            blocks = self._widening.find_newly_fillable(self.reduction, name)
             classes = tuple(c.name for c in self.task.token_by_name[name].classes if c is not TOKEN)
             self.added.append(AddedToken(name, classes, blocks, why))
-            self.reduction = self._widening.reduce(self._names)
+            self.reduction = self._widening.reducer.reduce((*self.reduction.brought, name))
             _LOG.info("%s is brought in: %s", name, why)
         self._step *= 2
 
@@ -122,16 +116,16 @@ class _TailoredNetwork:
         return LimitReached(message, limit="time")
 
     def count(self, stages: Mapping[str, float]) -> None:
-        """Add the times that the stages of an attempt took [s]."""
+        """Add the times that stages took [s]."""
         for name, seconds in stages.items():
             self.stages[name] += seconds
 
 
 def _attempt(tailored: _TailoredNetwork, planner: Planner, share: float = 1.0) -> SearchResult | None:
-    """Plan on the network within a share of the time that is left, or return None after that.
+    """Plan on the network within a share of the remaining time; return None when this share is used up.
 
     Raises:
-        LimitReached: there was no time left, or the memory did not suffice.
+        LimitReached: no time was left, or the memory did not suffice.
     """
     left = share * (tailored.task.limits.time - tailored.elapsed)
     if left <= 0:
@@ -163,18 +157,13 @@ def _extend(tailored: _TailoredNetwork, planned: SearchResult) -> SearchResult:
     tailored.count({"law": time.monotonic() - began})
     if not violations:
         return replace(planned, plan=plan)
-    refusal = "; ".join(map(str, violations))
+    refusal = "; ".join(each.text for each in violations)
     _LOG.warning("the plan of the reduced network is no plan of the whole task: %s", refusal)
     return replace(planned, plan=None, refusal=refusal)
 
 
 def _outcome(tailored: _TailoredNetwork, planned: SearchResult) -> PlanOutcome:
-    figures = PlannerFigures(
-        planned.answer.engine,
-        tailored.elapsed,
-        planned.way,
-        stages=dict(tailored.stages),
-    )
+    figures = PlannerFigures(planned.answer.engine, tailored.elapsed, planned.way, stages=dict(tailored.stages))
     outcome = PlanOutcome(tailored.task, figures, tailored.network)
     if planned.plan is not None:
         return replace(outcome, plan=planned.plan, chosen=planned.task)

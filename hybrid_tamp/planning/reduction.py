@@ -1,16 +1,16 @@
 """Reduction: the part of a task's network that its objects and hands afford (paper, Sec. II-C).
 
 "The size of the network can be reduced by only considering the parts of the network associated with the affordances of
-the objects that need to be manipulated." Before: a task of a domain that may have many blocks, and many tokens. After:
-a smaller task of a smaller domain, and from a plan of it a plan of the whole.
+the objects that need to be manipulated." The reduced task has fewer tokens and a domain with fewer blocks; a plan of it
+is extended to a plan of the whole task.
 """
 
 from collections.abc import Collection, Mapping, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from hybrid_tamp.feasibility.domain_part import domain_part
-from hybrid_tamp.feasibility.members import Members
+from hybrid_tamp.feasibility.fillable import Members
+from hybrid_tamp.feasibility.relevance import restrict_domain
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
@@ -21,16 +21,18 @@ from hybrid_tamp.model.token import Token
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """A task reduced.
+    """A reduced task.
 
     Attributes:
-        whole: the task.
-        tokens: names of the tokens that are left of it.
+        whole: the task before the reduction.
+        brought: names of the tokens that were brought in as tools.
+        tokens: names of the tokens of the reduced task.
         blocks: the blocks of the reduced network.
-        fillable: these, and blocks that tokens could fill if they could come to them.
+        fillable: these, and blocks that tokens could fill if edges led the tokens there.
     """
 
     whole: Task
+    brought: tuple[str, ...]
     tokens: Set[str]
     blocks: tuple[Block, ...]
     fillable: tuple[Block, ...]
@@ -42,29 +44,23 @@ class Reduction:
 
     @cached_property
     def task(self) -> Task:
-        """What is left of the task, of a domain with what is left of the network."""
+        """The reduced task; its domain has the reduced network."""
         kept = [token for token in self.whole.tokens if token.name in self.tokens]
-        return self.whole.restrict(self.tokens, domain=domain_part(self.whole, self.blocks, kept))
-
-    @cached_property
-    def blocks_left_out(self) -> tuple[str, ...]:
-        """Names of the blocks that are not in the reduced network, sorted."""
-        return tuple(sorted(self.whole.domain.block_by_name.keys() - self.names))
+        return self.whole.restrict(self.tokens, domain=restrict_domain(self.whole, self.blocks, kept))
 
     @cached_property
     def tokens_left_out(self) -> tuple[str, ...]:
-        """Names of the tokens that are not in the reduced task, sorted; all but places rest all the time."""
+        """Names of the tokens that are not in the reduced task, sorted; all except places rest all the time."""
         return tuple(sorted(self.whole.token_by_name.keys() - self.tokens))
 
     def restore(self, plan: TaskPlan) -> TaskPlan:
-        """Return the plan of the whole task from one of the reduced task: what was left out rests from start to end."""
-        whole = self.whole
-        resting = whole.domain.resting_block
-        left_out = [whole.token_by_name[name] for name in self.tokens_left_out]
+        """Extend a plan of the reduced task to the whole task: tokens that were left out rest from start to end."""
+        whole, resting = self.whole, self.whole.domain.resting_block
+        left_out = [token for name in self.tokens_left_out if not (token := whole.token_by_name[name]).place]
         number = sum(instance.block == resting.name for instance in plan.instances)
         more = [
             _resting(whole, resting, token, f"{resting.name}-{number + index}", plan.makespan)
-            for index, token in enumerate((token for token in left_out if not token.place), start=1)
+            for index, token in enumerate(left_out, start=1)
         ]
         instances = sorted((*plan.instances, *more), key=lambda i: (i.start, i.end, i.name))
         return replace(plan, instances=tuple(instances)) if more else plan
@@ -85,45 +81,43 @@ class Reducer:
 
     @cached_property
     def needed(self) -> frozenset[str]:
-        """The tokens that the goal names, or leaves to choose from, and those that start in a block."""
+        """The tokens that the goal names or offers as a choice, and those that start in a block."""
         chosen = (each for atom in self._task.goal if ANY in atom.arguments for each in self._task.groundings(atom))
         named = (name for atom in (*self._task.goal, *chosen) for name in atom.arguments)
         return frozenset(name for name in (*named, *self._begun) if name in self._task.token_by_name)
 
     @cached_property
     def capable(self) -> frozenset[str]:
-        """The tokens that agents have, or that have basic actions."""
+        """The tokens that belong to agents or have basic actions."""
         owned = (name for names in self._task.agents.values() for name in names)
         return frozenset((*owned, *(token.name for token in self._task.tokens if token.basic_actions)))
 
-    @cached_property
-    def _there(self) -> tuple[Token, ...]:
-        """The tokens that are there without being brought in."""
-        names = self.needed | self.capable
-        return tuple(token for token in self._task.tokens if token.name in names | self._places)
-
     def reduce(self, brought: Collection[str] = (), among: Collection[Block] | None = None) -> Reduction:
-        """Reduce the task to what its goal's tokens, the agents' and those that are in a block already can do together.
+        """Reduce the task to the blocks that the present tokens can fill together.
 
-        Blocks that are left out have a slot or a target that none of these can fill, no way in, or no way out where
-        one must leave, or nothing to do with the goal's tokens, not even by way of others. Places are always there.
-        Tokens that fit nowhere in what is left are left out, too.
+        Present are the needed tokens, the capable ones, places, and those that are brought in. A block is left out if
+        the present tokens cannot fill its slots and targets, if no way leads into it, if no way leads out of it
+        although its tokens must leave, or if no chain of shared tokens connects it with the needed tokens. A token is
+        left out if it fits no block that is left.
 
         Args:
-            brought: names of further tokens, brought in as tools.
-            among: the blocks that may be left; by default all.
+            brought: names of tokens that are brought in as tools.
+            among: the blocks that may be kept; by default all.
         """
         domain = self._task.domain
-        members = Members([*self._there, *(self._task.token_by_name[name] for name in brought)])
+        present = self.needed | self.capable | self._places
+        tokens = [token for token in self._task.tokens if token.name in present]
+        members = Members([*tokens, *(self._task.token_by_name[name] for name in brought)])
         fillable = [block for block in (domain.blocks if among is None else among) if members.can_fill(block)]
         blocks = _keep_passable(domain, fillable, {domain.resting, *self._begun.values()})
-        able = {block.name: members.able(block) for block in blocks if block.name != domain.resting}
+        able = {block.name: members.names(block) for block in blocks if block.name != domain.resting}
         related = self._relate(able)
         kept = [block for block in blocks if block.name in related or block.name not in able]
-        return Reduction(self._task, self.needed.union(*(able[name] for name in related)), tuple(kept), tuple(fillable))
+        names = self.needed.union(*(able[name] for name in related))
+        return Reduction(self._task, tuple(brought), names, tuple(kept), tuple(fillable))
 
     def _relate(self, able: Mapping[str, Set[str]]) -> list[str]:
-        """Return the blocks that have to do with the needed tokens, if only by way of others; places lead nowhere."""
+        """Return the blocks that chains of shared tokens, places excepted, connect with the needed tokens."""
         tokens, related = set(self.needed - self._places), list[str]()
         waiting = dict(able)
         while found := [name for name, fit in waiting.items() if not tokens.isdisjoint(fit)]:
@@ -136,13 +130,8 @@ class Reducer:
         return frozenset(token.name for token in self._task.tokens if token.place)
 
 
-def reduce_task(task: Task, brought: Collection[str] = ()) -> Reduction:
-    """Reduce a task, with tokens brought in as tools (see `Reducer.reduce`)."""
-    return Reducer(task).reduce(brought)
-
-
 def _keep_passable(domain: Domain, blocks: list[Block], started: Collection[str]) -> list[Block]:
-    """Keep the blocks that tokens can come to from where they start, and leave if they must."""
+    """Keep the blocks that tokens can reach from where they start, and can leave if they must."""
     kept = {block.name: block for block in blocks} | {name: domain.block_by_name[name] for name in started}
     size = -1
     while len(kept) != size:
@@ -157,7 +146,7 @@ def _keep_passable(domain: Domain, blocks: list[Block], started: Collection[str]
 
 
 def _enterable_blocks(domain: Domain, blocks: Mapping[str, Block], started: Collection[str]) -> set[str]:
-    """Return the blocks whose slots can all be come into, along edges from the blocks in which tokens start."""
+    """Return the blocks all of whose slots can be reached along edges from the blocks in which tokens start."""
     entered, size = set(started), -1
     while len(entered) != size:
         size = len(entered)

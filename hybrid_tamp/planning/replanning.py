@@ -1,7 +1,7 @@
 """Plan a task, optimise the plan, and replan if no hyperparameters satisfy it.
 
-The best hyperparameters may leave a condition unmet. Then nothing is executed: the binding of the block that fails is
-excluded and the task planner is asked again, as often as the task's limits allow.
+If even the best hyperparameters leave a condition unmet, nothing is executed. The binding of the failing block is
+excluded and the task planner runs again, as often as the task's limits allow.
 """
 
 from collections.abc import Callable
@@ -18,9 +18,9 @@ from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 from hybrid_tamp.workers.processes import count_processors
 
 FindPlan = Callable[[Task], PlanOutcome]
-"""A way to plan a task: a task planner, or a plan that was seen."""
+"""Plans a task: a task planner, or the transfer of a plan that was seen."""
 Progress = Callable[[float, str], None]
-"""Called with the share done, 0 to 1, and what is being done."""
+"""Called with the share of the work that is done, 0 to 1, and its description."""
 
 
 def plan_and_refine(
@@ -35,9 +35,9 @@ def plan_and_refine(
     Args:
         task: the task.
         find_plan: the task planner.
-        progress: told how far each optimisation is, and its best value so far.
-        backend: name of the physics backend in which a task with ``refine: physics`` tries candidates.
-        processes: how many it may use at once, by default one for each processor; the result does not depend on it.
+        progress: called with the share of each optimisation that is done, and its best value so far.
+        backend: name of the physics backend in which candidates of a task with ``refine: physics`` run.
+        processes: number of processes for physics, by default one per processor; the result does not depend on it.
 
     Raises:
         InputError: the planner or the backend is unknown.
@@ -77,7 +77,7 @@ def _optimise(
 
 
 def _failing_instance(task: Task, plan: TaskPlan, shortfall: Shortfall) -> BlockInstance:
-    """Return the instance to exclude: whose condition fails, or the last one that should bring a goal atom about."""
+    """Return the instance to exclude: its condition fails, or it is the last one that should achieve the goal atom."""
     if shortfall.where != GOAL:
         return next(instance for instance in plan.instances if instance.name == shortfall.where)
     last_first = sorted(plan.instances, key=lambda i: (i.end, i.start, i.name), reverse=True)
@@ -90,6 +90,6 @@ def _failing_instance(task: Task, plan: TaskPlan, shortfall: Shortfall) -> Block
 
 
 def _give_up(outcome: PlanOutcome, detail: str = "") -> PlanOutcome:
-    """Return the last outcome as that of the whole: no plan is left that can be carried out."""
+    """Return the last outcome as a failure: no plan is left that can be carried out."""
     sentence = f"{detail[0].upper()}{detail[1:]}." if detail else ""
     return replace(outcome, plan=None, chosen=None, failure=PlanningFailure(NOT_REFINED, sentence))

@@ -1,29 +1,29 @@
-"""Widening: which further objects are brought into a reduced network as tools, and in which order (paper, Sec. II-C).
+"""Widening: which other objects are brought into a reduced network as tools, and in which order (paper, Sec. II-C).
 
 "If the task cannot be accomplished with the reduced network, the network can be expanded by incorporating other
-available objects as tools." Nearest in the network comes first: by the edges between the blocks that an object makes
-fillable and those in use, which are the blocks of the reduced network and those that bring a goal atom about; then
-nearest in space; then by name.
+available objects as tools." The object that is nearest in the network comes first. Its distance is the number of edges
+between the blocks that it makes fillable and the blocks in use: those of the reduced network and those that bring a
+goal atom about. Ties are broken by the distance in space, then by name.
 """
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 
 import networkx as nx
 import numpy as np
 
-from hybrid_tamp.feasibility.backward_search import Backwards
+from hybrid_tamp.feasibility.backward_search import BackwardSearch
 from hybrid_tamp.feasibility.bindings import TooMany
-from hybrid_tamp.feasibility.relevance import relevant_blocks
+from hybrid_tamp.feasibility.relevance import find_relevant_blocks
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.planning.reduction import Reducer, Reduction
 
-LOOKED_AT = 16
-"""So many of the nearest objects are looked at one by one, whether with one of them the goal comes within reach."""
+MOST_EXAMINED = 16
+"""Number of nearest objects that are examined one by one: does this object alone bring the goal within reach?"""
 
 
 class Widening:
@@ -31,74 +31,67 @@ class Widening:
 
     Attributes:
         task: the task.
+        reducer: reduces the task.
     """
 
     def __init__(self, task: Task) -> None:
         self.task = task
-        self._reducer = Reducer(task)
-
-    def reduce(self, brought: Collection[str] = ()) -> Reduction:
-        """Return the task reduced, with objects brought in."""
-        return self._reducer.reduce(brought)
+        self.reducer = Reducer(task)
 
     @cached_property
     def all(self) -> Reduction:
-        """The relevant network with every object brought in: it has a plan if the full network has one."""
-        return self._reducer.reduce(self.task.token_by_name, relevant_blocks(self.task))
+        """The relevant network with all objects: it has a plan if the full network has one."""
+        return self.reducer.reduce(self.task.token_by_name, find_relevant_blocks(self.task))
 
-    def find_outside(self, reduction: Reduction, brought: Collection[str]) -> list[Token]:
-        """Return the objects that were not brought in yet and fit somewhere in the network, in the task's order."""
-        # Agents' tokens are always there, and come in with the first block that they can fill.
-        inside = reduction.tokens | self._reducer.capable | set(brought)
-        outside = self.all.tokens - inside
+    def find_outside(self, reduction: Reduction) -> list[Token]:
+        """Return the objects that were not brought in yet and fit a block of the network, in the task's order."""
+        # Agents' tokens are always present, and join the network with the first block that they can fill.
+        outside = self.all.tokens - reduction.tokens - self.reducer.capable - set(reduction.brought)
         return [token for token in self.task.assigned if token.name in outside]
 
-    def choose_next(self, reduction: Reduction, brought: Collection[str], most: int) -> list[str]:
-        """Return the names of the objects to bring in next, in their order; none are left if there are none.
+    def choose_next(self, reduction: Reduction, most: int) -> list[str]:
+        """Return the names of the objects to bring in next, in their order; an empty list if none is left.
 
-        One is enough if the goal comes within reach with it, as far as can be told without planning. Else it is the
-        nearest ones: `most` of them, or all if even with all of them the goal stays out of reach.
+        One object is enough if it brings the goal within reach, as far as can be told without planning. Otherwise these
+        are the `most` nearest objects, or all if the goal stays out of reach even with all of them.
         """
-        order = self.order_by_distance(reduction, brought)
-        for name in order[:LOOKED_AT]:
-            if is_within_reach(self.reduce((*brought, name)).task):
+        order = self._order_by_distance(reduction)
+        for name in order[:MOST_EXAMINED]:
+            if is_within_reach(self.reducer.reduce((*reduction.brought, name)).task):
                 return [name]
         return order[:most] if len(order) <= most or is_within_reach(self.all.task) else order
 
-    def order_by_distance(self, reduction: Reduction, brought: Collection[str]) -> list[str]:
-        """Return the names of the objects that are left out and fit somewhere, the nearest first."""
+    def _order_by_distance(self, reduction: Reduction) -> list[str]:
+        """Return the names of the objects that can be brought in, the nearest first."""
         near = self._distances(reduction)
         kinds: dict[tuple[type, ...], float] = {}
-        for token in self.find_outside(reduction, brought):
+        found = []
+        for token in self.find_outside(reduction):
             if token.classes not in kinds:
-                fillable = self.newly_fillable(reduction, brought, token.name)
+                fillable = self.find_newly_fillable(reduction, token.name)
                 kinds[token.classes] = min((near.get(block, math.inf) for block in fillable), default=math.inf)
-        found = [
-            (kinds[token.classes], self._distance(token.name), token.name)
-            for token in self.find_outside(reduction, brought)
-        ]
+            found.append((kinds[token.classes], self._distance(token.name), token.name))
         return [name for _, _, name in sorted(found)]
 
-    def newly_fillable(self, reduction: Reduction, brought: Collection[str], name: str) -> tuple[str, ...]:
+    def find_newly_fillable(self, reduction: Reduction, name: str) -> tuple[str, ...]:
         """Return the names of the blocks that an object makes fillable, sorted."""
         members = {above for member in self.task.token_by_name[name].classes for above in member.__mro__}
         roles = {block.name: block for each in members for block in self._asking.get(each, ())}
         roles |= {block.name: block for block in reduction.fillable}
-        wider = self._reducer.reduce((*brought, name), roles.values())
+        wider = self.reducer.reduce((*reduction.brought, name), roles.values())
         return tuple(sorted(wider.names - reduction.names))
 
     @cached_property
     def _asking(self) -> dict[type, list[Block]]:
-        """The blocks that ask for a class, in a slot or a target."""
+        """Class of a slot or a target to the blocks that have one of this class."""
         found: dict[type, list[Block]] = {}
         for block in self.all.blocks:
-            for sort in set(block.roles.values()):
-                if not isinstance(sort, SymbolSort):
-                    found.setdefault(sort, []).append(block)
+            for sort in {sort for sort in block.roles.values() if not isinstance(sort, SymbolSort)}:
+                found.setdefault(sort, []).append(block)
         return found
 
     def _distances(self, reduction: Reduction) -> Mapping[str, float]:
-        """Return how many edges each block of the network is from the nearest in use; not by way of resting."""
+        """Return the number of edges from each block to the nearest block in use, on ways that avoid resting."""
         graph: nx.Graph[str] = nx.Graph()
         graph.add_nodes_from(self.all.names)
         edges = ((one, other) for (one, _), (other, _) in self.task.domain.network.graph.edges)
@@ -109,7 +102,7 @@ class Widening:
         return dict(nx.multi_source_dijkstra_path_length(graph, used, weight=None)) if used else {}
 
     def _distance(self, name: str) -> float:
-        """Return how far [m] an object is from the nearest token that the goal names; 0 where that cannot be said."""
+        """Return the distance of an object from the nearest token that the goal names [m]; 0 if one has no position."""
         state = self.task.state
         named = {each for atom in self.task.goal for each in atom.arguments}
         there = [state[each, "position"] for each in named if (each, "position") in state.layout.slices]
@@ -141,17 +134,17 @@ def _may_be(task: Task, block: Block, literal: Literal, atom: Atom) -> bool:
 
 
 def find_unreachable(task: Task) -> list[Atom]:
-    """Return the goal atoms that do not hold and that no block brings about: a glance, without a look further back."""
+    """Return the goal atoms that do not hold and that no block brings about, without searching further back."""
     return [
         atom for atom in task.goal if task.margin(atom) < 0 and not any(find_achievers(task, task.domain.blocks, atom))
     ]
 
 
 def is_within_reach(task: Task) -> bool:
-    """Say whether the goal may be reached as far as can be told without planning (see `backwards`)."""
+    """Say whether the goal may be reached, as far as can be told without planning (see `backward_search`)."""
     if find_unreachable(task):
         return False
-    search = Backwards(task)
+    search = BackwardSearch(task)
     try:
         return any(all(map(search.explore, each.goal)) for each in task.alternatives())
     except TooMany:

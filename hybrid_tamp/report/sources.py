@@ -64,7 +64,7 @@ def best(retuning: Retuning) -> Value | None:
 
 def breaches(result: RunResult) -> tuple[str, ...]:
     """Breaches of the law of assignment by the recording; empty if there are none."""
-    return tuple(map(str, result.law))
+    return tuple(breach.text for breach in result.law)
 
 
 def result_schema(result: RunResult) -> Literal["hybrid-tamp/result/1"]:

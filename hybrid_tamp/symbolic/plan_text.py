@@ -44,7 +44,7 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
         raise InputError([Issue(str(path), wanted, str(error))]) from error
     breaches = check_law(task, plan)
     if breaches:
-        raise InputError([Issue(str(path), wanted, str(breach)) for breach in breaches])
+        raise InputError([Issue(str(path), wanted, breach.text) for breach in breaches])
     return plan
 
 

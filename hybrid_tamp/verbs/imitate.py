@@ -142,6 +142,6 @@ def _outcome(task: Task, moved: Transfer, seconds: float) -> PlanOutcome:
     outcome = PlanOutcome(task, PlannerFigures(_WAY, seconds, _WAY), PlannedNetwork.of(task, task))
     breaches = check_law(task, moved.plan)
     if breaches:
-        detail = f"the demonstration is not a plan of the task: {breaches[0]}"
+        detail = f"the demonstration is not a plan of the task: {breaches[0].text}"
         return replace(outcome, failure=PlanningFailure(KIND, detail))
     return replace(outcome, plan=moved.plan, chosen=moved.task)

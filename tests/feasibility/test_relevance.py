@@ -9,7 +9,7 @@ from random_series import RandomSeries
 from serial import Part, Tool, block, changing
 from tools import CROWBAR, HAMMER, Ball, domain, task
 
-from hybrid_tamp.feasibility.relevance import relevant_blocks, relevant_part
+from hybrid_tamp.feasibility.relevance import find_relevant_blocks, keep_relevant
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.widening import Widening
@@ -22,7 +22,7 @@ LONELY = changing("lonely", Tool)
 
 
 def names(of: Task) -> set[str]:
-    return {each.name for each in relevant_blocks(of)}
+    return {each.name for each in find_relevant_blocks(of)}
 
 
 def chain(*edges: tuple[str, str]) -> Task:
@@ -41,14 +41,14 @@ def test_what_no_goal_asks_for_is_irrelevant() -> None:
     things = {"hammer": HAMMER, "bar": CROWBAR, "ball": [Ball]}
     whole = task(things, of=domain(3))
     assert names(whole) == {"RESTING", "GRASPING", "DRIVING", "LEVERING"}
-    part = relevant_part(whole)
+    part = keep_relevant(whole)
     assert set(part.token_by_name) == {"hand", "nail", "hammer", "bar"}
     assert {"near-0", "moved-0", "pushed"}.isdisjoint(part.domain.predicate_by_name)
 
 
 def test_the_task_itself_where_all_is_relevant() -> None:
-    part = relevant_part(task({"hammer": HAMMER}))
-    assert relevant_part(part) is part
+    part = keep_relevant(task({"hammer": HAMMER}))
+    assert keep_relevant(part) is part
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_a_condition_on_other_things_is_not_asked_for() -> None:
 def test_no_plan_is_lost(seed: int) -> None:
     whole = RandomSeries(seed).task()
     assume(all(can_start(whole.domain.block_by_name[each]) for each in whole.assignment.values()))
-    part = relevant_part(whole)
+    part = keep_relevant(whole)
     assume(part is not whole)
     found, expected = (shortest_plan(compile_task(each).problem) for each in (part, whole))
     assert (found is None) == (expected is None)
@@ -107,7 +107,7 @@ def test_no_plan_is_lost(seed: int) -> None:
 def test_nothing_irrelevant_is_brought_in() -> None:
     whole = task({f"odd {i}": [c] for i, c in enumerate(domain(3).classes[-3:])}, of=domain(3))
     widening = Widening(whole)
-    assert widening.find_outside(widening.reduce(), ()) == []
+    assert widening.find_outside(widening.reducer.reduce()) == []
 
 
 def test_an_explanation_asks_nothing_about_what_is_irrelevant() -> None:

@@ -3,14 +3,15 @@
 from collections.abc import Iterable, Iterator, Mapping, Set
 from itertools import product
 
-from hybrid_tamp.feasibility.bindings import Margins, static_entry
+from hybrid_tamp.feasibility.bindings import order_conditions
 from hybrid_tamp.feasibility.passages import Passages
-from hybrid_tamp.feasibility.shares import amount
+from hybrid_tamp.feasibility.shares import with_unit
 from hybrid_tamp.model.affordance import ObjectClass, is_place
 from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.change import AddEdge, Change, CopyToken, GrantFact, IdealToken, JoinClass, SetProperty
 from hybrid_tamp.model.explanation import Reason
+from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import Atom, Literal, Value
@@ -69,7 +70,7 @@ class _Space:
 
     def __init__(self, task: Task) -> None:
         self.task = task
-        self._margins = Margins(task)
+        self._facts = StaticFacts(task)
         self._passages = Passages(task)
         self._slots = {(b.name, s.name): s.object_class for b in task.domain.blocks for s in b.slots}
 
@@ -126,7 +127,7 @@ class _Space:
     def fact(self, atom: Atom) -> Change:
         """Return the change by a feasibility fact that is as it has to be."""
         predicate = self.task.domain.predicate_by_name[atom.predicate]
-        return GrantFact(atom, amount(-self.task.margin(atom), predicate.unit))
+        return GrantFact(atom, with_unit(-self.task.margin(atom), predicate.unit))
 
     def failing(self) -> list[Atom]:
         """Return the feasibility facts that alone keep some tokens out of some block, the nearest first."""
@@ -138,7 +139,7 @@ class _Space:
 
     def _single_failures(self, block: Block) -> Iterator[dict[Atom, float]]:
         """Yield the one fact that fails in each binding of the block in which no other one does."""
-        conditions = static_entry(block)
+        conditions = order_conditions(block)
         roles = {argument for literal in conditions for argument in literal.arguments if argument in block.roles}
         choices = {role: values for role, values in self.task.choices(block).items() if role in roles}
 
@@ -158,7 +159,7 @@ class _Space:
         found: dict[Atom, float] = {}
         for literal in conditions:
             decided = all(argument in bound for argument in literal.arguments if argument in roles)
-            margin = self._margins.of(literal, bound) if decided else 0.0
+            margin = self._facts.margin(literal, bound) if decided else 0.0
             if margin < 0:
                 found[literal.ground(bound)] = margin / literal.predicate.scale
                 if literal.predicate.rows is not None or len(found) > 1:

@@ -11,10 +11,10 @@ import shlex
 import time
 from dataclasses import replace
 
-from hybrid_tamp.feasibility.backward_search import Backwards
+from hybrid_tamp.feasibility.backward_search import BackwardSearch
 from hybrid_tamp.feasibility.bindings import TooMany
 from hybrid_tamp.feasibility.reasons import merge_reasons
-from hybrid_tamp.feasibility.relevance import relevant_part
+from hybrid_tamp.feasibility.relevance import keep_relevant
 from hybrid_tamp.model.explanation import Explanation, Reason, Suggestion
 from hybrid_tamp.model.outcome import CLASS_UNKNOWN, MESSAGES, NOT_REFINED, Exclusion, PlanOutcome
 from hybrid_tamp.model.predicate import Atom
@@ -77,7 +77,7 @@ def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
     Returns:
         The suggestions, and the smallest set of reasons that was found in the time (see `minimal_reasons`).
     """
-    part = relevant_part(task)
+    part = keep_relevant(task)
     reasons = explain_alternatives(part, proven=True)
     with TrialPlanner(time.monotonic() + seconds) as trials:
         found = _find_repairs(part, reasons, trials, most)
@@ -103,10 +103,10 @@ def explain(task: Task, proven: bool = False) -> list[Reason]:
         task: the task.
         proven: whether it is proven that there is no plan; then a reason says if no single fact excludes one.
     """
-    search = Backwards(task)
+    search = BackwardSearch(task)
     open_atoms = [atom for atom in task.goal if not search.holds(atom)]
     # The last blocks come first, because the search further back is bounded.
-    direct = {atom: search.direct(atom) for atom in open_atoms}
+    direct = {atom: search.explain_directly(atom) for atom in open_atoms}
     reasons = {atom: told or _reasons(search, atom) for atom, told in direct.items()}
     found = [reason for atom in open_atoms for reason in merge_reasons(atom, reasons[atom])]
     return found if found or not proven else [_hidden(open_atoms)]
@@ -147,7 +147,7 @@ def _hidden(atoms: list[Atom]) -> Reason:
     return Reason(tuple(atoms), "", "together", message)
 
 
-def _reasons(search: Backwards, goal: Atom) -> list[Reason]:
+def _reasons(search: BackwardSearch, goal: Atom) -> list[Reason]:
     try:
         return [] if search.explore(goal) else _Walk(search).reasons(goal)
     except TooMany:
@@ -157,9 +157,9 @@ def _reasons(search: Backwards, goal: Atom) -> list[Reason]:
 class _Walk:
     """From an atom that cannot be reached back to the reasons for it."""
 
-    def __init__(self, search: Backwards) -> None:
+    def __init__(self, search: BackwardSearch) -> None:
         self._search = search
-        self._reached = search.reached()
+        self._reached = search.find_reached()
         self._known: dict[Atom, list[Reason]] = {}
 
     def reasons(self, atom: Atom) -> list[Reason]:
@@ -168,7 +168,7 @@ class _Walk:
             # A way that leads back to itself has no reason of its own.
             self._known[atom] = []
             ways = self._search.ways[atom]
-            at_hand = [] if ways.reasons else self._search.at_hand(atom, self._reached)
+            at_hand = [] if ways.reasons else self._search.explain_infeasible(atom, self._reached)
             missing = {next(wait for wait in waits if wait not in self._reached): None for waits in ways.waits}
             behind = [found for wait in missing if (found := self.reasons(wait))]
             nearest = max(behind, key=self._nearness, default=[])

@@ -12,7 +12,7 @@ from itertools import product
 
 import numpy as np
 
-from hybrid_tamp.feasibility.bindings import static_entry
+from hybrid_tamp.feasibility.bindings import order_conditions
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block
@@ -170,7 +170,7 @@ class Hypotheses:
     def _feasible(self, block: Block, slots: Roles) -> list[Roles]:
         """Return the targets that the feasibility facts allow, tokens before symbols, in the order of the task."""
         choices = self.task.choices(block, self.task.bind(dict(slots)))
-        conditions = static_entry(block)
+        conditions = order_conditions(block)
         found = enumerate_bindings(order_roles(choices, conditions), conditions, self._holds)
         targets = sorted(block.targets, key=lambda target: isinstance(target.sort, SymbolSort))
         order = {t.name: {name_of(v): place for place, v in enumerate(choices[t.name])} for t in targets}

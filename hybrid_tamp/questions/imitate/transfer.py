@@ -203,7 +203,7 @@ def _transfer_roles(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles
         return str(error)
     breaches = check_law(task, scheduled)
     if breaches:
-        return "; ".join(map(str, breaches[:_MOST_BREACHES]))
+        return "; ".join(breach.text for breach in breaches[:_MOST_BREACHES])
     ground = next(each for each in task.alternatives() if not check_law(each, scheduled))
     actions = tuple(reencode(compile_task(ground), scheduled))
     return Transfer(replace(scheduled, actions=actions), ground, roles)

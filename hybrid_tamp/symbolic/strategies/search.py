@@ -158,7 +158,7 @@ class Search:
         with self.stage("law"):
             violations = check_law(self.task, candidate.plan)
         if violations:
-            self._refuse(candidate.way, "; ".join(map(str, violations)))
+            self._refuse(candidate.way, "; ".join(each.text for each in violations))
         return None if violations else candidate
 
     def _refuse(self, way: str, reason: str) -> None:
