@@ -84,12 +84,14 @@ class NoPlan(HybridTampError):
     Attributes:
         proven: True if no plan can exist, False if the planner merely found none.
         kind: ``unsolvable``, ``not_found``, ``planner_crashed``, ``plan_refused`` or ``class_unknown``.
+        probes: task and token of each probe that finds out whether there can be a plan.
     """
 
-    def __init__(self, message: str, *, proven: bool, kind: str) -> None:
+    def __init__(self, message: str, *, proven: bool, kind: str, probes: Sequence[tuple[str, str]] = ()) -> None:
         super().__init__(message)
         self.proven = proven
         self.kind = kind
+        self.probes = tuple(probes)
 
     @property
     def exit_status(self) -> int:  # type: ignore[override]

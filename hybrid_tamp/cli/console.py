@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from hybrid_tamp.errors import HybridTampError, InputError, Issue, LimitReached
+from hybrid_tamp.errors import HybridTampError, InputError, Issue, LimitReached, NoPlan
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -86,6 +86,11 @@ def _with_flags(error: HybridTampError) -> HybridTampError:
     """Return the error with flags of the command line in place of the arguments that its issues name."""
     if isinstance(error, LimitReached):
         return LimitReached(str(error).replace("time_limit", "--time-limit"), limit=error.limit)
+    if isinstance(error, NoPlan) and error.probes:
+        from hybrid_tamp.report.sources import describe_probe
+
+        commands = [f"  {describe_probe(source, token)}" for source, token in error.probes]
+        return NoPlan("\n".join([str(error), *commands]), proven=error.proven, kind=error.kind)
     if not isinstance(error, InputError):
         return error
     issues = [

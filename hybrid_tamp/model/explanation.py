@@ -35,6 +35,7 @@ class Reason:
         margin: its margin, or None.
         unit: unit of the margin.
         lacks: the class with too few tokens, or the slot to which no edge leads; or None.
+        probe: the task file or task, and the token, of a probe that would settle the reason; or None.
     """
 
     goal: tuple[Atom, ...]
@@ -45,6 +46,7 @@ class Reason:
     margin: float | None = None
     unit: str = ""
     lacks: type[ObjectClass] | SlotName | None = None
+    probe: tuple[str, str] | None = None
 
     @property
     def goal_text(self) -> str:

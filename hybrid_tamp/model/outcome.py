@@ -164,7 +164,9 @@ class PlanOutcome(Tabular):
         message = self.failure.message if self.explanation is None else self.explanation.text
         if self.failure.kind == NOT_REFINED:
             message = "\n".join([self.failure.message, *(f"  {each.text}" for each in self.excluded)])
-        return NoPlan(message, proven=self.status == "unsolvable", kind=self.failure.kind)
+        reasons = () if self.explanation is None else self.explanation.reasons
+        probes = [reason.probe for reason in reasons if reason.probe]
+        return NoPlan(message, proven=self.status == "unsolvable", kind=self.failure.kind, probes=probes)
 
     def required(self) -> TaskPlan:
         """Return the plan.

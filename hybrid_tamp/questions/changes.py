@@ -1,7 +1,7 @@
-"""Changed tasks: with one more token, one more class for a token, more edges, facts granted, another property.
+"""Changed tasks: with one more token, one more class for a token, more edges, granted facts, another property.
 
-A changed task is solved as any other. What is not known of it is assumed to be ideal: a token of a class of which the
-task has no member meets every feasibility fact that is asked of it as a member.
+A changed task is planned like any other. What is unknown of it is assumed to be ideal: if a class has no members yet, a
+new member meets every feasibility fact about members.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -41,7 +41,7 @@ def apply_change(task: Task, change: Change) -> Task:
 
 
 def apply_together(task: Task, changes: Collection[Change]) -> Task:
-    """Return the task with many edges or many facts, or with any single change or none."""
+    """Return the task with several edges, several facts, a single change of any kind, or no change."""
     if len(changes) == 1:
         (change,) = changes
         return apply_change(task, change)
@@ -52,9 +52,9 @@ def apply_together(task: Task, changes: Collection[Change]) -> Task:
 
 
 def more_tokens(task: Task, like: Token) -> Iterator[CopyToken]:
-    """Yield one more token like one that is there: beside it, then on the other side of each object.
+    """Yield copies of a token: one beside it, then one on the other side of each object.
 
-    Symbols do not ask whether two objects are in one place; the copy is put as far away as it is long all the same.
+    The copy beside it is placed one length away, although symbols do not notice if two objects overlap.
     """
     yield CopyToken(like)
     position = task.state[like, "position"]
@@ -66,36 +66,34 @@ def more_tokens(task: Task, like: Token) -> Iterator[CopyToken]:
 
 
 def _copy_position(task: Task, like: Token, across_from: Token | None) -> FloatArray:
-    """Return where a copy is: beside the token, or on the other side of another one [m]."""
+    """Return the position of a copy: beside the token, or on the other side of another one [m]."""
     position = task.state[like, "position"]
     if across_from is None:
-        return np.asarray(position + np.array([0.0, _extent(like), 0.0]))
+        longest = 0.1 if like.shape is None else float(np.ptp(points_of(like.shape), axis=0).max())
+        return np.asarray(position + np.array([0.0, longest, 0.0]))
     middle = task.state[across_from, "position"]
     return np.array([*(2.0 * middle - position)[:2], position[2]])
 
 
 def task_root(task: Task) -> type[ObjectClass]:
-    """Return the class of which every token of the task but places is a member."""
+    """Return the class of which every token of the task except places is a member."""
     return task.domain.resting_block.slots[0].object_class
 
 
 def with_copy(task: Task, like: Token, position: FloatArray) -> Task:
     """Return the task with a copy of a token at a position [m]; the copy belongs to the same agent."""
-    copy = replace(like, name=free_name(task, like.name))
+    copy = replace(like, name=_free_name(task, like.name))
     state = {(copy.name, varying.name): task.state[like, varying.name] for varying in like.varying}
     agents = {agent: (*names, copy.name) if like.name in names else names for agent, names in task.agents.items()}
     return _add_token(task, copy, {**state, (copy.name, "position"): position}, like, agents)
 
 
 def with_ideal(task: Task, object_class: type[ObjectClass]) -> Task:
-    """Return the task with a token of a class that has no members yet; it meets every fact that is asked of it."""
-    ideal = replace(Token(free_name(task, object_class.name.lower()), (), {}), classes=_with_root(task, object_class))
+    """Return the task with a token of a class that has no members yet; it meets every fact about it."""
+    classes = tuple(sorted({object_class, task_root(task)}, key=lambda each: each.name))
+    ideal = Token(_free_name(task, object_class.name.lower()), classes, {})
     more = _add_token(task, ideal, {}, None, task.agents)
     return more.replaced(domain=granted(more.domain, lambda _, values: any(v is ideal for v in values)))
-
-
-def _with_root(task: Task, object_class: type[ObjectClass]) -> tuple[type[ObjectClass], ...]:
-    return tuple(sorted({object_class, task_root(task)}, key=lambda each: each.name))
 
 
 def _add_token(
@@ -128,8 +126,7 @@ def _given(task: Task) -> dict[tuple[str, str], Any]:
     return {(token.name, each.name): task.state[token, each.name] for token in task.tokens for each in token.varying}
 
 
-def free_name(task: Task, name: str) -> str:
-    """Return a name like this one that no token has."""
+def _free_name(task: Task, name: str) -> str:
     number = 2
     while f"{name} ({number})" in task.token_by_name:
         number += 1
@@ -137,7 +134,7 @@ def free_name(task: Task, name: str) -> str:
 
 
 def with_token(task: Task, token: Token) -> Task:
-    """Return the task with another token in place of the one of the same name; its state stays the same."""
+    """Return the task with a token in place of the one of the same name, in the same state."""
     tokens = tuple(token if each.name == token.name else each for each in task.tokens)
     names = {(each.name, varying.name) for each in tokens for varying in each.varying}
     state = State.of(tokens, {key: value for key, value in _given(task).items() if key in names})
@@ -147,8 +144,8 @@ def with_token(task: Task, token: Token) -> Task:
 def with_class(task: Task, token: Token, object_class: type[ObjectClass]) -> Task:
     """Return the task in which a token is a member of one more class.
 
-    The token takes the properties that the class asks for from the first member of the class. If there is none, the
-    token meets every fact that is asked of a member.
+    The token takes missing properties of the class from the first member. If there is no member, the token meets every
+    fact about members.
     """
     members = [each for each in task.values_of(object_class) if isinstance(each, Token)]
     classes = tuple(sorted({*token.classes, object_class}, key=lambda each: each.name))
@@ -173,7 +170,7 @@ def with_edges(task: Task, more: Iterable[tuple[SlotName, SlotName]]) -> Task:
 
 
 def with_facts(task: Task, atoms: Iterable[Atom]) -> Task:
-    """Return the task in which feasibility facts are as conditions need them, whatever their margins are."""
+    """Return the task in which these feasibility facts hold, whatever their margins are."""
     domain = task.domain
     for positive in (True, False):
         wanted = {(atom.predicate, *atom.arguments) for atom in atoms if atom.positive is positive}
@@ -190,15 +187,15 @@ Granted = Callable[[Predicate, tuple[Value, ...]], bool]
 
 
 def granted(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collection[str] = ()) -> Domain:
-    """Return the domain in which some feasibility facts are decreed.
+    """Return the domain in which some feasibility facts have a given margin.
 
-    Not everything may be known of the tokens that they speak of: a changing predicate that cannot be evaluated does
-    not hold, and durations are not estimated.
+    Properties of the tokens in these facts may be unknown. So a changing predicate that cannot be evaluated does not
+    hold, and durations are not estimated.
 
     Args:
         domain: the domain.
-        wanted: says which facts.
-        margin: the margin that they get.
+        wanted: says whether a fact gets the margin.
+        margin: the margin.
         names: the predicates of these facts; any predicate if empty.
     """
     changed = {
@@ -237,8 +234,3 @@ def _granted(predicate: Predicate, wanted: Granted, margin: float) -> Predicate:
             return np.full(state.values.shape[:-1], -1.0)
 
     return replace(predicate, margin=decided, by_name=True)
-
-
-def _extent(token: Token) -> float:
-    """Return how long a token is along its longest side [m], as far as is known."""
-    return 0.1 if token.shape is None else float(np.ptp(points_of(token.shape), axis=0).max())

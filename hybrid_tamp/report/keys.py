@@ -75,7 +75,7 @@ QUESTION_KEYS: Mapping[type, Keys] = {
         Key("goal", "goal_text"),
         "block",
         Key("kind", sources.kind),
-        "message",
+        Key("message", sources.message),
         Key("atom", "atom_text", default=""),
         Key("margin", default=None),
         Key("unit", default=""),

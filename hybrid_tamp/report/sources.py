@@ -1,5 +1,6 @@
 """Values of keys that are not attributes of a dataclass; the docstrings describe the keys in the JSON Schemas."""
 
+import shlex
 from math import isfinite
 from typing import Literal
 
@@ -40,6 +41,18 @@ def edges(network: PlannedNetwork) -> tuple[tuple[str, str], ...]:
 def kind(reason: Reason) -> str:
     """What is wrong, in a word."""
     return reason.kind
+
+
+def message(reason: Reason) -> str:
+    """The reason in words."""
+    if reason.probe is None:
+        return reason.message
+    return f"{reason.message}; {describe_probe(*reason.probe)}"
+
+
+def describe_probe(source: str, token: str) -> str:
+    """Return the command that finds out of which classes a token of a task is a member."""
+    return f"'hybrid-tamp probe {source} --token {shlex.quote(token)} --write NEW.yaml' finds out"
 
 
 def solvable(suggestion: Suggestion) -> Literal[True]:

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from hybrid_tamp.model.membership import MembershipResult
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
+from hybrid_tamp.questions.explain.explanation import explain_failure
 from hybrid_tamp.questions.probe.membership import MOST_STARTS, STARTS, Prober, Tell
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.taskfile.loader import load_task
@@ -55,7 +57,10 @@ def probe(
         task = load(source, settings)
 
         def find_plan(trial: Task) -> TaskPlan:
-            return plan_task(trial, process).required()
+            outcome = plan_task(trial, process)
+            if outcome.plan is None:
+                outcome = replace(outcome, explanation=explain_failure(outcome))
+            return outcome.required()
 
         prober = Prober(find_plan, physics, starts, most_starts, deadline=deadline, tell=tell)
         return prober.probe(task, token, classes, task.seed)

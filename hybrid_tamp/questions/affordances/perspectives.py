@@ -1,9 +1,9 @@
 """Which object affords which block, and to whom (paper, Sec. II-E).
 
-An object affords a block if it can be in one of the block's slots. In the *environment's* perspective its classes alone
-decide. In an *agent's* perspective the agent's capability tokens must fill the other slots so that every feasibility
-fact holds, and edges must lead all of them there; that choice of tokens is the witness. Conditions that depend on the
-state are not examined.
+An object affords a block if it can be in one of the block's slots. In the *environment's* perspective only its classes
+count. In an *agent's* perspective the agent's capability tokens must fill the other slots so that every feasibility
+fact holds, and all tokens must reach their slots along edges; the binding is the witness. Conditions that depend on
+the state are ignored.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -24,7 +24,7 @@ def find_affordances(task: Task, view: View, agent: str | None = None) -> list[A
     Args:
         task: the task.
         view: the perspective.
-        agent: only what this agent, or a group with it, is afforded; everybody if None.
+        agent: name of an agent; then only what is afforded to it or to a group with it counts.
     """
     views: Mapping[View, Callable[[Task], list[Affordance]]] = {
         "environment": environment,
@@ -45,7 +45,7 @@ def environment(task: Task) -> list[Affordance]:
 
 
 def afforded_to(task: Task, *names: str) -> list[Affordance]:
-    """Return what is afforded to an agent, or to several that pool their tokens."""
+    """Return what is afforded to an agent, or to several agents that pool their tokens."""
     own = _of_agents(task, names)
     fillable = FillableBlocks(own)
     found = []
@@ -58,7 +58,7 @@ def afforded_to(task: Task, *names: str) -> list[Affordance]:
 
 
 def observer(task: Task) -> tuple[list[Affordance], list[Implication]]:
-    """Return what each agent is afforded, and what that implies for agents with the same capability classes."""
+    """Return what is afforded to each agent, and what it implies for agents with the same capability classes."""
     by_agent = {name: afforded_to(task, name) for name in task.agents}
     implied = [
         Implication(seen, other, next((one.witness for one in by_agent[other] if one.key[1:] == seen.key[1:]), {}))
@@ -71,7 +71,7 @@ def observer(task: Task) -> tuple[list[Affordance], list[Implication]]:
 
 
 def team(task: Task) -> list[Affordance]:
-    """Return what is afforded to a group of agents and to no smaller group within it."""
+    """Return what is afforded to a group of agents but to no smaller group within it."""
     found: list[Affordance] = []
     known: dict[tuple[object, ...], list[frozenset[str]]] = {}
     for size in range(1, len(task.agents) + 1):
@@ -85,7 +85,7 @@ def team(task: Task) -> list[Affordance]:
 
 
 def capabilities(task: Task, name: str) -> frozenset[tuple[str, int]]:
-    """Return the capability classes of an agent's tokens, each with a number from 1, so that more include fewer."""
+    """Return the capability classes of an agent's tokens, the tokens of each class numbered from 1."""
     counted: list[str] = []
     for token in task.agents[name]:
         members = task.token_by_name[token].classes
@@ -104,7 +104,7 @@ def _of_agents(task: Task, names: Iterable[str]) -> Task:
 
 
 def _offered(task: Task, thing: Token) -> Iterator[tuple[Block, Slot]]:
-    """Yield the slots for objects, not for hands, of whose class a token is a member."""
+    """Yield the slots for objects, not for hands, that a token fits by its classes."""
     for block in task.domain.blocks:
         for slot in block.slots:
             general = slot.object_class is task_root(task) or issubclass(slot.object_class, CapabilityClass)

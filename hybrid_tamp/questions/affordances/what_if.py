@@ -1,4 +1,4 @@
-"""A task with one token more or less, as a question asks: ``+CLASS`` or ``-TOKEN``."""
+"""What if the task had one token more or less: questions of the form ``+CLASS`` or ``-TOKEN``."""
 
 from collections.abc import Callable, Iterable
 
@@ -13,13 +13,13 @@ FindAffordances = Callable[[Task], list[Affordance]]
 
 
 def answer_what_if(task: Task, question: str, before: Iterable[Affordance], find: FindAffordances) -> WhatIf:
-    """Return what is gained and lost by one token more or less.
+    """Return the affordances that are gained and lost with one token more or less.
 
     Args:
         task: the task.
         question: ``+CLASS`` or ``-TOKEN``.
-        before: what is afforded without the change.
-        find: finds what is afforded.
+        before: the affordances without the change.
+        find: finds affordances.
 
     Raises:
         InputError: the question has another form, or there is no such class or token.
@@ -33,16 +33,11 @@ def answer_what_if(task: Task, question: str, before: Iterable[Affordance], find
 
 
 def change_task(task: Task, question: str, find: FindAffordances) -> Task:
-    """Return the task that a question is about.
+    """Return the changed task of a question (see `answer_what_if`).
 
-    One more token is a copy of the first one of its class, for the same agent, beside it or across from it, wherever
-    most is afforded then. A token of a class without members meets every fact that is asked of it, and belongs to no
-    agent.
-
-    Args:
-        task: the task.
-        question: ``+CLASS`` or ``-TOKEN``.
-        find: finds what is afforded.
+    One more token is a copy of the first member of the class and belongs to the same agent. It is placed where it gives
+    the most affordances: beside the original or across from it. A token of a class without members meets every fact
+    about it and belongs to no agent.
 
     Raises:
         InputError: the question has another form, or there is no such class or token.

@@ -1,4 +1,4 @@
-"""The single changes that might give a task a plan; those first to which the reasons point."""
+"""The single changes that might give a task a plan; first those to which the reasons point."""
 
 from collections.abc import Iterable, Iterator, Mapping, Set
 from itertools import product
@@ -21,9 +21,9 @@ from hybrid_tamp.questions.explain.property_changes import property_changes
 
 
 def candidates(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
-    """Yield every single change, each once, in the order in which they are worth trying."""
+    """Yield every single change once, the most promising first."""
     seen: set[Change] = set()
-    for change in _ordered(_Space(task), reasons):
+    for change in _Space(task).ordered(reasons):
         # One property may make several facts hold.
         if change not in seen:
             seen.add(change)
@@ -31,12 +31,12 @@ def candidates(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
 
 
 def answers(task: Task, reason: Reason) -> Iterator[Change]:
-    """Yield the single changes that remove what a reason complains of."""
+    """Yield the single changes that remove the cause of a reason."""
     return _Space(task).pointed(reason)
 
 
 def points_to(reason: Reason, change: Change) -> bool:
-    """Say whether a change removes what a reason complains of."""
+    """Say whether a change removes the cause of a reason."""
     match change:
         case CopyToken(like):
             return reason.lacks in like.classes
@@ -48,25 +48,8 @@ def points_to(reason: Reason, change: Change) -> bool:
             return reason.atom == atom
 
 
-def _ordered(space: "_Space", reasons: Iterable[Reason]) -> Iterator[Change]:
-    for reason in reasons:
-        yield from space.pointed(reason)
-    yield from space.tokens()
-    yield from space.classes()
-    failing = list(space.failing())
-    for atom in failing:
-        yield space.fact(atom)
-    yield from space.edges()
-    for atom in failing:
-        yield from property_changes(space.task, atom)
-
-
 class _Space:
-    """The single changes of one task.
-
-    Attributes:
-        task: the task.
-    """
+    """The single changes of one task."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
@@ -74,8 +57,20 @@ class _Space:
         self._passages = Passages(task)
         self._slots = {(b.name, s.name): s.object_class for b in task.domain.blocks for s in b.slots}
 
+    def ordered(self, reasons: Iterable[Reason]) -> Iterator[Change]:
+        """Yield every single change, some more than once, the most promising first."""
+        for reason in reasons:
+            yield from self.pointed(reason)
+        yield from self.tokens()
+        yield from self.classes()
+        failing = self.failing()
+        yield from map(self.fact, failing)
+        yield from self.edges()
+        for atom in failing:
+            yield from property_changes(self.task, atom)
+
     def pointed(self, reason: Reason) -> Iterator[Change]:
-        """Yield the changes that remove what a reason complains of."""
+        """Yield the changes that remove the cause of a reason."""
         if isinstance(reason.lacks, tuple):
             yield from self.edges(reason.lacks)
         elif reason.lacks is not None and reason.lacks in self.task.domain.classes:
@@ -86,7 +81,7 @@ class _Space:
             yield self.fact(reason.atom)
 
     def tokens(self, wanted: type[ObjectClass] | None = None) -> Iterator[Change]:
-        """Yield one more token, like each that is there, or one of a class that has no members yet."""
+        """Yield copies of each token, and a token of each class that has no members yet."""
         for token in self.task.assigned:
             if wanted is None or token.is_member(wanted):
                 yield from more_tokens(self.task, token)
@@ -103,7 +98,7 @@ class _Space:
                 yield JoinClass(token, each)
 
     def edges(self, towards: SlotName | None = None) -> Iterator[Change]:
-        """Yield one more edge from a slot that tokens can reach: to slots that none can reach first, then likely ones.
+        """Yield edges from slots that tokens can reach: first to slots that no token can reach, then likely edges.
 
         An edge is likely if the network has one between the same actions that leaves or enters the same slot.
         """
@@ -120,17 +115,17 @@ class _Space:
         def likely(one: SlotName, other: SlotName) -> bool:
             return (one, split_mode(other[0])[0]) in out_of or (split_mode(one[0])[0], other) in into
 
-        # Last what stays in one block: an action that follows itself.
+        # Last the edges within one block, with which an action follows itself.
         pairs.sort(key=lambda pair: (pair[1] in sources, not likely(*pair), pair[0][0] == pair[1][0]))
         return (AddEdge(source, target) for source, target in pairs)
 
     def fact(self, atom: Atom) -> Change:
-        """Return the change by a feasibility fact that is as it has to be."""
+        """Return the change that makes a feasibility fact hold."""
         predicate = self.task.domain.predicate_by_name[atom.predicate]
         return GrantFact(atom, with_unit(-self.task.margin(atom), predicate.unit))
 
     def failing(self) -> list[Atom]:
-        """Return the feasibility facts that alone keep some tokens out of some block, the nearest first."""
+        """Return the feasibility facts that alone keep some tokens out of some block, the smallest violation first."""
         found: dict[Atom, float] = {}
         for block in self.task.domain.blocks:
             for failure in self._single_failures(block):
@@ -138,7 +133,7 @@ class _Space:
         return sorted(found, key=lambda atom: (-found[atom], atom))
 
     def _single_failures(self, block: Block) -> Iterator[dict[Atom, float]]:
-        """Yield the one fact that fails in each binding of the block in which no other one does."""
+        """Yield the failing fact of each binding of the block in which exactly one fact fails."""
         conditions = order_conditions(block)
         roles = {argument for literal in conditions for argument in literal.arguments if argument in block.roles}
         choices = {role: values for role, values in self.task.choices(block).items() if role in roles}
@@ -152,9 +147,9 @@ class _Space:
     def _failure(
         self, conditions: Iterable[Literal], roles: Set[str], bound: Mapping[str, Value]
     ) -> dict[Atom, float] | None:
-        """Return the one fact that fails, with its margin in units of violation, or nothing if none fails.
+        """Return the one fact that fails with its margin in scales of its predicate, or an empty dict if none fails.
 
-        It is None if several fail, or one over symbols alone. Conditions with open roles are not decided.
+        The answer is None if several facts fail, or one over symbols alone. Conditions with open roles are ignored.
         """
         found: dict[Atom, float] = {}
         for literal in conditions:

@@ -1,4 +1,4 @@
-"""Why each token is in a plan: back from the goal, which instance brings about which condition of which other one."""
+"""Why each token is in a plan: the causal links from the goal back to the initial state."""
 
 from collections.abc import Iterator
 from math import inf
@@ -11,19 +11,21 @@ from hybrid_tamp.model.token import Token
 
 
 def chain(task: Task, plan: TaskPlan) -> list[Link]:
-    """Return the links from the goal back to what holds initially, each once."""
+    """Return the links from the goal back to the initial state, each once."""
     found: dict[Link, None] = {}
     open_atoms: list[tuple[Atom, str | None, float]] = [(atom, None, inf) for atom in task.goal]
     seen = set()
     while open_atoms:
         atom, needed_by, before = open_atoms.pop(0)
-        producer = _producer(task, plan, atom, before)
+        # The last instance that begins before and brings the atom about.
+        makers = [each for each in plan.instances if each.start < before and atom in _achieved(task, each)]
+        producer = max(makers, key=lambda instance: instance.start, default=None)
         if producer is None:
             continue
         found[Link(producer.name, atom, needed_by)] = None
         if producer.name not in seen:
             seen.add(producer.name)
-            open_atoms += [(each, producer.name, producer.start) for each in _asked(task, producer)]
+            open_atoms += [(each, producer.name, producer.start) for each in _needed(task, producer)]
     return list(found)
 
 
@@ -38,29 +40,21 @@ def causes(task: Task, plan: TaskPlan) -> list[Cause]:
         if own:
             why = _why(token, own[0], instances)
         elif any(token.name in atom.arguments for atom in task.goal):
-            why = "the goal speaks of it, and what the goal asks of it holds initially"
+            why = "the goal names it, and the goal atoms about it hold initially"
         else:
             why = _why_not(task, plan, token, needed)
         found.append(Cause(token.name, bool(own), why, own))
     return found
 
 
-def _producer(task: Task, plan: TaskPlan, atom: Atom, before: float) -> BlockInstance | None:
-    """Return the last instance that begins before a time and brings an atom about."""
-    makers = [i for i in plan.instances if i.start < before and atom in _brought(task, i)]
-    return max(makers, key=lambda instance: instance.start, default=None)
-
-
-def _brought(task: Task, instance: BlockInstance) -> Iterator[Atom]:
-    block = task.domain.block_by_name[instance.block]
+def _achieved(task: Task, instance: BlockInstance) -> Iterator[Atom]:
     bound = task.bind(instance.roles)
-    return (literal.ground(bound) for literal in block.exit if literal.positive)
+    return (each.ground(bound) for each in task.domain.block_by_name[instance.block].exit if each.positive)
 
 
-def _asked(task: Task, instance: BlockInstance) -> Iterator[Atom]:
-    block = task.domain.block_by_name[instance.block]
+def _needed(task: Task, instance: BlockInstance) -> Iterator[Atom]:
     bound = task.bind(instance.roles)
-    return (each.ground(bound) for each in block.changing_entry if each.positive)
+    return (each.ground(bound) for each in task.domain.block_by_name[instance.block].changing_entry if each.positive)
 
 
 def _why(token: Token, link: Link, instances: dict[str, BlockInstance]) -> str:

@@ -1,13 +1,12 @@
 """Why a task has no plan, read from its declarations: each reason is true and can be checked by hand.
 
 For every goal atom that cannot be reached, the search examines the blocks that could bring it about, and in turn the
-blocks that could bring about what those wait for. A block is useless if no token can fill one of its slots, if there
-are too few tokens, or if its feasibility facts hold for no choice of tokens; the reason then names the margin of the
-best choice.
+blocks that could bring about the atoms for which those wait. A block is useless if no token can fill one of its slots,
+if there are too few tokens, or if its feasibility facts hold for no choice of tokens; the reason then names the margin
+of the best choice.
 """
 
 import math
-import shlex
 import time
 from dataclasses import replace
 
@@ -25,16 +24,16 @@ from hybrid_tamp.questions.explain.repairs import Repairs, counterfactual_reason
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_EXPLAINED = 5
-"""Of how many alternatives of a goal with a choice is explained why they cannot be reached."""
+"""Largest number of alternatives of a goal with a choice that are explained."""
 
 
 def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -> Explanation:
     """Explain why planning a task gave no plan.
 
     Args:
-        outcome: the outcome of planning, which has no plan. If it has a detail, no reasons are searched for.
-        seconds: how long single changes are searched for if it is proven that there is no plan [s].
-        most: how many changes are enough.
+        outcome: the outcome of planning, without a plan. If its failure has a detail, there is no search for reasons.
+        seconds: time to search for single changes if it is proven that there is no plan [s].
+        most: the number of changes that is enough.
     """
     task, failure = outcome.task, outcome.failure
     assert failure is not None, "it has no plan"
@@ -51,28 +50,20 @@ def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -
 
 
 def _excluded(task: Task, exclusion: Exclusion) -> Reason:
-    """Return that a binding was excluded as the reason why the goal cannot be reached."""
-    short = exclusion.shortfall
-    return Reason(
-        goal=task.goal,
-        block=exclusion.instance.block,
-        kind="forward models",
-        message=exclusion.text,
-        atom=short.atom,
-        margin=short.margin,
-        unit=short.unit,
-    )
+    """Return the exclusion of a binding as a reason."""
+    short, block = exclusion.shortfall, exclusion.instance.block
+    return Reason(task.goal, block, "forward models", exclusion.text, short.atom, short.margin, short.unit)
 
 
 def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
     """Explain why a task that is proven to have no plan has none, and find single changes with which it has one.
 
-    What only a change shows is a reason, too: without the change there is no plan.
+    A change with which there is a plan also proves a reason: without the change there is no plan.
 
     Args:
         task: the task.
-        seconds: how long changes are searched for [s].
-        most: how many changes are enough.
+        seconds: time to search for changes [s].
+        most: the number of changes that is enough.
 
     Returns:
         The suggestions, and the smallest set of reasons that was found in the time (see `minimal_reasons`).
@@ -82,7 +73,7 @@ def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
     with TrialPlanner(time.monotonic() + seconds) as trials:
         found = _find_repairs(part, reasons, trials, most)
         if part is not task and not found.suggestions:
-            # A change may use what is irrelevant without it: an edge through another block.
+            # A change may make another block relevant, for example by an edge through it.
             found = _find_repairs(task, reasons, trials, most)
         elif part is not task:
             found = replace(found, complete=len(found.suggestions) >= most)
@@ -101,11 +92,11 @@ def explain(task: Task, proven: bool = False) -> list[Reason]:
 
     Args:
         task: the task.
-        proven: whether it is proven that there is no plan; then a reason says if no single fact excludes one.
+        proven: whether it is proven that there is no plan; then the answer is never empty.
     """
     search = BackwardSearch(task)
     open_atoms = [atom for atom in task.goal if not search.holds(atom)]
-    # The last blocks come first, because the search further back is bounded.
+    # First the blocks that bring the goal about, because the search further back is bounded.
     direct = {atom: search.explain_directly(atom) for atom in open_atoms}
     reasons = {atom: told or _reasons(search, atom) for atom, told in direct.items()}
     found = [reason for atom in open_atoms for reason in merge_reasons(atom, reasons[atom])]
@@ -113,7 +104,7 @@ def explain(task: Task, proven: bool = False) -> list[Reason]:
 
 
 def explain_alternatives(task: Task, proven: bool = False) -> list[Reason]:
-    """Return why the goal cannot be reached, or none of the nearest alternatives of a goal with a choice."""
+    """Return why the goal cannot be reached; for a goal with a choice, why its nearest alternatives cannot."""
     return list(dict.fromkeys(r for each in task.alternatives()[:MOST_EXPLAINED] for r in explain(each, proven)))
 
 
@@ -121,21 +112,20 @@ def _find_repairs(task: Task, reasons: list[Reason], trials: TrialPlanner, most:
     """Search for changes with which one of the nearest alternatives can be reached."""
     found, complete = list[Suggestion](), True
     for each in task.alternatives()[:MOST_EXPLAINED]:
-        more = find_repairs(each, reasons, trials, most - len(found))
-        found += more.suggestions
-        complete = complete and more.complete
-        if len(found) >= most:
-            break
+        if len(found) < most:
+            more = find_repairs(each, reasons, trials, most - len(found))
+            found += more.suggestions
+            complete = complete and more.complete
     return Repairs(tuple(found), complete)
 
 
 def _unknown_classes(task: Task) -> tuple[Reason, ...]:
-    """Return a reason for every goal atom that asks for a class in which its token is unknown."""
+    """Return a reason for every goal atom that needs a class of which its token may or may not be a member."""
     reasons = []
     for atom, token, object_class in task.unsettled:
-        probe = f"hybrid-tamp probe {task.source or task.name} --token {shlex.quote(token.name)} --write NEW.yaml"
-        message = f"it is unknown whether {token.name} is a member of {object_class.name}; '{probe}' finds out"
-        reasons.append(Reason((atom,), "", "class_unknown", message, lacks=object_class))
+        message = f"it is unknown whether {token.name} is a member of {object_class.name}"
+        probe = (str(task.source or task.name), token.name)
+        reasons.append(Reason((atom,), "", "class_unknown", message, lacks=object_class, probe=probe))
     return tuple(reasons)
 
 
@@ -155,7 +145,7 @@ def _reasons(search: BackwardSearch, goal: Atom) -> list[Reason]:
 
 
 class _Walk:
-    """From an atom that cannot be reached back to the reasons for it."""
+    """Collects the reasons why an atom cannot be reached, backwards from it."""
 
     def __init__(self, search: BackwardSearch) -> None:
         self._search = search
@@ -163,7 +153,7 @@ class _Walk:
         self._known: dict[Atom, list[Reason]] = {}
 
     def reasons(self, atom: Atom) -> list[Reason]:
-        """Return why blocks that bring it about are useless, and what prevents the nearest of the others."""
+        """Return why blocks that bring an atom about are useless, and what prevents the nearest other block."""
         if atom not in self._known:
             # A way that leads back to itself has no reason of its own.
             self._known[atom] = []
@@ -176,8 +166,8 @@ class _Walk:
         return self._known[atom]
 
     def _nearness(self, reasons: list[Reason]) -> float:
-        """Return the worst margin among the reasons, in units of violation."""
-        return min(self._violation(reason) for reason in reasons)
+        """Return the worst margin among the reasons, in scales of predicates."""
+        return min(map(self._violation, reasons))
 
     def _violation(self, reason: Reason) -> float:
         if reason.margin is None or reason.atom is None:

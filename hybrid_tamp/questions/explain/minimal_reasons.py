@@ -1,7 +1,7 @@
-"""The smallest set of reasons: which of the true statements about a task without a plan count.
+"""The smallest set of reasons why a task has no plan.
 
-If single changes give a plan, a reason is left out if there is no plan even once it is removed. If none does, those
-reasons count that have to be removed together.
+If single changes give a plan, a reason is left out if its removal gives none. If no single change does, those reasons
+are kept that have to be removed together.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,16 +17,16 @@ from hybrid_tamp.questions.explain.candidates import answers
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_ANSWERS = 4
-"""How many ways to remove a reason are tried before it is left out."""
+"""Number of ways to remove a reason that are tried before it is left out."""
 
 
 def keep_necessary(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> list[Reason]:
-    """Return the reasons without which there would be a plan; reasons left out earlier stay removed.
+    """Return the reasons whose removal would give a plan; reasons that are left out stay removed meanwhile.
 
     Args:
         task: the task.
-        reasons: reasons to which no suggestion points; there are others to which one does.
-        trials: plans changed tasks; when its time is over, the rest is left as it is.
+        reasons: reasons to which no suggestion points.
+        trials: plans changed tasks; when its time is over, the remaining reasons are kept.
     """
     kept = list(reasons)
     for reason in reversed(reasons):
@@ -42,7 +42,7 @@ def _tasks_without(task: Task, reason: Reason) -> Iterator[Task]:
     for change in islice(answers(task, reason), MOST_ANSWERS):
         yield apply_change(task, change)
     if reason.atom is not None:
-        # That a hand is on the wrong side is said of one face, and holds for others, too.
+        # A reason names one symbol, e.g. the face on whose wrong side a hand is, and may hold for others, too.
         yield with_facts(task, _with_any_symbols(task, reason.atom))
 
 
@@ -57,14 +57,14 @@ def _with_any_symbols(task: Task, atom: Atom) -> list[Atom]:
 
 
 def remove_together(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> tuple[list[Reason], list[Change]]:
-    """Return reasons that leave a plan once all are removed, and of which none may stay; and the changes that do it.
+    """Return the reasons that must all be removed to give a plan, and the changes that remove them.
 
-    Each is removed by the first change that answers it; if that leaves no plan, all reasons are returned.
+    Each is removed by the first change that answers it; if that gives no plan, all reasons are returned.
 
     Args:
-        task: a task to which no single change gives a plan, as far as is known.
+        task: a task to which no known single change gives a plan.
         reasons: why it has none.
-        trials: plans changed tasks; when its time is over, the rest is left as it is.
+        trials: plans changed tasks; when its time is over, the remaining reasons are kept.
     """
     kept, changes = list(reasons), _find_changes(task, reasons, trials)
     if not changes:
@@ -73,16 +73,15 @@ def remove_together(task: Task, reasons: Sequence[Reason], trials: TrialPlanner)
         fewer = [each for each in kept if each is not reason]
         if trials.over or len(fewer) < 2:
             break
-        found = _find_changes(task, fewer, trials)
-        if found:
+        if found := _find_changes(task, fewer, trials):
             kept, changes = fewer, found
     return kept, changes
 
 
 def _find_changes(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> list[Change]:
-    """Return a change for each of several reasons, with which there is a plan; an empty list if there is none.
+    """Return one change for each of several reasons if there is a plan with all of them, else an empty list.
 
-    Each change is one of the task that the change before has made.
+    The changes are applied one after the other.
     """
     changes: list[Change] = []
     if len(reasons) < 2 or trials.over:

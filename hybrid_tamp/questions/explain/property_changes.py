@@ -14,7 +14,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.questions.changes import task_root
 
 _STEPS = (0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 2.0, 5.0, 10.0, 100.0, 1000.0)
-"""Steps by which a property is changed, as multiples of its value, or if that is 0, in its own unit."""
+"""Steps by which a property is changed, as multiples of its value, or in its own unit if the value is 0."""
 _HALVINGS = 40
 _DIGITS = 3
 
@@ -46,7 +46,7 @@ def _unit(token: Token, key: str) -> str:
 
 
 def _components(token: Token, key: str) -> tuple[int | None, ...]:
-    """Return which numbers of a property may change: itself, or each of three that are free of each other."""
+    """Return the components of a property that may change: None for a number, 0 to 2 for a free vector."""
     value = token[key]
     if isinstance(value, float):
         return (None,)
@@ -73,7 +73,7 @@ def _least(task: Task, token: Token, key: str, component: int | None, atom: Atom
 
 
 def _nearest(task: Task, token: Token, key: str, component: int | None, far: float, atom: Atom) -> float:
-    """Return a number near the least change that does, rounded away from the number that there is."""
+    """Return a number near the least sufficient change, rounded away from the present number if possible."""
     near = _value(token, key, component)
     enough = far
     for _ in range(_HALVINGS):
@@ -92,7 +92,7 @@ def _nearest(task: Task, token: Token, key: str, component: int | None, far: flo
 
 
 def _meets(task: Task, token: Token, key: str, component: int | None, value: float, atom: Atom) -> Token | None:
-    """Return the token with another number, if it may have it and the fact holds then."""
+    """Return the token with another number if the number is valid and the fact then holds, else None."""
     changed = _with(task, token, key, component, value)
     if changed is None:
         return None

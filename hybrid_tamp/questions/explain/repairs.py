@@ -1,9 +1,9 @@
 """Which single change of a task gives it a plan, found by planning the changed task.
 
-The delete relaxation of a changed task takes some hundredths of a second and can prove that the change is useless.
-The planner is asked about the rest, and the law judges its plans as any other. If the task has no plan only because of
-what blocks delete, the relaxation proves nothing; then the planner gets many edges or facts at once: if all of them
-together are useless, each one is.
+The delete relaxation of a changed task takes some hundredths of a second and can prove that the change is useless. The
+planner tries the other changes, and its plans must obey the law. If the task has no plan only because of what blocks
+delete, the relaxation proves nothing. Then the planner gets many edges or facts at once: if all of them together are
+useless, each one is.
 """
 
 from collections import Counter
@@ -25,7 +25,7 @@ from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
 
 OF_A_KIND = 2
-"""How many changes of one kind are suggested: a third hand says nothing new."""
+"""Largest number of suggested changes of one kind: a third hand is no news."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Repairs:
 
     Attributes:
         suggestions: changes that give the task a plan, in the order in which they were found.
-        complete: whether every single change was examined, or as many were found as were asked for.
+        complete: whether every single change was examined, or the wanted number of changes was found.
     """
 
     suggestions: tuple[Suggestion, ...]
@@ -46,9 +46,9 @@ def find_repairs(task: Task, reasons: Sequence[Reason], trials: TrialPlanner, mo
 
     Args:
         task: a task that has no plan.
-        reasons: why it has none, as far as is known; the changes to which they point are tried first.
-        trials: plans changed tasks; when its time is over, the search that has begun is finished.
-        most: how many changes are enough.
+        reasons: known reasons why it has none; the changes to which they point are tried first.
+        trials: plans changed tasks; when its time is over, only the current search is finished.
+        most: the number of changes that is enough.
     """
     found: list[Suggestion] = []
     kinds: Counter[str] = Counter()
@@ -67,7 +67,7 @@ def find_repairs(task: Task, reasons: Sequence[Reason], trials: TrialPlanner, mo
 
 
 def _is_known(change: Change, found: Iterable[Suggestion]) -> bool:
-    """Say whether one more token like this is suggested already, at another place."""
+    """Say whether a copy of the same token is suggested already, at another place."""
     return isinstance(change, CopyToken) and any(
         isinstance(each.change, CopyToken) and each.change.like is change.like for each in found
     )
@@ -80,25 +80,25 @@ class _Sieve:
         self._task = task
         self._known = StaticFacts(task)
         self._trials = trials
-        # Reasons of other kinds are found without deletes, too.
+        # Reasons of other kinds come from the delete relaxation.
         self._relaxed_unsolvable = any(reason.kind != "together" for reason in reasons) or not self._possible([])
 
     def promising(self, changes: Iterable[Change]) -> Iterator[Change | None]:
-        """Yield the changes that may be useful, and None now and then, because the tests take time, too."""
+        """Yield the changes that may be useful, and None after other tests so that the caller can check the time."""
         for kind, group in groupby(changes, key=lambda change: change.kind):
             if kind not in ("edge", "fact"):
                 yield from (change if self._possible([change]) else None for change in group)
             elif self._relaxed_unsolvable:
                 yield from self._split(list(group), self._possible)
             else:
-                # Planning takes longer: the first are tried alone, the later ones more and more together.
+                # Planning takes longer: the first changes are tried alone, later ones in larger and larger groups.
                 rest, size = list(group), 1
                 while rest:
                     yield from self._split(rest[:size], self._may_be_planned)
                     rest, size = rest[size:], 2 * size
 
     def _split(self, group: list[Change], may_help: Callable[[list[Change]], bool]) -> Iterator[Change | None]:
-        """Yield those of many changes that may be useful: if all together are useless, each one is."""
+        """Yield the useful ones among many changes: if all together are useless, each one is."""
         if not may_help(group):
             yield None
         elif len(group) == 1:
@@ -112,17 +112,17 @@ class _Sieve:
     def _possible(self, group: list[Change]) -> bool:
         compilation = compile_task(apply_together(self._task, group))
         if not group or isinstance(group[0], AddEdge):
-            # An edge changes no facts, which take most of the time.
+            # Facts take most of the time, and an edge changes none.
             compilation = replace(compilation, feasible=self._known)
         return may_be_solvable(compilation.problem)
 
     def _may_be_planned(self, group: list[Change]) -> bool:
-        # A single change is planned by whoever asks for it.
+        # The caller plans single changes.
         return len(group) == 1 or not self._trials.proves_unsolvable(apply_together(self._task, group))
 
 
 def counterfactual_reasons(task: Task, reasons: Iterable[Reason], suggestions: Iterable[Suggestion]) -> list[Reason]:
-    """Return a reason for each suggestion to which no other reason points: without it there would be a plan."""
+    """Return a reason for each suggestion to which no other reason points."""
     found: list[Reason] = []
     for suggestion in suggestions:
         if not any(points_to(reason, suggestion.change) for reason in (*reasons, *found)):

@@ -1,4 +1,4 @@
-"""Plans of changed tasks: is there one, or is there proof that there is none?"""
+"""Plans of changed tasks: does one exist, or is it proven that none exists?"""
 
 import time
 from contextlib import ExitStack
@@ -13,9 +13,9 @@ from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
 
 LEAST = 2.0
-"""A search that begins shortly before the deadline still gets this long [s]."""
+"""Least time for a search that begins shortly before the deadline [s]."""
 PROVING = 10.0
-"""How long one attempt to prove that there is no plan may take [s]."""
+"""Time limit of one attempt to prove that there is no plan [s]."""
 
 
 class TrialPlanner(ExitStack):
@@ -24,7 +24,7 @@ class TrialPlanner(ExitStack):
     def __init__(self, deadline: float) -> None:
         super().__init__()
         self._deadline = deadline
-        # A process answers once, so the other one starts meanwhile.
+        # Each process answers once; while one searches, the other one starts.
         self._processes = cycle(self.enter_context(PlannerProcess()) for _ in range(2))
 
     @property
@@ -50,7 +50,7 @@ class TrialPlanner(ExitStack):
 
     def _search(self, task: Task, seconds: float) -> int | None:
         limits = replace(task.limits, time=min(task.limits.time, seconds))
-        # Any plan will do; the default engine ends if there is none.
+        # Any plan is enough; the default engine ends if there is none.
         simple = task.replaced(objective="length", planner=DEFAULT_PLANNER, limits=limits)
         process = next(self._processes)
         try:

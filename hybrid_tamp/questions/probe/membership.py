@@ -1,8 +1,8 @@
-"""Whether a token never seen is a member of a class: predicted from a labelled one, then tried (paper, Sec. II-B).
+"""Whether a new token is a member of a class: predicted from a labelled member, then tried (paper, Sec. II-B).
 
 Features of its shape rank the classes. For each class the surface of a labelled member is warped onto the new token,
-which carries over the properties of the labelled one. With them the token is assumed to be a member in trial tasks of
-the domain, which are planned and run from several starts; the measurements decide the verdict.
+and the properties of the labelled member are carried over. Trial tasks of the domain assume that the token is a member
+with these properties. They are planned and run from several starts, and the measurements decide the verdict.
 """
 
 import logging
@@ -28,18 +28,18 @@ from hybrid_tamp.model.trial import TrialRecipe
 from hybrid_tamp.physics.protocol import Backend
 
 STARTS = 4
-"""From how many starts a class is tried at first: if all or none succeed, the interval excludes 1/2."""
+"""Least number of starts for a class: if all or none of the trials succeed, the interval excludes 1/2."""
 MOST_STARTS = 16
-"""From how many starts at most: a class that succeeds in 9 of 10 trials is told from 1/2 by then."""
+"""Largest number of starts for a class: enough to tell a success rate of 9/10 from 1/2."""
 BLOCK_SECONDS = 8.0
-"""How long a block may take in a trial, whatever it may take in a task [s]."""
+"""Time limit of a block in a trial, whatever its limit in a task is [s]."""
 MOST_SECONDS = 60.0
 """Simulated time within which a trial must end [s]."""
 
 FindPlan = Callable[[Task], TaskPlan]
 """Task to plan; raises NoPlan or LimitReached."""
 Tell = Callable[[float, str], None]
-"""Told the share done, 0 to 1, and what is being done."""
+"""Called with the share of the work that is done, 0 to 1, and its description."""
 
 _logger = logging.getLogger(__name__)
 
@@ -49,14 +49,14 @@ class Prober:
     """Probes tokens.
 
     Attributes:
-        find_plan: how tasks are planned.
-        backend: where plans are run.
-        starts: from how many starts a class is tried at first.
-        most_starts: from how many starts at most, while the verdict is unsure. A test after each trial makes the
-            interval less sure than it says: a token that succeeds in half of the trials gets a verdict too often.
-        most_seconds: simulated time of a trial [s].
-        deadline: when all must be done, on the monotonic clock [s].
-        tell: told how far the work is.
+        find_plan: plans a trial task.
+        backend: runs the plans.
+        starts: least number of starts for a class.
+        most_starts: largest number of starts, used while the verdict is unsure. It is tested after each trial, so a
+            token that succeeds in half of the trials gets a verdict more often than the interval says.
+        most_seconds: largest simulated time of a trial [s].
+        deadline: end of the work, on the monotonic clock [s].
+        tell: called with the progress.
     """
 
     find_plan: FindPlan
@@ -71,10 +71,10 @@ class Prober:
         """Find out of which of its unknown classes a token is a member.
 
         Args:
-            task: the task, whose other tokens lend hands and labelled members.
+            task: the task; its other tokens provide hands and labelled members.
             name: the token.
-            classes: names of the classes to try; all that the token is unknown in by default.
-            seed: of the starts.
+            classes: names of the classes to try; by default its unknown classes.
+            seed: the seed of the starts.
 
         Raises:
             InputError: there is no such token or class, or nothing to find out.
@@ -117,12 +117,13 @@ class Prober:
     def tried(
         self, known: Verdict, recipe: TrialRecipe[Task], task: Task, member: Token, plan: TaskPlan, seed: int
     ) -> Verdict:
-        """Return what is known of a class with the trials of a member, until they are enough.
+        """Return the verdict with trials of a member added until they are enough.
 
         Raises:
             LimitReached: the deadline passed.
         """
-        for number, rng in enumerate(_draws(seed, max(self.starts, self.most_starts))):
+        children = np.random.SeedSequence(seed).spawn(max(self.starts, self.most_starts))
+        for number, rng in enumerate(map(np.random.default_rng, children)):
             if number >= self.starts and known.verdict != "unsure":
                 break
             known = replace(known, trials=(*known.trials, self.trial(recipe, recipe.task(task, member, rng), plan)))
@@ -151,11 +152,11 @@ class Prober:
 
 
 class _NeverSettles(Exception):
-    """A trial does not end."""
+    """A trial exceeded its simulated time."""
 
 
 def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]]) -> Token:
-    """Return the token as a member of further classes, with their properties; of others it may remain unknown."""
+    """Return the token as a member of more classes, with their properties; other classes may stay unknown."""
     classes = (*token.classes, *learnt)
     unknown = tuple(each for each in token.unknown if each not in classes)
     properties = {**token.properties}
@@ -187,7 +188,7 @@ def _classes(task: Task, token: Token, names: Sequence[str]) -> tuple[type[Objec
 
 
 def _nearest(task: Task, token: Token, recipe: TrialRecipe[Task]) -> tuple[Token, Warp] | None:
-    """Return the labelled member whose surface comes the nearest, and its warp."""
+    """Return the labelled member whose warped surface fits best, and the warp."""
     found = []
     for labelled in task.tokens:
         if labelled.is_member(recipe.object_class) and labelled.shape is not None and labelled.name != token.name:
@@ -197,20 +198,16 @@ def _nearest(task: Task, token: Token, recipe: TrialRecipe[Task]) -> tuple[Token
 
 
 def with_time_bounds(domain: Domain) -> Domain:
-    """Return the domain with blocks that give up sooner: otherwise failing trials take most of the time."""
+    """Return the domain with shorter time limits of blocks: otherwise failing trials take most of the time."""
     durations = [replace(block.duration, maximum=min(block.duration.maximum, BLOCK_SECONDS)) for block in domain.blocks]
     blocks = zip(domain.blocks, durations, strict=True)
     return domain.with_blocks([replace(block, duration=duration) for block, duration in blocks])
 
 
-def _draws(seed: int, count: int) -> Iterator[np.random.Generator]:
-    yield from (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(count))
-
-
 def _faults(
     recipe: TrialRecipe[Task], recording: Recording, measured: Mapping[tuple[str, str], float]
 ) -> Iterator[str]:
-    """Yield what was wrong with a trial."""
+    """Yield the faults of a trial."""
     if recording.failure is not None:
         yield f"{recording.failure.instance}: {recording.failure.reason}"
     for key, (low, high) in recipe.bounds.items():
