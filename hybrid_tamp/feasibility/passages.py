@@ -1,7 +1,6 @@
 """Which slots tokens can reach along edges of the network, whatever the conditions of blocks are."""
 
-from collections.abc import Collection, Mapping
-from functools import cached_property
+from collections.abc import Collection
 
 import networkx as nx
 
@@ -24,12 +23,10 @@ class Passages:
         """Take a task and the names of the blocks through which tokens may go; all blocks if None."""
         self._task = task
         self._through = task.domain.block_by_name if through is None else through
+        self._classes = {
+            (block.name, slot.name): slot.object_class for block in task.domain.blocks for slot in block.slots
+        }
         self._known: dict[tuple[object, ...], frozenset[SlotName]] = {}
-
-    @cached_property
-    def _classes(self) -> Mapping[SlotName, type]:
-        blocks = self._task.domain.blocks
-        return {(block.name, slot.name): slot.object_class for block in blocks for slot in block.slots}
 
     def start(self, token: Token) -> SlotName:
         """Return the slot in which a token starts."""

@@ -14,7 +14,7 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import open_backend
-from hybrid_tamp.questions.imitate.movement_check import pauses
+from hybrid_tamp.questions.imitate.movement_check import count_pauses
 from hybrid_tamp.questions.imitate.observation import Observation
 from hybrid_tamp.questions.imitate.segmentation import segment
 from hybrid_tamp.taskfile.loader import load_task
@@ -167,8 +167,8 @@ def test_pauses_are_between_movements_only() -> None:
     time = np.arange(0.0, 4.0, 0.01)
     moving = ((time > 0.5) & (time < 1.5)) | ((time > 2.0) & (time < 3.0))
     speeds = np.where(moving, 0.2, 0.0)
-    assert pauses(speeds, 0.01) == 1
-    assert pauses(speeds[:170], 0.01) == 0
-    assert pauses(speeds[:3], 0.01) == 0
-    assert pauses(speeds + 0.05, 0.01) == 0
-    assert pauses(speeds + 0.05, 0.01, slow=0.08) == 1
+    assert count_pauses(speeds, 0.01) == 1
+    assert count_pauses(speeds[:170], 0.01) == 0
+    assert count_pauses(speeds[:3], 0.01) == 0
+    assert count_pauses(speeds + 0.05, 0.01) == 0
+    assert count_pauses(speeds + 0.05, 0.01, slow=0.08) == 1

@@ -44,7 +44,10 @@ def change_task(task: Task, question: str, find: FindAffordances) -> Task:
     """
     sign, name = question[:1], question[1:].strip()
     if sign == "-":
-        return without_token(task, _token(task, name))
+        if name not in task.token_by_name:
+            wanted = f"unknown token in the task {task.name}"
+            raise InputError([Issue("questions", wanted, repr(name), tuple(sorted(task.token_by_name)))])
+        return without_token(task, task.token_by_name[name])
     if sign != "+":
         remedy = "ask for one more token of a class, '+CLASS', or for one less, '-TOKEN'"
         raise InputError([Issue("questions", "a question begins with + or -", repr(question), remedy=remedy)])
@@ -60,10 +63,3 @@ def change_task(task: Task, question: str, find: FindAffordances) -> Task:
     members.sort(key=lambda token: token.name not in owned)
     more = [apply_change(task, change) for change in more_tokens(task, members[0])]
     return max(more, key=lambda changed: len(find(changed)))
-
-
-def _token(task: Task, name: str) -> Token:
-    if name not in task.token_by_name:
-        wanted = f"unknown token in the task {task.name}"
-        raise InputError([Issue("questions", wanted, repr(name), tuple(sorted(task.token_by_name)))])
-    return task.token_by_name[name]

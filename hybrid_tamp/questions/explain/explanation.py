@@ -161,15 +161,12 @@ class _Walk:
             at_hand = [] if ways.reasons else self._search.explain_infeasible(atom, self._reached)
             missing = {next(wait for wait in waits if wait not in self._reached): None for waits in ways.waits}
             behind = [found for wait in missing if (found := self.reasons(wait))]
-            nearest = max(behind, key=self._nearness, default=[])
+            nearest = max(behind, key=lambda reasons: min(map(self._violation, reasons)), default=[])
             self._known[atom] = [*ways.reasons, *(at_hand or nearest)]
         return self._known[atom]
 
-    def _nearness(self, reasons: list[Reason]) -> float:
-        """Return the worst margin among the reasons, in scales of predicates."""
-        return min(map(self._violation, reasons))
-
     def _violation(self, reason: Reason) -> float:
+        """Return the margin of a reason in scales of its predicate; minus infinity if it has none."""
         if reason.margin is None or reason.atom is None:
             return -math.inf
         return reason.margin / self._search.task.domain.predicate_by_name[reason.atom.predicate].scale

@@ -10,7 +10,7 @@ from itertools import islice, product
 
 from hybrid_tamp.model.change import Change
 from hybrid_tamp.model.explanation import Reason
-from hybrid_tamp.model.predicate import Atom, SymbolSort
+from hybrid_tamp.model.predicate import SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import apply_change, with_facts
 from hybrid_tamp.questions.explain.candidates import answers
@@ -43,17 +43,12 @@ def _tasks_without(task: Task, reason: Reason) -> Iterator[Task]:
         yield apply_change(task, change)
     if reason.atom is not None:
         # A reason names one symbol, e.g. the face on whose wrong side a hand is, and may hold for others, too.
-        yield with_facts(task, _with_any_symbols(task, reason.atom))
-
-
-def _with_any_symbols(task: Task, atom: Atom) -> list[Atom]:
-    """Return the atoms that differ from an atom in symbols only."""
-    parameters = task.domain.predicate_by_name[atom.predicate].parameters
-    choices = [
-        parameter.sort.symbols if isinstance(parameter.sort, SymbolSort) else (name,)
-        for name, parameter in zip(atom.arguments, parameters, strict=True)
-    ]
-    return [replace(atom, arguments=names) for names in product(*choices)]
+        parameters = task.domain.predicate_by_name[reason.atom.predicate].parameters
+        choices = [
+            parameter.sort.symbols if isinstance(parameter.sort, SymbolSort) else (name,)
+            for name, parameter in zip(reason.atom.arguments, parameters, strict=True)
+        ]
+        yield with_facts(task, [replace(reason.atom, arguments=names) for names in product(*choices)])
 
 
 def remove_together(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> tuple[list[Reason], list[Change]]:

@@ -51,26 +51,22 @@ def find_repairs(task: Task, reasons: Sequence[Reason], trials: TrialPlanner, mo
         most: the number of changes that is enough.
     """
     found: list[Suggestion] = []
-    kinds: Counter[str] = Counter()
+    kinds, copied = Counter[str](), set[str]()
     for change in _Sieve(task, reasons, trials).promising(candidates(task, reasons)):
         if trials.over:
             return Repairs(tuple(found), complete=False)
-        if change is None or kinds[change.kind] == OF_A_KIND or _is_known(change, found):
+        # Copies of one token at several places count once.
+        source = change.like if isinstance(change, CopyToken) else None
+        if change is None or kinds[change.kind] == OF_A_KIND or (source is not None and source.name in copied):
             continue
         length = trials.length(apply_change(task, change))
         if length is not None:
             found.append(Suggestion(change, length))
+            copied |= {source.name} if source is not None else set()
             kinds[change.kind] += 1
         if len(found) == most:
             break
     return Repairs(tuple(found), complete=True)
-
-
-def _is_known(change: Change, found: Iterable[Suggestion]) -> bool:
-    """Say whether a copy of the same token is suggested already, at another place."""
-    return isinstance(change, CopyToken) and any(
-        isinstance(each.change, CopyToken) and each.change.like is change.like for each in found
-    )
 
 
 class _Sieve:

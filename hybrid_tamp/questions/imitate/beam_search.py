@@ -1,10 +1,11 @@
 """Interpretations of an observation, and the beam search through time for the best one.
 
 An instance ends because one of its tokens moves on, or because its block has no hold. Its tokens then go to slots of
-other instances, along edges of the network, together with tokens that wait elsewhere. This happens when the exit
-conditions of what ends and the entry conditions of what begins are seen to hold. Of interpretations with the same
-running instances only the cheapest is kept. An interpretation is cheap if it needs few instances and their tokens come
-to rest where the blocks bring them.
+other instances, along edges of the network, together with tokens that wait elsewhere. At this instant the exit
+conditions of all ending instances and the entry conditions of all starting ones must be seen to hold. Only the cheapest
+interpretation with the same running instances is kept. An interpretation is cheap if it has few instances, if their
+tokens come to rest where the blocks bring them, and if later instances need what earlier ones with targets achieve:
+a hand may reach behind an object for one of two regions in one line, and the region that is used is right.
 """
 
 from collections.abc import Iterator
@@ -14,25 +15,27 @@ from itertools import product
 import numpy as np
 
 from hybrid_tamp.model.bindings import enumerate_bindings, names_of
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.imitate.exits_used import ExitUse
 from hybrid_tamp.questions.imitate.hypotheses import Hypotheses, Hypothesis, Roles
 from hybrid_tamp.questions.imitate.observation import Observation, Truth
 
 BEAM = 48
-"""How many interpretations are followed at once."""
+"""Number of interpretations that are followed at once."""
 _SLACK = 3
-"""How many rows after a token has begun to leave its new instance may begin."""
+"""Number of rows by which the new instance of a token may begin late after the token has begun to leave."""
+_UNUSED = 0.2
+"""Cost of an instance with targets whose exit conditions no starting instance needs, in instances of blocks."""
 
 
 @dataclass(frozen=True)
 class Interpretation:
-    """What explains the observation so far.
+    """An explanation of the observation so far.
 
     Attributes:
         running: the instances that run now.
-        past: those before them; the row of their `due` is the one at which they ended.
-        cost: of all.
+        past: the instances that have ended; their `due` is the row at which they ended.
+        cost: the cost of all instances.
     """
 
     running: tuple[Hypothesis, ...]
@@ -46,13 +49,13 @@ class Interpretation:
 
     @property
     def state(self) -> frozenset[Hypothesis]:
-        """What its continuation depends on."""
+        """The part on which its continuation depends."""
         return frozenset(replace(hypothesis, cost=0.0) for hypothesis in self.running)
 
 
 @dataclass(frozen=True)
 class _Reassignment:
-    """A partial reassignment: what ends, what begins, and which tokens still need a slot."""
+    """A partial reassignment: ending instances, starting ones (block, slots, targets), tokens that need a slot."""
 
     ending: tuple[Hypothesis, ...]
     starting: tuple[tuple[str, Roles, Roles], ...]
@@ -69,7 +72,7 @@ def find_best(task: Task, observation: Observation) -> Interpretation:
     """Return the cheapest interpretation of the whole observation.
 
     Args:
-        task: its tokens, domain and initial assignment; nothing else of it is read.
+        task: a task with the tokens, the domain and the initial assignment; its goal is ignored.
         observation: the states over time.
     """
     return _Search(task, observation).best()
@@ -82,7 +85,7 @@ class _Search:
         self.task = task
         self.seen = observation
         self.hypotheses = Hypotheses(task, observation)
-        self.exit_use = ExitUse(self.hypotheses)
+        self._atoms: dict[tuple[str, Roles, bool], frozenset[Atom]] = {}
 
     def best(self) -> Interpretation:
         """Return the cheapest interpretation of the whole observation."""
@@ -103,7 +106,7 @@ class _Search:
             )
 
     def _successors(self, interpretation: Interpretation) -> list[Interpretation]:
-        """Return the possible continuations: how the instance that is due first ends."""
+        """Return the possible continuations at the end of the instance that is due first."""
         due = min(interpretation.running, key=lambda hypothesis: hypothesis.due)
         reassignments = self._reassignments(interpretation, _Reassignment((due,), (), due.tokens))
         found = [each for reassignment in reassignments for each in self._continuations(interpretation, reassignment)]
@@ -124,14 +127,11 @@ class _Search:
                 for targets in self.hypotheses.targets(self.hypotheses.block(name), slots):
                     after = _Reassignment(ending, (*reassignment.starting, (name, slots, targets)), leaving)
                     low, high = after.window
-                    if low <= high and self._enterable(name, slots + targets, low, high):
+                    if low <= high and self.hypotheses.may_start(name, slots + targets)[low : high + 1].any():
                         yield from self._reassignments(interpretation, after)
 
-    def _enterable(self, name: str, roles: Roles, low: int, high: int) -> bool:
-        return bool(self.hypotheses.may_start(name, roles)[low : high + 1].any())
-
     def _destinations(self, interpretation: Interpretation, token: str) -> tuple[tuple[str, str], ...]:
-        hypothesis = _with(interpretation, token)
+        hypothesis = next(each for each in interpretation.running if token in each.tokens)
         if hypothesis.block is None:
             resting = self.hypotheses.block(self.task.domain.resting)
             return ((resting.name, resting.anchor),)
@@ -140,7 +140,7 @@ class _Search:
     def _slot_choices(
         self, interpretation: Interpretation, reassignment: _Reassignment, name: str, slot: str, token: str
     ) -> Iterator[Roles]:
-        """Yield the tokens for all slots of a block of which one token takes one slot."""
+        """Yield the tokens for all slots of a block in which a given token takes a given slot."""
         placed = _placed(reassignment)
         choices = {}
         for each in self.hypotheses.block(name).slots:
@@ -159,15 +159,29 @@ class _Search:
         row = self._instant(reassignment)
         if row is None:
             return
-        paid = replace(
-            interpretation, cost=interpretation.cost + self.exit_use.cost(reassignment.ending, reassignment.starting)
-        )
+        paid = replace(interpretation, cost=interpretation.cost + self._unused_cost(reassignment))
         choices = [self.hypotheses.find(name, slots, targets, row) for name, slots, targets in reassignment.starting]
         for started in product(*choices):
             yield _after(paid, reassignment.ending, list(started), row)
 
+    def _unused_cost(self, reassignment: _Reassignment) -> float:
+        """Return the cost of ending instances with targets whose exit conditions no starting instance needs."""
+        entries = (self._ground(name, slots + targets, True) for name, slots, targets in reassignment.starting)
+        needed = frozenset[Atom]().union(*entries)
+        aimed = [each for each in reassignment.ending if each.block and each.targets]
+        return _UNUSED * sum(not needed & self._ground(each.block or "", each.slots + each.targets) for each in aimed)
+
+    def _ground(self, name: str, roles: Roles, entries: bool = False) -> frozenset[Atom]:
+        """Return the measured entry or exit conditions of an instance."""
+        key = (name, roles, entries)
+        if key not in self._atoms:
+            block, binding = self.hypotheses.block(name), self.task.bind(dict(roles))
+            literals = block.measured_entries if entries else block.measured_exits
+            self._atoms[key] = frozenset(literal.ground(binding) for literal in literals)
+        return self._atoms[key]
+
     def _instant(self, reassignment: _Reassignment) -> int | None:
-        """Return the row of a reassignment: as late as movements allow, else as early as conditions allow."""
+        """Return the row of a reassignment: as late as movements allow, otherwise as early as conditions allow."""
         low, high = reassignment.window
         rows = low + np.flatnonzero(self._allowed(reassignment, strict=True)[low : high + 1])
         if not len(rows):
@@ -183,13 +197,13 @@ class _Search:
         onset = min((self.seen.onset(token, low) for token in moving), default=low)
         still = all(self.seen.departure(token, low) > self.seen.last for token in moving)
         if still and any(each.block and not self.hypotheses.block(each.block).hold for each in reassignment.ending):
-            # Nothing moves any more, and what ends does not hold: a block that only holds begins at once.
+            # No token moves any more, and an ending block does not hold: a block that only holds begins at once.
             return int(rows[0])
         before = rows[rows <= onset]
         return int(before[-1] if len(before) else rows[0])
 
     def _allowed(self, reassignment: _Reassignment, strict: bool = False) -> Truth:
-        """Return the rows in which what ends may end and what begins may begin."""
+        """Return the rows in which the ending instances may end and the starting ones may begin."""
         allowed = np.ones(len(self.seen.times), dtype=bool)
         for hypothesis in reassignment.ending:
             allowed = allowed & self.hypotheses.ready(hypothesis, strict)
@@ -198,7 +212,7 @@ class _Search:
         return allowed
 
     def _unexplained(self, interpretation: Interpretation, due: Hypothesis) -> Interpretation:
-        """End an instance without an explanation: the token that moves first moves for no reason, the others rest."""
+        """End an instance without explanation: no block explains the token that moves first, and the others rest."""
         row = min(max(due.reached, due.due), self.seen.last)
         resting = self.task.domain.resting
         anchor = self.hypotheses.block(resting).anchor
@@ -225,10 +239,6 @@ def _kept(beam: list[Interpretation]) -> list[Interpretation]:
     for each in sorted(beam, key=lambda interpretation: interpretation.cost):
         found.setdefault(each.state, each)
     return list(found.values())[:BEAM]
-
-
-def _with(interpretation: Interpretation, token: str) -> Hypothesis:
-    return next(hypothesis for hypothesis in interpretation.running if token in hypothesis.tokens)
 
 
 def _placed(reassignment: _Reassignment) -> set[str]:

@@ -1,8 +1,8 @@
 """Hypotheses of an observer: one instance of a block that explains what some tokens do for a while.
 
-An instance of a block lasts at least until its exit conditions are seen to hold. From then on it holds: its tokens are
-still until they leave. What a block does not write does not move while it runs, and what it reads of its targets does
-not change before its exit conditions hold.
+An instance of a block lasts at least until its exit conditions are seen to hold. After that its tokens are still until
+they leave. What a block does not write does not change while it runs, and what it reads of its targets does not change
+before its exit conditions hold.
 """
 
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.plan import TIME_TOLERANCE
 from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort, Value, name_of
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.imitate.movement_check import unexpected_pauses
+from hybrid_tamp.questions.imitate.movement_check import count_unexpected_pauses
 from hybrid_tamp.questions.imitate.observation import SURE, Observation, Truth
 
 _POSE = ("position", "orientation")
@@ -30,30 +30,30 @@ Roles = tuple[tuple[str, str], ...]
 UNEXPLAINED_COST = 20.0
 """Cost of a movement that no block explains, in instances of blocks."""
 MISFIT_SCALE = 0.05
-"""A misfit of this distance costs as much as one instance [m]."""
+"""Misfit that costs as much as one instance [m]."""
 PAUSE_COST = 4.0
-"""Cost of a pause that the block's own policy does not make."""
+"""Cost of a pause that the block's own policy does not make, in instances of blocks."""
 _MISFIT_BOUND = (0.08, 0.25)
-"""Largest misfit [m], and how much it grows per distance moved."""
+"""Largest misfit [m], and its growth per distance moved."""
 _OPEN = 0.2
-"""How long noise may make exit conditions come and go until they hold [s]."""
+"""Longest time for which noise may make exit conditions come and go [s]."""
 _PAUSE = 0.2
-"""A token that is still for this long has ended its movement [s]."""
+"""Time after which a token that is still has ended its movement [s]."""
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """One instance of a block as the observer sees it; of no block if a movement is not explained.
+    """One instance of a block as the observer sees it, or a movement that no block explains.
 
     Attributes:
-        block: the block's name, or None.
+        block: the block's name; None if no block explains the movement.
         slots: (slot, token) pairs.
         targets: (target, token or symbol) pairs.
         start: the row at which its tokens enter.
-        reached: the row at which its exit conditions hold first.
-        departs: the row by which its tokens have left, because one of them moves; beyond the last one if none does.
+        reached: the first row at which its exit conditions hold.
+        departs: the row by which its tokens have left, because one of them moves; beyond the last row if none moves.
         due: the row by which it must end; earlier than `departs` for a block without a hold.
-        cost: what it adds to the cost of an interpretation.
+        cost: its share of the cost of an interpretation.
     """
 
     block: str | None
@@ -76,7 +76,7 @@ class Hypothesis:
 
 
 class Hypotheses:
-    """The hypotheses about one observation, and when they can begin and end."""
+    """The hypotheses about one observation, and the rows in which they can begin and end."""
 
     def __init__(self, task: Task, observation: Observation) -> None:
         self.task = task
@@ -86,7 +86,7 @@ class Hypotheses:
         self._found: dict[tuple[str, Roles, Roles, int], tuple[Hypothesis, ...]] = {}
 
     def block(self, name: str) -> Block:
-        """Return the block of that name."""
+        """Return the block with a name."""
         return self.task.domain.block_by_name[name]
 
     def truth(self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False, sure: float = SURE) -> Truth:
@@ -100,18 +100,18 @@ class Hypotheses:
         return found
 
     def ready(self, hypothesis: Hypothesis, strict: bool = False) -> Truth:
-        """Return the rows in which it may end: its exit conditions hold, and its minimum duration is over."""
+        """Return the rows in which a hypothesis may end: its exit conditions hold, and its minimum duration is over."""
         if hypothesis.block is None:
             return self._from(hypothesis.reached)
         exits = self.block(hypothesis.block).measured_exits
         return self.truth(exits, hypothesis.slots + hypothesis.targets, strict) & self._from(hypothesis.reached)
 
     def may_start(self, name: str, roles: Roles, strict: bool = False) -> Truth:
-        """Return the rows in which the measured entry conditions hold."""
+        """Return the rows in which the measured entry conditions of a block hold."""
         return self.truth(self.block(name).measured_entries, roles, strict)
 
     def find(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Hypothesis, ...]:
-        """Return what may begin in a row: none if the observation contradicts it, several if noise leaves it open."""
+        """Return the hypotheses that may begin in a row: none if the observation contradicts, several given noise."""
         key = (name, slots, targets, start)
         if key not in self._found:
             rows = self._reached(self.block(name), slots + targets, start)
@@ -120,7 +120,7 @@ class Hypotheses:
         return self._found[key]
 
     def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
-        """Return the rows at which the exit conditions may hold first, with more and less allowance for noise."""
+        """Return the rows at which the exit conditions may first hold, with more or less allowance for noise."""
         seen = self.observation
         earliest = seen.times[start] + block.duration.minimum
         if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:
@@ -142,14 +142,14 @@ class Hypotheses:
         if misfit is None:
             return None
         binding = self.task.bind(dict(slots + targets))
-        halts = unexpected_pauses(block, binding, seen, start, reached)
-        if halts is None:
+        pauses = count_unexpected_pauses(block, binding, seen, start, reached)
+        if pauses is None:
             return None
-        cost = 1.0 + misfit / MISFIT_SCALE + halts * PAUSE_COST
+        cost = 1.0 + misfit / MISFIT_SCALE + pauses * PAUSE_COST
         return Hypothesis(name, slots, targets, start, reached, departs, departs if block.hold else reached, cost)
 
     def unexplained(self, token: str, start: int) -> Hypothesis:
-        """Return the movement of a token that no block explains, until it pauses."""
+        """Return the hypothesis that no block explains the movement of a token until it pauses."""
         seen, row = self.observation, start + 1
         while row < seen.last:
             left = seen.departure(token, row)
@@ -161,28 +161,24 @@ class Hypotheses:
         return Hypothesis(None, (("token", token),), (), start, row, seen.departure(token, row), due, UNEXPLAINED_COST)
 
     def targets(self, block: Block, slots: Roles) -> tuple[Roles, ...]:
-        """Return the targets with which the feasibility facts let the block run on these tokens."""
+        """Return the targets that the feasibility facts allow, tokens before symbols, in the order of the task."""
         key = (block.name, slots)
         if key not in self._targets:
-            self._targets[key] = tuple(self._feasible(block, slots))
+            choices = self.task.choices(block, self.task.bind(dict(slots)))
+            conditions = order_conditions(block)
+            found = enumerate_bindings(order_roles(choices, conditions), conditions, self._holds)
+            targets = sorted(block.targets, key=lambda target: isinstance(target.sort, SymbolSort))
+            order = {t.name: {name_of(v): place for place, v in enumerate(choices[t.name])} for t in targets}
+            roles = [tuple((target.name, name_of(bound[target.name])) for target in targets) for bound in found]
+            self._targets[key] = tuple(sorted(roles, key=lambda each: [order[role][value] for role, value in each]))
         return self._targets[key]
-
-    def _feasible(self, block: Block, slots: Roles) -> list[Roles]:
-        """Return the targets that the feasibility facts allow, tokens before symbols, in the order of the task."""
-        choices = self.task.choices(block, self.task.bind(dict(slots)))
-        conditions = order_conditions(block)
-        found = enumerate_bindings(order_roles(choices, conditions), conditions, self._holds)
-        targets = sorted(block.targets, key=lambda target: isinstance(target.sort, SymbolSort))
-        order = {t.name: {name_of(v): place for place, v in enumerate(choices[t.name])} for t in targets}
-        roles = [tuple((target.name, name_of(bound[target.name])) for target in targets) for bound in found]
-        return sorted(roles, key=lambda each: [order[target][value] for target, value in each])
 
     def _holds(self, literal: Literal, bound: Mapping[str, Value]) -> bool:
         atom = literal.ground(bound)
         return (Atom(atom.predicate, atom.arguments) in self.static) == literal.positive
 
     def _departure(self, block: Block, slot: str, token: str, start: int, reached: int) -> int:
-        """Return the row by which a token has left: what a block writes changes until `reached`, the rest never."""
+        """Return the row by which a token has left: written properties may change until `reached`, others never."""
         written = set(block.writes.get(slot, ()))
         rows = [self.observation.departure(token, reached if written & set(_POSE) else start)]
         for (name, varying), changes in self._changes.items():
@@ -192,7 +188,7 @@ class Hypotheses:
 
     @cached_property
     def _changes(self) -> dict[tuple[str, str], tuple[int, ...]]:
-        """(token, property that is no pose or velocity) to the rows at which a predicate of the token alone changes."""
+        """(token, property other than pose and velocity) to the rows at which a unary predicate of it changes."""
         found: dict[tuple[str, str], tuple[int, ...]] = {}
         bodies = {varying.name for varying in BODY_STATE}
         for predicate, token in product(self.task.domain.predicates, self.task.assigned):
@@ -207,7 +203,7 @@ class Hypotheses:
         return found
 
     def _disturbed(self, block: Block, targets: Roles, start: int, reached: int) -> bool:
-        """Say whether something that it reads of a target changes before its exit conditions hold."""
+        """Say whether a property that the block reads of a target changes before its exit conditions hold."""
         named = dict(targets)
         return any(
             self.observation.departure(named[target.name], start) < reached
@@ -216,7 +212,7 @@ class Hypotheses:
         )
 
     def _misfit(self, block: Block, slots: Roles, targets: Roles, start: int, reached: int) -> float | None:
-        """Return how far its tokens come to rest from where the block would bring them [m]; None if too far."""
+        """Return the distance of the tokens from where the block would bring them [m]; None if it is too large."""
         seen = self.observation
         tokens = [token for _, token in slots]
         before = seen.likely(start)

@@ -1,6 +1,5 @@
-"""What an observer sees: the states of all tokens over time, without intentions."""
+"""What an observer sees: the states of all tokens over time, but no intentions."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -17,21 +16,21 @@ Truth = NDArray[np.bool_]
 """Whether something holds, row by row, shape ``(t,)``."""
 
 SMOOTHING = 0.02
-"""Window over which poses and velocities are averaged [s]: much shorter than any block."""
+"""Window over which poses and velocities are averaged [s]; much shorter than any block."""
 ALLOWANCE = 0.25
 """Inaccuracy of measurements, in scales of predicates."""
 SURE = 3.0
-"""How many standard deviations of a margin count as noise."""
+"""Number of standard deviations of a margin that count as noise."""
 _MEDIAN = 0.6745
 """Median of the absolute value of noise, in standard deviations."""
 _LEAST = 1e-4
-"""Noise of positions below this is the movement itself [m]."""
+"""Least noise of positions [m]; below this the estimate comes from the movement itself."""
 _DRAWS = 16
-"""How many states are examined if noise leaves open which one it was."""
+"""Number of states that are examined if noise leaves the true one open."""
 STILL = (0.01, 0.04)
-"""A token whose position [m] and orientation [rad] change by no more than this rests or is held."""
+"""Largest change of position [m] and orientation [rad] of a token that rests or is held."""
 _ONSET = (0.003, 0.01)
-"""A token whose position [m] or orientation [rad] has changed by this much has begun to move."""
+"""Least change of position [m] or orientation [rad] of a token that has begun to move."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +41,8 @@ class Observation:
         times: instant of each row [s], shape ``(t,)``.
         trajectory: state of each row, batch shape ``(t,)``.
         measured: the same before it was smoothed.
-        allowance: a condition is seen to hold from this much of its predicate's scale before it does.
-        deviation: standard deviation of the noise of everything that varies, after smoothing, a state without batch.
+        allowance: a condition counts as met if its margin lacks no more than this, in scales of its predicate.
+        deviation: standard deviation of the noise after smoothing, a state without batch.
     """
 
     times: FloatArray
@@ -62,8 +61,8 @@ class Observation:
         Args:
             times: instants [s], shape ``(t,)``, evenly spaced.
             trajectory: measured states, batch shape ``(t,)``.
-            allowance: how inexact they are, in scales of predicates.
-            deviation: standard deviation of the noise, a state without batch; by default it is measured.
+            allowance: inaccuracy of the states, in scales of predicates.
+            deviation: standard deviation of the noise, a state without batch; by default it is estimated.
         """
         period = float(times[1] - times[0]) if len(times) > 1 else 1.0
         window = max(1, round(SMOOTHING / period)) | 1
@@ -93,74 +92,63 @@ class Observation:
         return State(self.trajectory.layout, self.trajectory.values[row])
 
     def likely(self, row: int) -> State:
-        """Return states that the one of a row may be without noise, batch shape ``(n,)``, likely ones first."""
+        """Return states that a row may show without noise, batch shape ``(n,)``, likely ones first."""
         draws = np.random.default_rng(row).standard_normal((_DRAWS, self.trajectory.layout.size))
         draws *= np.linspace(0.0, SURE, _DRAWS)[:, None]
         return State(self.trajectory.layout, self.trajectory.values[row] + draws * self.deviation.values)
 
     def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE) -> Truth:
-        """Return the rows in which a condition holds as measured.
+        """Return the rows in which the measured states satisfy a condition.
 
-        Unless `strict`, also rows in which it nearly holds, given noise of `sure` standard deviations.
+        Unless `strict`, also return rows that nearly satisfy it, given noise of `sure` standard deviations.
         """
-
-        def find() -> Truth:
-            holds = np.asarray(literal.margin(self.measured, binding) >= 0)
-            if strict:
-                return holds
-            margin = literal.margin(self.trajectory, binding)
-            noise = np.median(np.abs(literal.margin(self._shaken, binding) - margin)) / _MEDIAN
-            return np.asarray(holds | (margin >= -self.allowance * literal.predicate.scale - sure * noise))
-
-        return self._known((literal.ground(binding), strict, sure), find)
+        key = (literal.ground(binding), strict, sure)
+        if key not in self._truths:
+            holds = np.asarray(literal.margin(self.measured, binding) >= 0, dtype=bool)
+            if not strict:
+                margin = literal.margin(self.trajectory, binding)
+                noise = np.median(np.abs(literal.margin(self._shaken, binding) - margin)) / _MEDIAN
+                holds = holds | (margin >= -self.allowance * literal.predicate.scale - sure * noise)
+            self._truths[key] = np.broadcast_to(holds, self.times.shape)
+        return self._truths[key]
 
     def departure(self, token: str, row: int) -> int:
-        """Return the row in which a token is no longer where it was in a row; beyond the last one if it stays."""
+        """Return the row in which a token has left its pose of a row; beyond the last row if it stays."""
         moved = np.flatnonzero(self._moved(token, row, STILL)[row:])
         return row + int(moved[0]) if len(moved) else self.last + 1
 
     def onset(self, token: str, row: int) -> int:
-        """Return the row in which the movement begins that takes a token away from where it was in a row."""
+        """Return the row in which the movement begins by which a token leaves its pose of a row."""
         left = self.departure(token, row)
-        near = np.flatnonzero(~self._moved(token, row, _ONSET)[row:left])
-        return row + int(near[-1])
+        return row + int(np.flatnonzero(~self._moved(token, row, _ONSET)[row:left])[-1])
 
     def place(self, token: str, row: int) -> FloatArray:
-        """Return where a token is in a row, ``(3,)`` [m]."""
+        """Return the position of a token in a row, ``(3,)`` [m]."""
         return np.asarray(self.trajectory[token, "position"][row])
 
     @cached_property
     def _shaken(self) -> State:
-        """The observation with as much noise added again: the change of a margin shows how exact it is."""
+        """The observation with the same noise added again; the change of a margin shows its inaccuracy."""
         draws = np.random.default_rng(0).standard_normal(self.trajectory.values.shape)
         return State(self.trajectory.layout, self.trajectory.values + draws * self.deviation.values)
 
     def _moved(self, token: str, row: int, tolerances: tuple[float, float]) -> Truth:
         position = self.trajectory[token, "position"]
         moved = np.linalg.norm(position - position[row], axis=-1) > tolerances[0]
-        if (token, "orientation") in self._slices:
+        if (token, "orientation") in self.trajectory.layout.slices:
             turned = self.trajectory[token, "orientation"]
             cosine = np.minimum(1.0, np.abs(turned @ turned[row]))
             moved = moved | (2.0 * np.arccos(cosine) > tolerances[1])
         return np.asarray(moved)
 
-    @cached_property
-    def _slices(self) -> frozenset[tuple[str, str]]:
-        return frozenset(self.trajectory.layout.slices)
-
-    def _known(self, key: object, find: Callable[[], Truth]) -> Truth:
-        if key not in self._truths:
-            self._truths[key] = np.broadcast_to(np.asarray(find(), dtype=bool), self.times.shape)
-        return self._truths[key]
-
 
 @dataclass(frozen=True)
 class Shown:
-    """What an agent was seen to do.
+    """A demonstration: what an agent was seen to do.
 
     Attributes:
-        source: name of the folder or file that it comes from.
-        task: the demonstrator's task, as it stood at first.
+        source: name of the folder or file that holds it.
+        task: the demonstrator's task in the initial state of the observation.
         observation: the states over time.
     """
 
@@ -179,7 +167,7 @@ def _noise(trajectory: State, period: float) -> FloatArray:
 def measured_noise(values: FloatArray, period: float) -> FloatArray:
     """Return the standard deviation of the noise of each column of values ``(t, c)``, from their third differences.
 
-    They span some hundredths of a second, in which movements are nearly smooth.
+    A difference spans some hundredths of a second, in which movements are nearly smooth.
     """
     step = max(1, round(SMOOTHING / period))
     if len(values) <= 3 * step:
@@ -189,7 +177,7 @@ def measured_noise(values: FloatArray, period: float) -> FloatArray:
 
 
 def _smoothed(layout: StateLayout, values: FloatArray, window: int) -> FloatArray:
-    """Average poses and velocities over a window of rows; other properties may jump and stay as they are."""
+    """Average poses and velocities over a window of rows, but no other properties, because these may jump."""
     found = values.copy()
     averaged = {varying.name for varying in BODY_STATE}
     kernel, half = np.ones(window) / window, window // 2

@@ -1,6 +1,6 @@
-"""Segmentation: which tokens were in which blocks, from when to when, as an observation shows (paper, Sec. II-E).
+"""Segmentation of an observation: which tokens were in which blocks, from when to when (paper, Sec. II-E).
 
-An observer sees states over time only. The timeline obeys the law as far as blocks explain the observation.
+The observer sees only states over time. The timeline obeys the law as far as blocks explain the observation.
 """
 
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from hybrid_tamp.model.imitation import Segmentation, Unexplained
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.imitate.beam_search import Interpretation, find_best
+from hybrid_tamp.questions.imitate.beam_search import find_best
 from hybrid_tamp.questions.imitate.hypotheses import Hypothesis
 from hybrid_tamp.questions.imitate.observation import Observation
 
@@ -18,27 +18,18 @@ def segment(task: Task, observation: Observation) -> Segmentation:
     """Return the timeline that explains an observation best.
 
     Args:
-        task: its tokens, domain and initial assignment; nothing else of it is read but the goal, for the violations.
+        task: a task with the tokens, the domain and the initial assignment; its goal counts for violations only.
         observation: the states over time.
     """
     best = find_best(task, observation)
     times = observation.times
-    hypotheses = [(hypothesis, _end(hypothesis, best, observation)) for hypothesis in (*best.past, *best.running)]
+    hypotheses = [*((each, each.due) for each in best.past), *((each, observation.last) for each in best.running)]
     plan = TaskPlan(tuple(_instances(task, observation, hypotheses)), float(times[-1]))
-    unexplained = sorted(
-        (
-            Unexplained(g.tokens[0], float(times[g.start]), float(times[end]))
-            for g, end in hypotheses
-            if g.block is None
-        ),
-        key=lambda each: (each.start, each.token),
-    )
+    spans = [(each.tokens[0], times[each.start], times[end]) for each, end in hypotheses if each.block is None]
+    unexplained = [Unexplained(token, float(start), float(end)) for token, start, end in spans]
+    unexplained.sort(key=lambda each: (each.start, each.token))
     violations = tuple(check_law(task, plan, observation.at))
     return Segmentation(plan, tuple(unexplained), violations, best.cost)
-
-
-def _end(hypothesis: Hypothesis, best: Interpretation, observation: Observation) -> int:
-    return observation.last if hypothesis in best.running else hypothesis.due
 
 
 def _instances(

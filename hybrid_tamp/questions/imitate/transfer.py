@@ -1,7 +1,7 @@
-"""A plan that was seen, transferred to another agent with the same capability classes (paper, Sec. II-E).
+"""Transfer of a plan that was seen to another agent with the same capability classes (paper, Sec. II-E).
 
 Objects take the roles that they have in the goal. All other tokens take the roles that their classes allow. The first
-lawful assignment of roles counts; assignments come first in which the tokens lie to each other as in the observation.
+lawful assignment of roles counts; assignments with a similar arrangement of tokens are tried first.
 """
 
 from collections.abc import Iterator, Mapping
@@ -23,7 +23,7 @@ from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 
 KIND = "not_imitable"
 _MOST = 2000
-"""How many assignments of roles are examined at most."""
+"""Largest number of assignments of roles that are examined."""
 _MOST_BREACHES = 4
 
 
@@ -33,7 +33,7 @@ class Transfer:
 
     Attributes:
         plan: the plan, scheduled and lawful.
-        task: the task with the ground goal that it reaches; the task itself if its goal leaves no choice.
+        task: the task with the ground goal that the plan reaches; the task itself if its goal leaves no choice.
         roles: token that was seen to the token that takes its role.
     """
 
@@ -43,7 +43,7 @@ class Transfer:
 
 
 def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
-    """Return the plan of a task that does what was seen.
+    """Return a plan of a task that imitates the plan that was seen.
 
     Args:
         shown: the demonstrator's task.
@@ -57,15 +57,18 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
         raise _refused(f"what was seen is of the domain {shown.domain.name}, {task.name} of {task.domain.name}")
     seen = _acting(shown, plan)
     wanted = _classes(shown, seen)
-    able = {token: _members(task, classes) for token, classes in wanted.items()}
+    able = {
+        token: [each.name for each in task.tokens if all(map(each.is_member, classes))]
+        for token, classes in wanted.items()
+    }
     for token, names in able.items():
         if not names:
             classes = ", ".join(sorted(sort.name for sort in wanted[token]))
             raise _refused(f"no token of {task.name} is a member of {classes}, as {token} is in what was seen")
-    found = list(islice(_assignments(able, dict(_goal_roles(shown, task, able))), _MOST))
+    found = list(islice(_assignments(able, _goal_roles(shown, task, able)), _MOST))
     if not found:
         raise _refused(f"{task.name} has too few tokens for the roles: {_counted(wanted, able)}")
-    found.sort(key=lambda roles: _unlikeness(shown, task, roles))
+    found.sort(key=lambda roles: _compare_arrangements(shown, task, roles))
     why = ""
     for roles in found:
         found_or_why = _transfer_roles(task, plan, seen, roles)
@@ -83,7 +86,7 @@ def _acting(shown: Task, plan: TaskPlan) -> list[BlockInstance]:
     """Return the instances of all tokens that do more than rest; gaps of unexplained movements are closed.
 
     Raises:
-        NoPlan: a token moves without explanation between blocks that act.
+        NoPlan: no block explains a movement between blocks that act.
     """
     resting = shown.domain.resting
     busy = {t for i in plan.instances if i.block != resting for t in i.slots.values()}
@@ -114,12 +117,8 @@ def _classes(shown: Task, seen: list[BlockInstance]) -> dict[str, set[type[Objec
     return found
 
 
-def _members(task: Task, classes: set[type[ObjectClass]]) -> list[str]:
-    return [token.name for token in task.tokens if all(token.is_member(sort) for sort in classes)]
-
-
-def _goal_roles(shown: Task, task: Task, able: Mapping[str, list[str]]) -> Iterator[tuple[str, str]]:
-    """Yield which token takes whose role by the goal.
+def _goal_roles(shown: Task, task: Task, able: Mapping[str, list[str]]) -> dict[str, str]:
+    """Return the roles that the goals determine: token that was seen to token of the task.
 
     Raises:
         NoPlan: the goals are not alike.
@@ -135,13 +134,13 @@ def _goal_roles(shown: Task, task: Task, able: Mapping[str, list[str]]) -> Itera
         taken |= roles or {}
     if left:
         raise _refused(f"{left[0].text} is a goal of {task.name}, and nothing like it was a goal in what was seen")
-    yield from taken.items()
+    return taken
 
 
 def _alike(
     shown: Task, task: Task, one: Atom, other: Atom, taken: Mapping[str, str], able: Mapping[str, list[str]]
 ) -> dict[str, str] | None:
-    """Return the roles under which two goal atoms are one, or None."""
+    """Return the roles that make two goal atoms equal, or None if no roles do."""
     if (one.predicate, one.positive) != (other.predicate, other.positive):
         return None
     found: dict[str, str] = {}
@@ -157,7 +156,7 @@ def _alike(
 
 
 def _assignments(able: Mapping[str, list[str]], fixed: dict[str, str]) -> Iterator[dict[str, str]]:
-    """Yield every assignment of roles in which each token has one."""
+    """Yield every way to give each role to a different token."""
     free = [token for token in able if token not in fixed]
     if not free:
         yield {token: fixed[token] for token in able}
@@ -168,8 +167,8 @@ def _assignments(able: Mapping[str, list[str]], fixed: dict[str, str]) -> Iterat
             yield from _assignments(able, {**fixed, token: name})
 
 
-def _unlikeness(shown: Task, task: Task, roles: Mapping[str, str]) -> float:
-    """Return how differently the tokens lie to each other, as a sum over pairs of tokens [m]."""
+def _compare_arrangements(shown: Task, task: Task, roles: Mapping[str, str]) -> float:
+    """Return how much the arrangements of the tokens differ, as a sum over pairs of tokens [m]."""
     before = np.array([shown.state[name, "position"] for name in roles])
     after = np.array([task.state[name, "position"] for name in roles.values()])
     return float(np.linalg.norm((before[:, None] - before) - (after[:, None] - after), axis=-1).sum())
@@ -186,14 +185,18 @@ def _counted(wanted: Mapping[str, set[type[ObjectClass]]], able: Mapping[str, li
 def _transfer_roles(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles: Mapping[str, str]) -> Transfer | str:
     """Return the scheduled plan, or why there is none."""
     instants = [time for time in plan.instants if any(at(i.start, time) for i in seen)]
+
+    def index(time: float) -> int:
+        return next(number for number, instant in enumerate(instants) if at(instant, time))
+
     ordered = [
         OrderedInstance(
             instance.name,
             instance.block,
             {slot: roles[name] for slot, name in instance.slots.items()},
             {target: roles.get(name, name) for target, name in instance.targets.items()},
-            _index(instants, instance.start),
-            None if at(instance.end, plan.makespan) else _index(instants, instance.end),
+            index(instance.start),
+            None if at(instance.end, plan.makespan) else index(instance.end),
         )
         for instance in seen
     ]
@@ -209,12 +212,8 @@ def _transfer_roles(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles
     return Transfer(replace(scheduled, actions=actions), ground, roles)
 
 
-def _index(instants: list[float], time: float) -> int:
-    return next(index for index, instant in enumerate(instants) if at(instant, time))
-
-
 def _bystanders(task: Task, acting: set[str]) -> Iterator[OrderedInstance]:
-    """Yield instances for the tokens that do nothing in the observation: they stay where they start."""
+    """Yield instances for the tokens without a role: they stay where they start."""
     for token in task.assigned:
         if token.name not in acting:
             block = task.domain.block_by_name[task.assignment.get(token.name, task.domain.resting)]
