@@ -51,7 +51,7 @@ def apply_together(task: Task, changes: Collection[Change]) -> Task:
     return with_facts(task, atoms) if atoms else with_edges(task, edges)
 
 
-def more_tokens(task: Task, like: Token) -> Iterator[CopyToken]:
+def propose_copies(task: Task, like: Token) -> Iterator[CopyToken]:
     """Yield copies of a token: one beside it, then one on the other side of each object.
 
     The copy beside it is placed one length away, although symbols do not notice if two objects overlap.
@@ -93,7 +93,7 @@ def with_ideal(task: Task, object_class: type[ObjectClass]) -> Task:
     classes = tuple(sorted({object_class, task_root(task)}, key=lambda each: each.name))
     ideal = Token(_free_name(task, object_class.name.lower()), classes, {})
     more = _add_token(task, ideal, {}, None, task.agents)
-    return more.replaced(domain=granted(more.domain, lambda _, values: any(v is ideal for v in values)))
+    return more.replaced(domain=grant(more.domain, lambda _, values: any(v is ideal for v in values)))
 
 
 def _add_token(
@@ -161,7 +161,7 @@ def with_class(task: Task, token: Token, object_class: type[ObjectClass]) -> Tas
             for value, p in zip(values, predicate.parameters, strict=True)
         )
 
-    return more.replaced(domain=granted(more.domain, asked))
+    return more.replaced(domain=grant(more.domain, asked))
 
 
 def with_edges(task: Task, more: Iterable[tuple[SlotName, SlotName]]) -> Task:
@@ -175,7 +175,7 @@ def with_facts(task: Task, atoms: Iterable[Atom]) -> Task:
     for positive in (True, False):
         wanted = {(atom.predicate, *atom.arguments) for atom in atoms if atom.positive is positive}
         if wanted:
-            domain = granted(domain, _among(wanted), 1.0 if positive else -1.0, {name for name, *_ in wanted})
+            domain = grant(domain, _among(wanted), 1.0 if positive else -1.0, {name for name, *_ in wanted})
     return task.replaced(domain=domain)
 
 
@@ -186,7 +186,7 @@ def _among(wanted: Collection[tuple[str, ...]]) -> "Granted":
 Granted = Callable[[Predicate, tuple[Value, ...]], bool]
 
 
-def granted(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collection[str] = ()) -> Domain:
+def grant(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collection[str] = ()) -> Domain:
     """Return the domain in which some feasibility facts have a given margin.
 
     Properties of the tokens in these facts may be unknown. So a changing predicate that cannot be evaluated does not

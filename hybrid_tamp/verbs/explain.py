@@ -5,7 +5,7 @@ from pathlib import Path
 from hybrid_tamp.model.explanation import TaskExplanation
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
-from hybrid_tamp.questions.explain.causal_links import causes
+from hybrid_tamp.questions.explain.causal_links import find_causes
 from hybrid_tamp.questions.explain.explanation import explain_failure
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.verbs.loading import Settings, load
@@ -39,5 +39,5 @@ def explain(
         task = load(source, settings, plans=True)
         outcome = plan_task(task, process)
     if outcome.plan is not None:
-        return TaskExplanation(task, outcome.status, None, tuple(causes(outcome.chosen or task, outcome.plan)))
+        return TaskExplanation(task, outcome.status, None, tuple(find_causes(outcome.chosen or task, outcome.plan)))
     return TaskExplanation(task, outcome.status, explain_failure(outcome, seconds, most))

@@ -8,7 +8,7 @@ import hybrid_tamp
 from hybrid_tamp.model.explanation import Cause
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.explain.causal_links import causes, chain
+from hybrid_tamp.questions.explain.causal_links import find_causes, find_links
 
 
 def planned(task: Task) -> TaskPlan:
@@ -24,7 +24,7 @@ def robots() -> tuple[Task, TaskPlan]:
 def test_every_link_is_in_the_plan_and_leads_to_the_goal(robots: tuple[Task, TaskPlan]) -> None:
     task, plan = robots
     instances = {instance.name: instance for instance in plan.instances}
-    links = chain(task, plan)
+    links = find_links(task, plan)
     assert {link.needed_by for link in links} >= {None}
     for link in links:
         instance = instances[link.instance]
@@ -42,7 +42,7 @@ def test_every_link_is_in_the_plan_and_leads_to_the_goal(robots: tuple[Task, Tas
 
 
 def test_both_robots_and_the_box_are_needed(robots: tuple[Task, TaskPlan]) -> None:
-    found = {cause.token: cause for cause in causes(*robots)}
+    found = {cause.token: cause for cause in find_causes(*robots)}
     assert all(cause.used for cause in found.values())
     assert found["hand-a"].why.endswith("which brings about posture(box, flat right) for the goal")
     assert found["hand-a"].why.startswith("slot first of TIPPING-")
@@ -50,7 +50,7 @@ def test_both_robots_and_the_box_are_needed(robots: tuple[Task, TaskPlan]) -> No
 
 def test_why_others_are_not_needed() -> None:
     task = workshop_task((cut(),), hands=(50.0, 50.0), parts=((60.0, 3.0), (60.0, 3.0)))
-    found: dict[str, Cause] = {cause.token: cause for cause in causes(task, planned(task))}
+    found: dict[str, Cause] = {cause.token: cause for cause in find_causes(task, planned(task))}
     unused = {name for name, cause in found.items() if not cause.used}
     assert len(unused & {"hand 0", "hand 1"}) == 1
     (hand,) = unused & {"hand 0", "hand 1"}
@@ -63,4 +63,4 @@ def test_why_others_are_not_needed() -> None:
 def test_what_holds_at_the_beginning() -> None:
     task = workshop_task((at(),))
     done = task.replaced(goal=())
-    assert not any(cause.used for cause in causes(done, planned(task)))
+    assert not any(cause.used for cause in find_causes(done, planned(task)))

@@ -13,9 +13,9 @@ import hybrid_tamp
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import apply_change, with_edges
-from hybrid_tamp.questions.explain.candidates import candidates
+from hybrid_tamp.questions.explain.candidates import propose_changes
 from hybrid_tamp.questions.explain.explanation import explain, explain_wholly
-from hybrid_tamp.questions.explain.property_changes import property_changes
+from hybrid_tamp.questions.explain.property_changes import find_property_changes
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 CARRIED = ("CARRYING", "part")
@@ -111,7 +111,7 @@ def test_no_edge_leads_there_and_the_reason_says_from_where() -> None:
     ],
 )
 def test_the_least_property_that_makes_a_fact_hold(task: Callable[[], Task], atom: Atom, wanted: str) -> None:
-    changes = {change.what: change for change in property_changes(task(), atom)}
+    changes = {change.what: change for change in find_property_changes(task(), atom)}
     (found,) = [change for what, change in changes.items() if what.startswith(wanted)]
     assert task().margin(atom) < 0 <= apply_change(task(), found).margin(atom)
     assert apply_change(task(), found).margin(atom) < 0.05
@@ -120,7 +120,7 @@ def test_the_least_property_that_makes_a_fact_hold(task: Callable[[], Task], ato
 
 def test_every_candidate_is_one_change_and_comes_once() -> None:
     task = workshop_task((at(),), hands=(50.0,))
-    found = [(change.kind, change.names) for change in candidates(task, explain(task))]
+    found = [(change.kind, change.names) for change in propose_changes(task, explain(task))]
     assert len(set(found)) == len(found)
     assert found[0] == ("token", ("hand 0",))
     assert {kind for kind, _ in found} == {"token", "edge"}

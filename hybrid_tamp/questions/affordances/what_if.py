@@ -7,7 +7,7 @@ from hybrid_tamp.model.affordance import is_place
 from hybrid_tamp.model.affordances import Affordance, WhatIf
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.questions.changes import apply_change, more_tokens, with_ideal, without_token
+from hybrid_tamp.questions.changes import apply_change, propose_copies, with_ideal, without_token
 
 FindAffordances = Callable[[Task], list[Affordance]]
 
@@ -61,5 +61,5 @@ def change_task(task: Task, question: str, find: FindAffordances) -> Task:
     # An agent's token first, because a copy of a token that belongs to nobody acts for nobody.
     owned = {token for tokens in task.agents.values() for token in tokens}
     members.sort(key=lambda token: token.name not in owned)
-    more = [apply_change(task, change) for change in more_tokens(task, members[0])]
+    more = [apply_change(task, change) for change in propose_copies(task, members[0])]
     return max(more, key=lambda changed: len(find(changed)))

@@ -16,11 +16,11 @@ from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import Atom, Literal, Value
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.changes import more_tokens, task_root
-from hybrid_tamp.questions.explain.property_changes import property_changes
+from hybrid_tamp.questions.changes import propose_copies, task_root
+from hybrid_tamp.questions.explain.property_changes import find_property_changes
 
 
-def candidates(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
+def propose_changes(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
     """Yield every single change once, the most promising first."""
     seen: set[Change] = set()
     for change in _Space(task).ordered(reasons):
@@ -30,7 +30,7 @@ def candidates(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
             yield change
 
 
-def answers(task: Task, reason: Reason) -> Iterator[Change]:
+def find_answers(task: Task, reason: Reason) -> Iterator[Change]:
     """Yield the single changes that remove the cause of a reason."""
     return _Space(task).pointed(reason)
 
@@ -67,7 +67,7 @@ class _Space:
         yield from map(self.fact, failing)
         yield from self.edges()
         for atom in failing:
-            yield from property_changes(self.task, atom)
+            yield from find_property_changes(self.task, atom)
 
     def pointed(self, reason: Reason) -> Iterator[Change]:
         """Yield the changes that remove the cause of a reason."""
@@ -77,14 +77,14 @@ class _Space:
             yield from self.tokens(reason.lacks)
             yield from self.classes(reason.lacks)
         elif reason.atom is not None:
-            yield from property_changes(self.task, reason.atom)
+            yield from find_property_changes(self.task, reason.atom)
             yield self.fact(reason.atom)
 
     def tokens(self, wanted: type[ObjectClass] | None = None) -> Iterator[Change]:
         """Yield copies of each token, and a token of each class that has no members yet."""
         for token in self.task.assigned:
             if wanted is None or token.is_member(wanted):
-                yield from more_tokens(self.task, token)
+                yield from propose_copies(self.task, token)
         for each in self.task.domain.classes if wanted is None else (wanted,):
             if not is_place(each) and not self.task.values_of(each):
                 yield IdealToken(each)

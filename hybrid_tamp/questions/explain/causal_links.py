@@ -10,7 +10,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
 
-def chain(task: Task, plan: TaskPlan) -> list[Link]:
+def find_links(task: Task, plan: TaskPlan) -> list[Link]:
     """Return the links from the goal back to the initial state, each once."""
     found: dict[Link, None] = {}
     open_atoms: list[tuple[Atom, str | None, float]] = [(atom, None, inf) for atom in task.goal]
@@ -29,9 +29,9 @@ def chain(task: Task, plan: TaskPlan) -> list[Link]:
     return list(found)
 
 
-def causes(task: Task, plan: TaskPlan) -> list[Cause]:
+def find_causes(task: Task, plan: TaskPlan) -> list[Cause]:
     """Return for every token why it is in the plan, or why not."""
-    links = chain(task, plan)
+    links = find_links(task, plan)
     instances = {instance.name: instance for instance in plan.instances}
     needed = {link.instance for link in links}
     found = []

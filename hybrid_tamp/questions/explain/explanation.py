@@ -20,7 +20,7 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.explain.candidates import points_to
 from hybrid_tamp.questions.explain.minimal_reasons import keep_necessary, remove_together
-from hybrid_tamp.questions.explain.repairs import Repairs, counterfactual_reasons, find_repairs
+from hybrid_tamp.questions.explain.repairs import Repairs, find_counterfactual_reasons, find_repairs
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_EXPLAINED = 5
@@ -77,7 +77,7 @@ def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
             found = _find_repairs(task, reasons, trials, most)
         elif part is not task:
             found = replace(found, complete=len(found.suggestions) >= most)
-        true = [*reasons, *counterfactual_reasons(task, reasons, found.suggestions)]
+        true = [*reasons, *find_counterfactual_reasons(task, reasons, found.suggestions)]
         pointed = [r for r in true if any(points_to(r, each.change) for each in found.suggestions)]
         others = [r for r in true if r not in pointed and not (pointed and r.kind == "together")]
         whole = Explanation("unsolvable", MESSAGES["unsolvable"], (), found.suggestions, found.complete)

@@ -13,7 +13,7 @@ from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import apply_change, with_facts
-from hybrid_tamp.questions.explain.candidates import answers
+from hybrid_tamp.questions.explain.candidates import find_answers
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_ANSWERS = 4
@@ -39,7 +39,7 @@ def keep_necessary(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) 
 
 def _tasks_without(task: Task, reason: Reason) -> Iterator[Task]:
     """Yield tasks in which the reason is removed."""
-    for change in islice(answers(task, reason), MOST_ANSWERS):
+    for change in islice(find_answers(task, reason), MOST_ANSWERS):
         yield apply_change(task, change)
     if reason.atom is not None:
         # A reason names one symbol, e.g. the face on whose wrong side a hand is, and may hold for others, too.
@@ -82,7 +82,7 @@ def _find_changes(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -
     if len(reasons) < 2 or trials.over:
         return []
     for reason in reasons:
-        change = next(iter(answers(task, reason)), None)
+        change = next(iter(find_answers(task, reason)), None)
         if change is None:
             return []
         changes.append(change)

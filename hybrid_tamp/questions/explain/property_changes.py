@@ -19,7 +19,7 @@ _HALVINGS = 40
 _DIGITS = 3
 
 
-def property_changes(task: Task, atom: Atom) -> Iterator[SetProperty]:
+def find_property_changes(task: Task, atom: Atom) -> Iterator[SetProperty]:
     """Yield the smallest changes of one property of one token that make a feasibility fact hold."""
     for name in atom.arguments:
         token = task.token_by_name.get(name)

@@ -19,7 +19,7 @@ from hybrid_tamp.model.network import slot_text
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import apply_change, apply_together
-from hybrid_tamp.questions.explain.candidates import candidates, points_to
+from hybrid_tamp.questions.explain.candidates import points_to, propose_changes
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
@@ -52,7 +52,7 @@ def find_repairs(task: Task, reasons: Sequence[Reason], trials: TrialPlanner, mo
     """
     found: list[Suggestion] = []
     kinds, copied = Counter[str](), set[str]()
-    for change in _Sieve(task, reasons, trials).promising(candidates(task, reasons)):
+    for change in _Sieve(task, reasons, trials).promising(propose_changes(task, reasons)):
         if trials.over:
             return Repairs(tuple(found), complete=False)
         # Copies of one token at several places count once.
@@ -117,7 +117,9 @@ class _Sieve:
         return len(group) == 1 or not self._trials.proves_unsolvable(apply_together(self._task, group))
 
 
-def counterfactual_reasons(task: Task, reasons: Iterable[Reason], suggestions: Iterable[Suggestion]) -> list[Reason]:
+def find_counterfactual_reasons(
+    task: Task, reasons: Iterable[Reason], suggestions: Iterable[Suggestion]
+) -> list[Reason]:
     """Return a reason for each suggestion to which no other reason points."""
     found: list[Reason] = []
     for suggestion in suggestions:

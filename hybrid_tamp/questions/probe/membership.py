@@ -112,9 +112,9 @@ class Prober:
             plan = self.find_plan(recipe.task(task, member, None))
         except NoPlan as error:
             return replace(known, obstacle=str(error))
-        return self.tried(known, recipe, task, member, plan, seed)
+        return self.run_trials(known, recipe, task, member, plan, seed)
 
-    def tried(
+    def run_trials(
         self, known: Verdict, recipe: TrialRecipe[Task], task: Task, member: Token, plan: TaskPlan, seed: int
     ) -> Verdict:
         """Return the verdict with trials of a member added until they are enough.
@@ -126,10 +126,10 @@ class Prober:
         for number, rng in enumerate(map(np.random.default_rng, children)):
             if number >= self.starts and known.verdict != "unsure":
                 break
-            known = replace(known, trials=(*known.trials, self.trial(recipe, recipe.task(task, member, rng), plan)))
+            known = replace(known, trials=(*known.trials, self.run_trial(recipe, recipe.task(task, member, rng), plan)))
         return known
 
-    def trial(self, recipe: TrialRecipe[Task], task: Task, plan: TaskPlan) -> Trial:
+    def run_trial(self, recipe: TrialRecipe[Task], task: Task, plan: TaskPlan) -> Trial:
         """Run one of a recipe's tasks.
 
         Raises:
