@@ -134,7 +134,7 @@ def _may_be(task: Task, block: Block, literal: Literal, atom: Atom) -> bool:
 
 
 def find_unreachable(task: Task) -> list[Atom]:
-    """Return the goal atoms that do not hold and that no block brings about, without searching further back."""
+    """Return the goal atoms that do not hold and that no block brings about; what blocks need is ignored."""
     return [
         atom for atom in task.goal if task.margin(atom) < 0 and not any(find_achievers(task, task.domain.blocks, atom))
     ]

@@ -16,7 +16,6 @@ from hybrid_tamp.model.change import AddEdge, Change, CopyToken, GrantFact, Idea
 from hybrid_tamp.model.explanation import Reason, Suggestion
 from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.network import slot_text
-from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import apply_change, apply_together
 from hybrid_tamp.questions.explain.candidates import points_to, propose_changes
@@ -134,17 +133,14 @@ def _counterfactual(task: Task, change: Change) -> Reason:
             message = f"the network has no edge {slot_text(source)} -> {slot_text(target)}"
             reason = Reason(task.goal, target[0], "no_edge", message, lacks=target)
         case GrantFact(atom) | SetProperty(atom=atom):
-            reason = _failing_fact(task, atom)
+            unit = task.domain.predicate_by_name[atom.predicate].unit
+            message = f"{atom.text} does not hold"
+            reason = Reason(task.goal, "", "not_feasible", message, atom, task.margin(atom), unit)
         case JoinClass(_, object_class) | IdealToken(object_class):
             reason = _short_class(task, object_class)
         case CopyToken(like):
             reason = _short_class(task, next(each for each in like.classes if each in task.domain.classes))
     return replace(reason, message=f"{reason.message}; with {change.what} there would be a plan")
-
-
-def _failing_fact(task: Task, atom: Atom) -> Reason:
-    unit = task.domain.predicate_by_name[atom.predicate].unit
-    return Reason(task.goal, "", "not_feasible", f"{atom.text} does not hold", atom, task.margin(atom), unit)
 
 
 def _short_class(task: Task, object_class: type[ObjectClass]) -> Reason:

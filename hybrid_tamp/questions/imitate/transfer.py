@@ -54,7 +54,7 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
         NoPlan: the task has no such plan; the message says why.
     """
     if shown.domain.name != task.domain.name:
-        raise _refused(f"what was seen is of the domain {shown.domain.name}, {task.name} of {task.domain.name}")
+        raise _refused(f"the demonstration is of the domain {shown.domain.name}, but {task.name} of {task.domain.name}")
     seen = _acting(shown, plan)
     wanted = _classes(shown, seen)
     able = {
@@ -64,7 +64,7 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
     for token, names in able.items():
         if not names:
             classes = ", ".join(sorted(sort.name for sort in wanted[token]))
-            raise _refused(f"no token of {task.name} is a member of {classes}, as {token} is in what was seen")
+            raise _refused(f"no token of {task.name} is a member of {classes}, unlike {token} in the demonstration")
     found = list(islice(_assignments(able, _goal_roles(shown, task, able)), _MOST))
     if not found:
         raise _refused(f"{task.name} has too few tokens for the roles: {_counted(wanted, able)}")
@@ -133,7 +133,7 @@ def _goal_roles(shown: Task, task: Task, able: Mapping[str, list[str]]) -> dict[
         left.remove(other)
         taken |= roles or {}
     if left:
-        raise _refused(f"{left[0].text} is a goal of {task.name}, and nothing like it was a goal in what was seen")
+        raise _refused(f"{left[0].text} is a goal of {task.name}, and the demonstration has no goal like it")
     return taken
 
 
