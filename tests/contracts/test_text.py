@@ -7,20 +7,22 @@ import pytest
 from contracts.scripts import load_script
 
 CASES = {
-    "roll_cylinder": ("check", "plan", "optimise", "explain", "affordances"),
-    "roll_cylinder_off_axis": ("plan", "explain"),
-    "tumble_one_hand": ("plan", "explain"),
-    "tool_choice": ("plan", "optimise"),
+    "roll_cylinder": ("check", "plan", "optimise", "affordances"),
+    "roll_cylinder_off_axis": ("plan",),
+    "tumble_one_hand": ("explain",),
+    "tool_choice": ("plan",),
     "lift_two_hands": ("plan",),
     "unknown_box": ("probe",),
 }
+FEWER = {"probe": ("--class", "TUMBLABLE")}
+"""Options that make a verb quicker."""
 
 
 @pytest.mark.parametrize(("task", "verb"), [(task, verb) for task, verbs in CASES.items() for verb in verbs])
 def test_nothing_depends_on_the_text_of_values(task: str, verb: str) -> None:
     script = load_script("noise")
     ((_, words),) = script.commands(task, [verb])
-    assert script.differences(words) == []
+    assert script.differences((*words, *FEWER.get(verb, ()))) == []
 
 
 def test_the_noise_is_heard() -> None:
