@@ -32,6 +32,21 @@ def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
     return batched
 
 
+def near(tolerance: float, place: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
+    """Make the margin [m] of a hand near a place.
+
+    Args:
+        tolerance: largest distance of the hand [m].
+        place: ``place(state, hand, *values)`` of the hand's centre ``(..., 3)`` [m].
+    """
+
+    def margin(state: State, hand: Token, *values: Value) -> FloatArray:
+        offset = state[hand, "position"] - place(state, hand, *values)
+        return np.asarray(tolerance - np.linalg.norm(offset, axis=-1))
+
+    return margin
+
+
 def _slowness(state: State, token: Token) -> FloatArray:
     return np.asarray(REST_SPEED - np.linalg.norm(state[token, "velocity"], axis=-1))
 

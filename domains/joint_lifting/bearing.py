@@ -8,6 +8,7 @@ face; with more load the box slips.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -66,8 +67,7 @@ def places_of(crew: str) -> tuple[tuple[str, str], ...]:
     return tuple(zip(SLOTS, CREWS[crew], strict=False))
 
 
-@dataclass(frozen=True, eq=False)
-class Course:
+class Course(NamedTuple):
     """The progress of a movement at a time, each of shape ``(...)``.
 
     Attributes:
@@ -116,11 +116,7 @@ def bearing(
     ]
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        now = course(elapsed)
-        closed, closing, grip, loaded, rise, rising = (
-            np.asarray(each)[..., None]
-            for each in (now.closed, now.closing, now.grip, now.loaded, now.rise, now.rising)
-        )
+        closed, closing, grip, loaded, rise, rising = (np.asarray(each)[..., None] for each in course(elapsed))
         commands: Commands = {}
         for hand, begun, normal, gap, brake in references:
             place = begun - normal * (gap * closed) + UP * rise

@@ -5,7 +5,7 @@ import numpy as np
 from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token, rotate
 
 from ..common.classes import StaticEndEffector
-from ..common.predicates import everywhere, length_predicate
+from ..common.predicates import everywhere, length_predicate, near
 from ..common.roles import POSE
 from ..common.vectors import UP
 from .classes import Liftable
@@ -48,11 +48,6 @@ def _rise(state: State, thing: Token) -> FloatArray:
 
 def _footing(state: State, thing: Token) -> FloatArray:
     return np.asarray(FLOOR_TOLERANCE - np.abs(corner_heights(state, thing)).max(axis=-1))
-
-
-def _close(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    offset = state[hand, "position"] - place_at(state, hand, thing, place)
-    return np.asarray(PLACE_TOLERANCE - np.linalg.norm(offset, axis=-1))
 
 
 def _clearance(state: State, hand: Token, thing: Token) -> FloatArray:
@@ -114,7 +109,7 @@ RAISED = length_predicate(
 AT_PLACE = length_predicate(
     "at_place",
     (_HAND, _OBJECT, _PLACE),
-    _close,
+    near(PLACE_TOLERANCE, place_at),
     reads={"hand": ("position",), "object": POSE},
     kind=Kind.MAINTAINED,
     description="{hand} is at the place {place} of {object}",

@@ -65,16 +65,6 @@ class Curve:
         return np.asarray(np.take_along_axis(self.points, index[..., None, None].astype(np.intp), axis=-2)[..., 0, :])
 
 
-def curve_to_face(start: State, hand: Token, thing: Token, face: str) -> Curve:
-    """Return the curve from the hand's position to its place at a face."""
-    return _each(start, lambda state: _to_face(state, hand, thing, face))
-
-
-def curve_away(start: State, hand: Token, thing: Token) -> Curve:
-    """Return the curve that takes a hand off its face and aside, out of the space where the box may come down."""
-    return _each(start, lambda state: _away(state, hand, thing))
-
-
 def off_the_face(start: State, hand: Token, thing: Token) -> FloatArray:
     """Return the outward normal ``(..., 3)`` of the face that the hand touches; zero if it touches none."""
     rows = [State(start.layout, row) for row in start.values.reshape(-1, start.values.shape[-1])]
@@ -87,7 +77,7 @@ def _outward(state: State, hand: Token, thing: Token) -> FloatArray:
     return normal(state, thing, face) if touching else np.zeros(3)
 
 
-def _each(start: State, make: Callable[[State], list[FloatArray]]) -> Curve:
+def curve_through(start: State, make: Callable[[State], list[FloatArray]]) -> Curve:
     """Return the rounded curve through the corner points that `make` gives for each state of a batch."""
     rows = start.values.reshape(-1, start.values.shape[-1])
     polylines = [_padded(make(State(start.layout, row))) for row in rows]
@@ -142,7 +132,8 @@ def _off_face(state: State, hand: Token, thing: Token) -> tuple[str, FloatArray]
     return face, state[hand, "position"] + outward * max(0.0, hand["radius"] + _ROOM - distance)
 
 
-def _to_face(state: State, hand: Token, thing: Token, face: str) -> list[FloatArray]:
+def corners_to_face(state: State, hand: Token, thing: Token, face: str) -> list[FloatArray]:
+    """Return the corners ``(3,)`` [m] from the hand's position to its place at a face."""
     place = place_at(state, hand, thing, face)
     outward = normal(state, thing, face)
     before = place + outward * (_ROOM - STANDBY_GAP)
@@ -181,7 +172,8 @@ def _cost(hand: Token, route: list[FloatArray]) -> float:
     return length + _BLOCKED * (sunk > 0)
 
 
-def _away(state: State, hand: Token, thing: Token) -> list[FloatArray]:
+def corners_away(state: State, hand: Token, thing: Token) -> list[FloatArray]:
+    """Return the corners ``(3,)`` [m] that take a hand off its face, out of the space where the box may come down."""
     face, free = _off_face(state, hand, thing)
     outward = normal(state, thing, face) * HORIZONTAL
     if np.linalg.norm(outward) < 0.2:  # above the box: to the side where the hand is

@@ -5,7 +5,7 @@ import numpy as np
 from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token
 
 from ..common.classes import Region, StaticEndEffector
-from ..common.predicates import inside, length_predicate
+from ..common.predicates import inside, length_predicate, near
 from ..common.roles import POSE
 from ..common.vectors import HORIZONTAL, depth_in_workspace, dot
 from .classes import Rollable
@@ -18,11 +18,6 @@ _TILT_TOLERANCE = np.sin(np.radians(3.0))
 _STANDBY_TOLERANCE = 0.025
 _DRIFT = 0.002
 """Drift of a rolling thing off its line [m] that does not count as infeasible before execution."""
-
-
-def _close_to_standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    offset = state[hand, "position"] - standby(state, hand, thing, region)
-    return np.asarray(_STANDBY_TOLERANCE - np.linalg.norm(offset, axis=-1))
 
 
 def _levelness(state: State, thing: Token) -> FloatArray:
@@ -53,15 +48,11 @@ def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
     return np.asarray(np.maximum(*ends))
 
 
-def _own_room(state: State, hand: Token) -> FloatArray:
-    return depth_in_workspace(hand, state[hand, "position"])
-
-
 INSIDE = inside(Rollable)
 BEHIND = length_predicate(
     "behind",
     (_HAND, _OBJECT, _REGION),
-    _close_to_standby,
+    near(_STANDBY_TOLERANCE, standby),
     reads={"hand": ("position",), "object": POSE, "region": ("position",)},
     kind=Kind.MAINTAINED,
     description="{hand} stands by behind {object} as seen from {region}",
@@ -99,7 +90,7 @@ WITHIN_WORKSPACE = length_predicate(
 IN_WORKSPACE = length_predicate(
     "in_workspace",
     (_HAND,),
-    _own_room,
+    lambda state, hand: depth_in_workspace(hand, state[hand, "position"]),
     reads={"hand": ("position",)},
     description="{hand} is within its workspace",
     denial="{hand} is not within its workspace",

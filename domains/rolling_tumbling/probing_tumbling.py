@@ -61,9 +61,7 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 def _turning_axis(task: Task, token: Token) -> int:
     """Return the body axis of a token about which hands turn it: the nearest one to the hand's axis, else y."""
     hand = next((one for one in task.tokens if one.is_member(StaticEndEffector)), None)
-    if hand is None:
-        return 1
-    return int(np.argmax(np.abs(to_body(task.state, token, hand_axis(task.state, hand)))))
+    return 1 if hand is None else int(np.argmax(np.abs(to_body(task.state, token, hand_axis(task.state, hand)))))
 
 
 def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:

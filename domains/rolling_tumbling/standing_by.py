@@ -35,7 +35,7 @@ from ..common.roles import MOTION, get_symbol, get_token, get_tokens
 from ..common.servos import hand_system, position_servo
 from ..common.timetable import round_up
 from .classes import Tumblable
-from .detours import Curve, curve_away, curve_to_face, off_the_face
+from .detours import Curve, corners_away, corners_to_face, curve_through, off_the_face
 from .faces import FACE, POSTURES
 from .predicates import IN_WORKSPACE
 from .tumbling_geometry import place_at
@@ -63,9 +63,9 @@ _SPEED = Hyperparameter("speed", "m/s", 0.1, 0.8, lambda b, s: np.asarray(0.4), 
 
 def _curve(binding: Binding, start: State) -> Curve:
     hand, thing = get_tokens(binding, "hand", "object")
-    if "face" in binding:
-        return curve_to_face(start, hand, thing, get_symbol(binding, "face"))
-    return curve_away(start, hand, thing)
+    if "face" not in binding:
+        return curve_through(start, lambda state: corners_away(state, hand, thing))
+    return curve_through(start, lambda state: corners_to_face(state, hand, thing, get_symbol(binding, "face")))
 
 
 def _place(binding: Binding, state: State) -> FloatArray:

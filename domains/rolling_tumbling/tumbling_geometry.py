@@ -54,14 +54,10 @@ def nominal_tilt(thing: Token, posture: str, down: str, forward: str) -> float:
     return float(balance(thing, down, forward) + beyond)
 
 
-def edge_point(thing: Token, down: str, forward: str) -> FloatArray:
-    """Return the middle of the edge between two faces in the body frame, ``(3,)`` [m]."""
-    return NORMALS[down] * half_extent(thing, down) + NORMALS[forward] * half_extent(thing, forward)
-
-
 def edge_position(state: State, thing: Token, down: str, forward: str) -> FloatArray:
-    """Return the middle of that edge ``(..., 3)`` [m]."""
-    return state[thing, "position"] + rotate(state[thing, "orientation"], edge_point(thing, down, forward))
+    """Return the middle of the edge between two faces ``(..., 3)`` [m]."""
+    middle = NORMALS[down] * half_extent(thing, down) + NORMALS[forward] * half_extent(thing, forward)
+    return state[thing, "position"] + rotate(state[thing, "orientation"], middle)
 
 
 def edge_axis(state: State, thing: Token, down: str, forward: str) -> FloatArray:

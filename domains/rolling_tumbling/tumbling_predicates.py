@@ -5,7 +5,7 @@ import numpy as np
 from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
 
 from ..common.classes import StaticEndEffector
-from ..common.predicates import length_predicate, one_by_one
+from ..common.predicates import length_predicate, near, one_by_one
 from ..common.roles import POSE
 from ..common.vectors import depth_in_workspace, dot
 from .classes import Tumblable
@@ -27,11 +27,6 @@ SQUEEZE = 0.5
 
 With more force the hands carry the weight, and the pivot edge unloads and slides.
 """
-
-
-def _close_to_face(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    offset = state[hand, "position"] - place_at(state, hand, thing, face)
-    return np.asarray(FACE_TOLERANCE - np.linalg.norm(offset, axis=-1))
 
 
 def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
@@ -113,7 +108,7 @@ POSTURE = Predicate(
 AT_FACE = length_predicate(
     "at_face",
     (_HAND, _OBJECT, _FACE),
-    _close_to_face,
+    near(FACE_TOLERANCE, place_at),
     reads={"hand": ("position",), "object": POSE},
     kind=Kind.MAINTAINED,
     description="{hand} stands at the {face} face of {object}",
@@ -177,28 +172,19 @@ LOW_ENOUGH = Predicate(
 )
 
 
-_FOUR = (Parameter("near", FACE), Parameter("far", FACE), Parameter("before", POSTURES), Parameter("outcome", POSTURES))
-TIPS = Predicate.relation(
-    "tips",
-    _FOUR,
-    TIPS_HOLD,
-    description="hands at {near} and {far} tip a box from {before} to {outcome}",
-    denial="hands at {near} and {far} do not tip a box from {before} to {outcome}",
-)
-LOWERS = Predicate.relation(
-    "lowers",
-    _FOUR,
-    LOWERS_HOLD,
-    description="hands at {near} and {far} lower a box from {before} to {outcome}",
-    denial="hands at {near} and {far} do not lower a box from {before} to {outcome}",
-)
-LEANS = Predicate.relation(
-    "leans",
-    _FOUR,
-    LEANS_HOLD,
-    description="hands at {near} and {far} tilt a box from {before} back to {outcome}",
-    denial="hands at {near} and {far} do not tilt a box from {before} back to {outcome}",
-)
+def _pair_relation(name: str, rows: set[tuple[str, str, str, str]], effect: str) -> Predicate:
+    """Return the relation of what two hands do with a box; the effect is a verb phrase in the plural."""
+    sorts = {"near": FACE, "far": FACE, "before": POSTURES, "outcome": POSTURES}
+    parameters = tuple(Parameter(role, sort) for role, sort in sorts.items())
+    hands = "hands at {near} and {far}"
+    return Predicate.relation(
+        name, parameters, rows, description=f"{hands} {effect}", denial=f"{hands} do not {effect}"
+    )
+
+
+TIPS = _pair_relation("tips", TIPS_HOLD, "tip a box from {before} to {outcome}")
+LOWERS = _pair_relation("lowers", LOWERS_HOLD, "lower a box from {before} to {outcome}")
+LEANS = _pair_relation("leans", LEANS_HOLD, "tilt a box from {before} back to {outcome}")
 HOLDS = Predicate.relation(
     "holds",
     (_FACE, _POSTURE),

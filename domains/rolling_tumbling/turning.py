@@ -204,7 +204,12 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
         spin = axis * ((after - angle) / dt)[..., None]
         changes: dict[tuple[str, str], FloatArray] = {}
         for hand, face in hands:
-            changes |= _hand_after(state, hand, thing, face, pivot, spin, touching, commands, dt)
+            free = _free_velocity(state, hand, thing, face, commands, dt)
+            lever = state[hand, "position"] - pivot
+            carried = rotate(quaternion_from_axis_angle(_unit(spin), np.linalg.norm(spin, axis=-1) * dt), lever)
+            velocity = np.where(touching[..., None], (carried - lever) / dt, free)
+            changes[hand.name, "velocity"] = velocity
+            changes[hand.name, "position"] = state[hand, "position"] + velocity * dt
         turned = quaternion_from_axis_angle(axis, after - angle)
         still = np.where(blocked, 0.0, 1.0)[..., None]
         changes[thing.name, "orientation"] = integrate(state[thing, "orientation"], spin, dt)
@@ -216,27 +221,12 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
     return system
 
 
-def _hand_after(
-    state: State,
-    hand: Token,
-    thing: Token,
-    face: str,
-    pivot: FloatArray,
-    spin: FloatArray,
-    touching: FloatArray,
-    commands: Commands,
-    dt: float,
-) -> dict[tuple[str, str], FloatArray]:
-    """Move one hand: with the box if both hands touch it, else by its own force until it meets its face."""
+def _free_velocity(state: State, hand: Token, thing: Token, face: str, commands: Commands, dt: float) -> FloatArray:
+    """Return the velocity ``(..., 3)`` [m/s] of a hand under its own force that stops at its face."""
     velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
     outward = normal(state, thing, face)
     gap = np.maximum(_gap(state, hand, thing, face), 0.0)
-    inward = -dot(velocity, outward)
-    velocity = velocity + outward * np.maximum(inward - gap / dt, 0.0)[..., None]
-    lever = state[hand, "position"] - pivot
-    carried = rotate(quaternion_from_axis_angle(_unit(spin), np.linalg.norm(spin, axis=-1) * dt), lever)
-    velocity = np.where(touching[..., None], (carried - lever) / dt, velocity)
-    return {(hand.name, "velocity"): velocity, (hand.name, "position"): state[hand, "position"] + velocity * dt}
+    return np.asarray(velocity + outward * np.maximum(-dot(velocity, outward) - gap / dt, 0.0)[..., None])
 
 
 def _unit(vector: FloatArray) -> FloatArray:

@@ -130,7 +130,7 @@ ABLE_TO_STRIKE = Predicate(
     scale=0.1,
     kind=Kind.STATIC,
     description="{hand} can strike {object} hard enough with {tool}",
-    denial="no swing of {tool} by {hand} gives {object} the blow that it needs",
+    denial="no swing of {tool} by {hand} gives {object} the impulse that it needs",
 )
 SQUARE_TO = Predicate(
     "square_to",

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from hybrid_tamp.authoring import BlockInstance, FloatArray, Recording, Task, Token
+from hybrid_tamp.authoring import BlockInstance, Recording, Task, Token
 
 from ..common.metrics import measure_instances, rows_of, run_of
 from .feasibility import resistance
@@ -57,7 +57,7 @@ def _later(recording: Recording, grasp: BlockInstance) -> Iterator[BlockInstance
 def _push(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, float]]:
     hand, tool = _tokens(task, instance)
     thing, run = task.token_by_name[instance.slots["object"]], run_of(recording, instance.start, instance.end)
-    torque = _commanded(recording, hand, "torque")[rows_of(recording, instance.start, instance.end)]
+    torque = recording.commanded(hand.name, "torque")[rows_of(recording, instance.start, instance.end)]
     moving = norm(run[thing, "velocity"]) > _MOVING
     if moving.any():
         about = dot(torque, side(run, tool))[moving]
@@ -74,13 +74,3 @@ def _strike(task: Task, recording: Recording, instance: BlockInstance) -> Iterat
         swing = swing_of(hand, tool, held_at, instance.hyperparameters["swing_radius"])
         yield "tip_speed [m/s]", float(tip_speed(run, tool).max())
         yield "tip_speed_predicted [m/s]", float(swing.tip_speed)
-
-
-def _commanded(recording: Recording, hand: Token, action: str) -> FloatArray:
-    """Return the commands of one basic action, ``(t, size)``."""
-    start = 0
-    for token, name, size in recording.commands_layout:
-        if (token, name) == (hand.name, action):
-            return recording.commands[:, start : start + size]
-        start += size
-    raise KeyError(f"{action} on {hand.name}")
