@@ -146,6 +146,12 @@ class TaskPlan(Tabular):
         """Return the (instance, slot) pairs of a token, by start."""
         return self._timelines.get(token, ())
 
+    def before(self, instance: BlockInstance, token: str) -> tuple[BlockInstance, str] | None:
+        """Return the (instance, slot) pair that a token was in before it entered an instance, None if there is none."""
+        timeline = self.timeline(token)
+        index = next(i for i, (other, _) in enumerate(timeline) if other is instance)
+        return timeline[index - 1] if index else None
+
     @cached_property
     def _timelines(self) -> Mapping[str, tuple[tuple[BlockInstance, str], ...]]:
         found: dict[str, list[tuple[BlockInstance, str]]] = {}

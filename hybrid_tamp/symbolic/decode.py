@@ -1,8 +1,8 @@
-"""Plan actions back to block instances: which tokens entered which instance at which reassignment.
+"""From plan actions back to block instances: which tokens enter which instance at which reassignment.
 
-Fills are order, not time: they only say who enters when their block begins. Each `begin` is one reassignment; the
-`leave` actions after it belong to the same instant. A chain begins with its first block; the reassignments inside it
-follow before the next `begin`.
+A `fill` takes no time: it only chooses a token that enters when the block begins. Each `begin` is one reassignment,
+and the `leave` actions after it belong to the same instant. A chain begins with its first block; the reassignments
+inside it follow before the next `begin`.
 """
 
 from collections import Counter
@@ -16,7 +16,7 @@ from hybrid_tamp.symbolic.encoding.problem import Compilation
 
 
 class UndecodableError(ValueError):
-    """A sequence of actions that is no sequence of reassignments."""
+    """The actions are not a sequence of reassignments."""
 
 
 @dataclass
@@ -54,19 +54,19 @@ class _Decoding:
     where: dict[str, OrderedInstance] = field(default_factory=dict)
     numbers: Counter[str] = field(default_factory=Counter)
     reassignment: int = 0
-    coming: list[tuple[Link, Mapping[str, str]]] = field(default_factory=list)
+    pending: list[tuple[Link, Mapping[str, str]]] = field(default_factory=list)
 
     def enter(self, links: Sequence[Link], named: Mapping[str, str]) -> None:
-        """Begin what one step stands for: its first block now, the others when the reassignment is complete."""
+        """Begin the blocks of one step: the first block now, the others when the reassignment is complete."""
         self._begin(links[0], named)
-        self.coming += [(link, named) for link in links[1:]]
+        self.pending += [(link, named) for link in links[1:]]
 
-    def go_through(self) -> None:
-        """Go through the chains that have been entered, each junction a reassignment of its own."""
-        for link, named in self.coming:
+    def pass_through(self) -> None:
+        """Pass through the chains that have been entered. Each junction is a reassignment of its own."""
+        for link, named in self.pending:
             self.reassignment += 1
             self._begin(link, named)
-        self.coming.clear()
+        self.pending.clear()
 
     def _begin(self, link: Link, named: Mapping[str, str]) -> None:
         roles = {own: named.get(role, role) for own, role in link.roles.items()}
@@ -74,7 +74,7 @@ class _Decoding:
         self.start(link.block.name, slots, {target.name: roles[target.name] for target in link.block.targets})
 
     def start(self, block: str, slots: dict[str, str], targets: dict[str, str]) -> None:
-        """Begin an instance at the current reassignment; its tokens leave where they were."""
+        """Begin an instance at the current reassignment; its tokens leave the instances that they were in."""
         action = split_mode(block)[0]
         self.numbers[action] += 1
         instance = OrderedInstance(f"{action}-{self.numbers[action]}", block, slots, targets, self.reassignment)
@@ -90,11 +90,11 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
     """Return the instances of a plan in the order in which they begin, initial ones first.
 
     Args:
-        compilation: the compiled task that the actions are of.
+        compilation: the compiled task to which the actions belong.
         actions: the planner's actions, in PDDL names.
 
     Raises:
-        UndecodableError: an action is not one of the compilation's, or a block begins with an empty slot.
+        UndecodableError: the compilation does not have an action, or a block begins with an empty slot.
     """
     task, chains = compilation.task, compilation.encoded.chains
     decoding = _Decoding(task)
@@ -116,8 +116,8 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
         if set(slots) != {slot.name for slot in block.slots}:
             raise UndecodableError(f"{block.name} of {anchor} begins with an empty slot")
         if meaning.kind == "begin":
-            decoding.go_through()
+            decoding.pass_through()
             decoding.reassignment += 1
-        decoding.enter(chains.expanded(block.name), {**roles, **slots})
-    decoding.go_through()
+        decoding.enter(chains.expand(block.name), {**roles, **slots})
+    decoding.pass_through()
     return decoding.instances

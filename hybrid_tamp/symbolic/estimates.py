@@ -1,7 +1,7 @@
-"""How long the instances of a plan are going to last, from the states in which they are expected to begin.
+"""Expected durations of the instances of a plan, from the states in which they are expected to begin.
 
-A plan is followed instance by instance: each puts its tokens where its block's `outcome` says that they are in the
-end, or, where a block says nothing, at the middle of the place that its exit conditions name.
+The estimates follow a plan instance by instance. Each instance puts its tokens at the poses that its block's `outcome`
+gives. If the block has no `outcome`, a token goes to the middle of the place that the exit conditions name.
 """
 
 import math
@@ -18,7 +18,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.symbolic.decode import OrderedInstance
 
 TICK = 1e-3
-"""Times are whole ticks [s]: sums of floats would turn a cycle of length zero into an endless one."""
+"""Resolution of times [s]. All times are whole ticks: rounding errors would give a cycle of length zero no end."""
 
 _POSE = ("position", "orientation")
 _DIGITS = 6
@@ -29,12 +29,12 @@ Poses = Mapping[tuple[str, str], FloatArray]
 
 @dataclass(frozen=True)
 class Estimate:
-    """What is expected of one instance.
+    """The expected course of one instance.
 
     Attributes:
-        seconds: how long it lasts, or takes to its exit where it holds [s].
+        seconds: how long it lasts, or how long it takes to its exit if it holds [s].
         initial_values: initial values of its hyperparameters.
-        outcome: what it changes of its tokens' poses.
+        outcome: the poses of its tokens that it changes.
     """
 
     seconds: float
@@ -43,14 +43,14 @@ class Estimate:
 
 
 class Estimates:
-    """The estimates of one task's instances, each made once however many plans it occurs in."""
+    """The estimates of the instances of one task. Each is made once, even if it occurs in many plans."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
         self._known: dict[tuple[object, ...], Estimate] = {}
 
     def of(self, instances: Sequence[OrderedInstance]) -> list[Estimate]:
-        """Return the estimate of each instance of a plan; they are in the order in which they begin."""
+        """Return the estimates of the instances of a plan, which are in the order in which they begin."""
         state, found = self.task.state, []
         coming: list[tuple[int, Poses]] = []
         for instance in instances:
@@ -63,7 +63,7 @@ class Estimates:
         return found
 
     def _event(self, instance: OrderedInstance) -> int:
-        """Return the first reassignment before which an instance has come to its exit; what it holds may be read."""
+        """Return the first reassignment before which an instance reaches its exit; others may read what it holds."""
         if self.task.domain.block_by_name[instance.block].hold:
             return instance.begin + 1
         return instance.begin + 1 if instance.end is None else instance.end
@@ -82,7 +82,7 @@ class Estimates:
         initial = block.initial_values(binding, state)
         expected = block.duration.expected(binding, state, initial)
         bounded = float(np.clip(expected, block.duration.minimum, block.duration.maximum))
-        # Whole ticks here already, so that every time that is built from it agrees with the network's.
+        # The duration is whole ticks, so that every sum of durations agrees with the times of the network.
         seconds = round(math.ceil(bounded / TICK - 1e-6) * TICK, 6)
         values = {name: float(value) for name, value in initial.items()}
         return Estimate(seconds, values, self._outcome(block, roles, binding, state))
@@ -96,7 +96,7 @@ class Estimates:
         return {(name, p): after[name, p].copy() for name in tokens for p in _properties(state, name)}
 
     def _place(self, literal: Literal, roles: Mapping[str, str], state: State) -> Poses:
-        """Return the pose of a thing at the middle of the place where an exit condition says that it is."""
+        """Return the pose of a thing at the middle of the place that an exit condition names."""
         index = literal.predicate.functional_index
         if not literal.positive or index is None or len(literal.arguments) != 2:
             return {}

@@ -1,8 +1,8 @@
-"""A task to a lawful plan: every strategy that is worth a try, and of the lawful plans the best.
+"""From a task to the best lawful plan that the strategies find.
 
-Independent goals are planned apart; where that gives nothing, the engine plans the whole task at once. For the number
-of actions the first lawful plan is taken. For the makespan the goals are planned apart with several numbers of helpers,
-and interchangeable tokens of the shortest plan are rebound, while there is time.
+Independent goals are planned apart. If that gives no plan, the engine plans the whole task at once. If the objective
+is the number of actions, the first lawful plan is returned. If it is the makespan, the goals are planned apart with
+several numbers of helpers, and interchangeable tokens of the shortest plan are rebound until the time is up.
 """
 
 import time
@@ -17,20 +17,20 @@ from hybrid_tamp.symbolic.strategies.rebinding import rebind_tokens
 from hybrid_tamp.symbolic.strategies.search import Candidate, Planner, Search, SearchResult, time_limit_reached
 
 SHORTENING_TIME = 15.0
-"""How long shorter plans are looked for when the objective is the makespan [s]."""
+"""Time to search for shorter plans if the objective is the makespan [s]."""
 
 WHOLE = "the whole task at once"
 REBOUND = "interchangeable tokens rebound"
 
 _DECOMPOSING = ("fast-downward", "symk", "enhsp", "pyperplan")
-"""Engines that end where a group has no plan, and whose plans are not expected to be the shortest in actions."""
+"""Engines that terminate if a group has no plan and are not asked for a plan with the fewest actions."""
 
 
 def find_plan(task: Task, planner: Planner) -> SearchResult:
-    """Return a plan that the law checker passed, or why there is none.
+    """Return a plan that the law checker accepted, or why there is none.
 
-    Every action of it comes from plans that unified-planning's validator passed. Where the goal leaves a choice, the
-    best plan of all alternatives is returned; that there is none is proven if it is for each of them.
+    Each action comes from a plan that the validator of unified-planning accepted. If the goal leaves a choice, the
+    best plan of all alternatives is returned; the task is proven unsolvable if every alternative is.
 
     Args:
         task: the task.
@@ -38,7 +38,7 @@ def find_plan(task: Task, planner: Planner) -> SearchResult:
 
     Raises:
         InputError: the engine is not installed or not known, or the goal cannot be compiled.
-        LimitReached: the engine ran into the time or memory limit.
+        LimitReached: the engine reached its time or memory limit.
     """
     alternatives = task.alternatives()
     if len(alternatives) == 1:
@@ -47,7 +47,7 @@ def find_plan(task: Task, planner: Planner) -> SearchResult:
 
 
 def _plan_alternative(task: Task, planner: Planner, shortening: float) -> SearchResult:
-    """Plan a task whose goal leaves no choice, looking for shorter plans for so long [s]."""
+    """Plan a task whose goal leaves no choice; `shortening` is the time to search for shorter plans [s]."""
     search = Search(task, planner)
     shortest = task.objective == "makespan"
     best = None
@@ -61,7 +61,7 @@ def _plan_alternative(task: Task, planner: Planner, shortening: float) -> Search
             answer = planner.solve(problem, task.planner, limits)
         best = search.judge_actions(WHOLE, answer.actions) if answer.status == "solved" else None
     if best is None:
-        assert answer is not None, "the engine is asked for the whole task, or raises"
+        assert answer is not None, "the engine plans the whole task or raises"
         refusal = search.refusals[-1] if search.refusals and answer.status == "solved" else ""
         answer = replace(answer, seconds=search.elapsed)
         return SearchResult(answer, None, refusal, stages=dict(search.stages), task=task)
@@ -72,7 +72,7 @@ def _plan_alternative(task: Task, planner: Planner, shortening: float) -> Search
 
 
 def _rebind(search: Search, best: Candidate, shortening: float) -> Candidate:
-    """Return the plan with interchangeable tokens rebound, if that is shorter and lawful, else the plan."""
+    """Return the plan with interchangeable tokens rebound if that is shorter and lawful, else the plan itself."""
     seconds = shortening - search.elapsed
     with search.stage("scheduling"):
         shorter = rebind_tokens(search.compilation, best.plan, seconds, search.estimates)
@@ -82,9 +82,9 @@ def _rebind(search: Search, best: Candidate, shortening: float) -> Candidate:
 
 
 def _plan_alternatives(task: Task, alternatives: Sequence[Task], planner: Planner) -> SearchResult:
-    """Plan every alternative of a goal with a choice, the nearest first, each with a fair share of the time left.
+    """Plan every alternative of a goal with a choice, the nearest first, each with an equal share of the time left.
 
-    Returns the best plan by the objective, of equal ones the nearest; or why there is none.
+    Returns the best plan by the objective (of equal plans, that of the nearest alternative), or why there is none.
 
     Raises:
         LimitReached: there is no plan, and not every alternative was decided.
@@ -102,13 +102,13 @@ def _plan_alternatives(task: Task, alternatives: Sequence[Task], planner: Planne
             continue
         found.append(replace(result, task=each))
         if result.plan is not None and not result.plan.actions:
-            break  # Nothing is shorter than nothing.
+            break  # No plan is shorter than the empty one.
     solved = [result for result in found if result.plan is not None]
     if not solved and undecided:
         raise next((each for each in undecided if each.limit != "time"), time_limit_reached(task))
     open_ends = [result for result in found if result.status != "unsolvable"]
     chosen = min(solved, key=_cost) if solved else [*open_ends, *found][0]
-    # The time is that of all alternatives.
+    # The times are sums over all alternatives.
     stages = {name: sum(result.stages.get(name, 0.0) for result in found) for name in chosen.stages}
     return replace(chosen, answer=replace(chosen.answer, seconds=time.monotonic() - began), stages=stages)
 

@@ -1,4 +1,4 @@
-"""A plan of another planner for the exported PDDL, read back: its text becomes actions, and these a checked plan."""
+"""Reader of plans that other planners find for the exported PDDL: from text to actions to a checked plan."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,6 @@ from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import UndecodableError, decode
-from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 
@@ -26,7 +25,7 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
         The plan with the earliest times; it obeys the law of assignment and reaches the goal.
 
     Raises:
-        InputError: the file cannot be read, or it is no plan of the task.
+        InputError: the file cannot be read, or it is not a plan of the task.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
@@ -35,7 +34,7 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
     compilation = compile_task(task)
     actions = [action for line in text.splitlines() for action in _parse_line(line)]
     wanted = f"a plan of the task {task.name}"
-    if not applicable(compilation, actions):
+    if not compilation.reaches_goal(actions):
         came = "actions that the exported PDDL does not have, that cannot follow each other, or that miss the goal"
         raise InputError([Issue(str(path), wanted, came)])
     try:
@@ -49,7 +48,7 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
 
 
 def _parse_line(line: str) -> list[PlannedAction]:
-    """Return the actions in a line; names are in lower case, as PDDL does not tell them apart."""
+    """Return the actions in a line, in lower case, because PDDL ignores case."""
     found = _ACTION.findall(line.partition(";")[0].lower())
     actions = [words.split() for words in found]
     return [PlannedAction(name, tuple(arguments)) for name, *arguments in actions]

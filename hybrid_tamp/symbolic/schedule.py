@@ -1,8 +1,9 @@
-"""Order to time: one simple temporal network gives the instants at which blocks abut.
+"""From order to time: a simple temporal network gives the instants of the reassignments.
 
-Its events are the reassignments. An instance with a hold lasts at least as long as expected, one without exactly so
-long; blocks that must wait for a bounded one hold, bounded ones shift right. Instances of which one reads or needs
-what the other changes keep the order that the plan gives them. The earliest times are the longest paths.
+The events of the network are the reassignments. An instance that holds lasts at least its expected duration; an
+instance without a hold lasts exactly that long. So a block that must wait for another holds, and a block without a
+hold starts later. If one instance reads or needs what another changes, the two keep the order of the plan. The
+earliest times are the longest paths through the network.
 """
 
 from collections import defaultdict
@@ -19,11 +20,11 @@ from hybrid_tamp.symbolic.decode import OrderedInstance
 from hybrid_tamp.symbolic.estimates import TICK, Estimate, Estimates
 
 Constraint = tuple[int, int, float, str]
-"""Event j comes at least so many seconds after event i; the reason."""
+"""(i, j, seconds, reason): event j comes at least that long [s] after event i."""
 
 
 class InfeasibleScheduleError(ValueError):
-    """No times satisfy the plan's order and durations; the message names the cycle."""
+    """No times satisfy the order and the durations of the plan; the message names the cycle."""
 
 
 def schedule(
@@ -37,8 +38,8 @@ def schedule(
     Args:
         task: the task.
         instances: instances in the order in which they begin.
-        actions: the plan's actions, kept with it.
-        estimates: those of the task, where several plans share them.
+        actions: the actions of the plan, for `TaskPlan.actions`.
+        estimates: the estimates of the task, if several plans share them.
 
     Raises:
         InfeasibleScheduleError: the durations contradict the order.
@@ -73,7 +74,7 @@ class _Network:
         self.roles = [task.bind({**instance.slots, **instance.targets}) for instance in instances]
 
     def constraints(self, final: int) -> Iterator[Constraint]:
-        """Yield all constraints; equal ones may come more than once."""
+        """Yield all constraints, some of them more than once."""
         yield from self._durations()
         yield from self._conflicts()
         yield from self._needs()
@@ -88,19 +89,19 @@ class _Network:
                 yield (end, instance.begin, -seconds, reason)
 
     def _conflicts(self) -> Iterator[Constraint]:
-        """Keep the plan's order where one instance reads what another changes."""
+        """Keep the order of the plan if one instance reads what another changes."""
         for writer, reader in self._touching():
             one, two = sorted((writer, reader))
             first, second = self.instances[one], self.instances[two]
             if self.ends[one] <= second.begin:
                 yield (self.ends[one], second.begin, 0.0, f"{second.name} after {first.name}")
             elif writer == one and first.begin < second.begin and self.blocks[one].hold:
-                # It is read while it holds: not before it has come to its exit.
+                # The reader waits until the writer has reached its exit; the writer may still hold.
                 reason = f"{second.name} reads what {first.name} holds"
                 yield (first.begin, second.begin, self.seconds[one], reason)
 
     def _touching(self) -> Iterator[tuple[int, int]]:
-        """Yield pairs of instances of which the first changes a property that the second reads of a target."""
+        """Yield (writer, reader) pairs: the first instance changes a property that the second reads of a target."""
         writers: defaultdict[str, list[tuple[int, set[str]]]] = defaultdict(list)
         for index, (instance, block) in enumerate(zip(self.instances, self.blocks, strict=True)):
             for slot, token in instance.slots.items():
@@ -113,7 +114,7 @@ class _Network:
                         yield writer, index
 
     def _needs(self) -> Iterator[Constraint]:
-        """An entry condition waits for what made it true, and comes before what may change it."""
+        """Begin an instance after its entry conditions become true and before another instance may change them."""
         effects = _Effects(self)
         for index, instance in enumerate(self.instances):
             for literal in self.blocks[index].changing_entry:
@@ -128,7 +129,7 @@ class _Network:
                         yield (instance.begin, self.instances[later].begin, 0.0, reason)
 
     def _after(self, maker: int, instance: OrderedInstance, atom: Atom) -> Constraint:
-        """An instance begins after the end of what made its condition true, or while that holds it."""
+        """Begin an instance after the end of the instance that made its condition true, or while that one holds."""
         made = self.instances[maker]
         reason = f"{instance.name} needs {atom.text} of {made.name}"
         if self.ends[maker] <= instance.begin:
@@ -137,7 +138,7 @@ class _Network:
 
 
 class _Effects:
-    """Which instances change an atom, found by its predicate and first argument."""
+    """The instances that change an atom, found by its predicate and first argument."""
 
     def __init__(self, network: _Network) -> None:
         self._found: defaultdict[tuple[str, str], list[tuple[int, Atom]]] = defaultdict(list)
@@ -147,7 +148,7 @@ class _Effects:
                 self._found[_key(effect)].append((index, effect))
 
     def changing(self, atom: Atom) -> list[int]:
-        """Return the instances that set or delete the atom, in their order, each once."""
+        """Return the instances that set or delete the atom, in their order, without duplicates."""
         found = [*self._found.get(_key(atom), ()), *self._found.get((atom.predicate, ANY), ())]
         wanted = Atom(atom.predicate, atom.arguments)
         return sorted({index for index, effect in found if effect.matches(wanted)})
@@ -158,7 +159,7 @@ def _key(atom: Atom) -> tuple[str, str]:
 
 
 def _earliest(constraints: Sequence[Constraint], count: int) -> list[float]:
-    """Return the earliest time of each event [s]: the longest path from event 0, which bounds all others."""
+    """Return the earliest time of each event [s]: the length of the longest path from event 0."""
     sources, targets = (np.array([each[side] for each in constraints], dtype=np.intp) for side in (0, 1))
     ticks = np.array([round(each[2] / TICK) for each in constraints], dtype=np.int64)
     times = np.zeros(count, dtype=np.int64)
@@ -171,7 +172,7 @@ def _earliest(constraints: Sequence[Constraint], count: int) -> list[float]:
 
 
 def _cycle(constraints: Sequence[Constraint]) -> list[str]:
-    """Return the reasons round a cycle that demands that an event come before itself."""
+    """Return the reasons along a cycle that puts an event before itself."""
     graph: nx.DiGraph[int] = nx.DiGraph()
     for source, target, least, reason in constraints:
         ticks = round(least / TICK)

@@ -20,8 +20,9 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
-from hybrid_tamp.symbolic.pddl.operators import Fact, Operator
-from hybrid_tamp.symbolic.reencode import match_conditions, reencode
+from hybrid_tamp.symbolic.pddl.joins import FactIndex, join
+from hybrid_tamp.symbolic.pddl.operators import Operator
+from hybrid_tamp.symbolic.reencode import reencode
 from hybrid_tamp.symbolic.schedule import schedule
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
 from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
@@ -46,7 +47,8 @@ def walk(compilation: Compilation, rng: random.Random, length: int) -> list[Plan
     for _ in range(length):
         operators = list(compilation.problem.domain.operators)
         rng.shuffle(operators)
-        found = next(filter(None, (applicable(operator, facts, rng) for operator in operators)), None)
+        index = FactIndex(sorted(facts))
+        found = next(filter(None, (choose_instance(operator, index, rng) for operator in operators)), None)
         if found is None:
             break
         operator, binding = found
@@ -57,16 +59,16 @@ def walk(compilation: Compilation, rng: random.Random, length: int) -> list[Plan
     return best
 
 
-def applicable(operator: Operator, facts: set[Fact], rng: random.Random) -> tuple[Operator, dict[str, str]] | None:
+def choose_instance(operator: Operator, index: FactIndex, rng: random.Random) -> tuple[Operator, dict[str, str]] | None:
     """Return a random applicable instance of the operator."""
-    conditions = list(operator.precondition)
-    seeds = [fact for fact in sorted(facts) if fact[0].startswith("in-")]
+    conditions = operator.precondition
+    seeds = [fact for fact in sorted(index.facts) if fact[0].startswith("in-")]
     rng.shuffle(seeds)
     for seed in seeds:
         for condition in conditions:
             if condition[0] == seed[0]:
                 start = dict(zip(condition[1:], seed[1:], strict=True))
-                binding = match_conditions(conditions, start, facts)
+                binding = next(join(conditions, start, index), None)
                 if binding is not None:
                     return operator, binding
     return None

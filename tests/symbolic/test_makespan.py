@@ -3,7 +3,6 @@ from scenes import reach_and_roll, rolling_task
 
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.symbolic.decode import decode
-from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.estimates import Estimates
 from hybrid_tamp.symbolic.pddl.operators import rename_arguments
@@ -49,9 +48,9 @@ def test_only_equal_tokens_that_no_goal_names_take_over() -> None:
 def test_a_hand_out_of_reach_takes_nothing_over() -> None:
     compilation = compile_task(TASK)
     tampered = [rename_arguments(action, {"hand-0": "hand-9"}) for action in ONE_HAND]
-    assert applicable(compilation, ONE_HAND)
-    assert not applicable(compilation, tampered)
-    assert not applicable(compilation, ONE_HAND[:-1])
+    assert compilation.reaches_goal(ONE_HAND)
+    assert not compilation.reaches_goal(tampered)
+    assert not compilation.reaches_goal(ONE_HAND[:-1])
 
 
 @pytest.mark.parametrize("objective", ["length", "makespan"])

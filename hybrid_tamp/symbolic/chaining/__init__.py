@@ -1,4 +1,4 @@
-"""Chains: blocks in series compiled as one step and expanded again (paper, Sec. II-C).
+"""Chains: blocks in series that are compiled as one step and expanded again (paper, Sec. II-C).
 
-Before: a task's blocks and network. After: a domain in which each chain is one block, and the way back.
+Input: the blocks and the network of a task. Output: a domain in which each chain is one block, and the way back.
 """

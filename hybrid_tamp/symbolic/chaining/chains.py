@@ -1,17 +1,18 @@
-"""Chains: blocks in series compiled as one step, and the way back to every block (paper, Sec. II-C).
+"""Chains: blocks in series that are compiled as one step, and the way back to every block (paper, Sec. II-C).
 
 "These serial actions do not increase the planning complexity any more than a single action would." A chain is a run
-of blocks whose slots map one to one by sole edges, as long as it can be without a cut (`composing`, `cuts`). Where it
-is cut depends on the task: on its goal, and on the blocks in which its tokens start.
+of blocks whose slots are connected one to one by single edges. It is as long as `composing` and `cuts` allow. The cuts
+depend on the goal of the task and on the blocks in which its tokens start.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork, SlotName
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.chaining.composing import begin_series, extend_series
 from hybrid_tamp.symbolic.chaining.cuts import Cuts
@@ -19,7 +20,7 @@ from hybrid_tamp.symbolic.chaining.series import Link, Series
 from hybrid_tamp.symbolic.pddl.naming import legal, unused
 
 Follower = tuple[str, Mapping[str, str]]
-"""The one block that can follow a block: its name, and its slots to those of the block before."""
+"""The only block that can follow a block: its name, and its slots to those of the block before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,26 +29,26 @@ class Chains:
 
     Attributes:
         domain: the domain to compile.
-        links: name of the block of each chain to the blocks that it stands for.
+        links: name of the block of each chain to the blocks of the chain.
     """
 
     domain: Domain
     links: Mapping[str, tuple[Link, ...]] = field(default_factory=dict)
 
-    def expanded(self, block: str) -> tuple[Link, ...]:
-        """Return the blocks that a block of the domain stands for: those of the chain, or itself."""
+    def expand(self, block: str) -> tuple[Link, ...]:
+        """Return the blocks of a chain, or the block itself if it is not a chain."""
         whole = self.domain.block_by_name[block]
         return self.links.get(block, (Link(whole, {role: role for role in whole.roles}),))
 
     @property
     def comments(self) -> tuple[tuple[str, str], ...]:
-        """(PDDL name, blocks in words) pairs of the chains."""
+        """(PDDL name, description of the blocks) pairs of the chains."""
         said = {name: " > ".join(link.block.name for link in links) for name, links in self.links.items()}
         return tuple(sorted((legal(name), blocks) for name, blocks in said.items()))
 
 
 def chain_blocks(task: Task) -> Chains:
-    """Return the task's domain with its chains."""
+    """Return the domain of a task with its chains."""
     followers = dict(_followers(task))
     if not followers:
         return Chains(task.domain)
@@ -57,8 +58,8 @@ def chain_blocks(task: Task) -> Chains:
 
 
 def _followers(task: Task) -> Iterator[tuple[str, Follower]]:
-    """Yield the blocks that only one block can follow, all tokens together, and that alone precede it."""
-    # Tokens that start in a block are nowhere else before: it stays a block of its own.
+    """Yield the blocks whose tokens can only go together to one block, which has no other predecessor."""
+    # A block in which tokens start has no predecessor for them, so it is not in a chain.
     apart = {task.domain.resting, *task.assignment.values()}
     for block in task.domain.blocks:
         follower = _follower(task.domain, block)
@@ -83,7 +84,7 @@ def _follower(domain: Domain, block: Block) -> Follower | None:
 
 
 def _runs(followers: Mapping[str, Follower]) -> Iterator[list[str]]:
-    """Yield the maximal runs of blocks; a ring has no beginning and is none."""
+    """Yield the maximal runs of blocks. A ring has no beginning, so it is not a run."""
     inner = {name for name, _ in followers.values()}
     for name in followers:
         if name not in inner:
@@ -94,7 +95,7 @@ def _runs(followers: Mapping[str, Follower]) -> Iterator[list[str]]:
 
 
 def _cut(cuts: Cuts, run: list[str], followers: Mapping[str, Follower]) -> Iterator[Series]:
-    """Yield the chains of a run, each as long as it can be from where the one before ends."""
+    """Yield the chains of a run; each is as long as possible and begins after the one before."""
     blocks = [cuts.domain.block_by_name[name] for name in run]
     symbols = {a for b in blocks for literal in (*b.entry, *b.exit) for a in literal.arguments if a not in b.roles}
     while blocks:
@@ -104,7 +105,7 @@ def _cut(cuts: Cuts, run: list[str], followers: Mapping[str, Follower]) -> Itera
             if longer is None:
                 break
             grown.append(longer)
-        chain = next((series for series in reversed(grown[1:]) if cuts.uncut(series)), grown[0])
+        chain = next((series for series in reversed(grown[1:]) if cuts.is_uncut(series)), grown[0])
         yield chain
         blocks = blocks[len(chain.links) :]
 
@@ -124,7 +125,7 @@ def _with_chains(task: Task, chains: Collection[Series]) -> Chains:
 
 
 def _lean(series: Series, name: str, wanted: Collection[str]) -> Block:
-    """Return the whole without effects of its inner blocks that nobody asks for: planners would look into each."""
+    """Return the chain as a block without inner effects that no condition mentions: they slow planners down."""
     whole = series.block(name)
     kept = [each for each in whole.exit if each in series.last.exit or each.predicate.name in wanted]
     left_out = [each.predicate for each in whole.exit if each not in kept]
@@ -132,7 +133,7 @@ def _lean(series: Series, name: str, wanted: Collection[str]) -> Block:
 
 
 def _names(domain: Domain, chains: Iterable[Series]) -> dict[str, Series]:
-    """Name each chain for its first and last block, by a name that also PDDL tells from all others."""
+    """Name each chain after its first and last block; its PDDL name differs from all others."""
     taken = {legal(block.name) for block in domain.blocks}
     named: dict[str, Series] = {}
     for series in chains:
@@ -144,7 +145,7 @@ def _names(domain: Domain, chains: Iterable[Series]) -> dict[str, Series]:
 
 
 def _edges(domain: Domain, chains: Mapping[str, Series]) -> Iterator[tuple[str, str]]:
-    """Yield the edges between blocks and chains; those inside a chain are gone."""
+    """Yield the edges between blocks and chains, without those inside a chain."""
     into = {series.links[0].block.name: (name, series.links[0]) for name, series in chains.items()}
     out_of = {series.last.block.name: (name, series.last) for name, series in chains.items()}
     leading = {link.block.name for series in chains.values() for link in series.links[:-1]}
@@ -159,3 +160,41 @@ def _end(slot: SlotName, chains: Mapping[str, tuple[str, Link]]) -> str:
         name, link = chains[name]
         role = link.roles[role]
     return f"{name}.{role}"
+
+
+def fold_chains(chains: Chains, plan: TaskPlan) -> TaskPlan:
+    """Return the timeline in which each complete pass through a chain is one instance of the chain."""
+    instances = list(plan.instances)
+    for name, links in chains.links.items():
+        whole = chains.domain.block_by_name[name]
+        for first in [i for i in plan.instances if i.block == links[0].block.name]:
+            run = list(_follow(plan, first, links))
+            named = _named(whole, links, run)
+            if len(run) < len(links) or named is None:
+                continue
+            slots, targets = ({role.name: named[role.name] for role in some} for some in (whole.slots, whole.targets))
+            instances = [i for i in instances if i not in run]
+            instance = replace(run[-1], name=first.name, block=name, start=first.start, slots=slots, targets=targets)
+            instances.append(instance)
+    return replace(plan, instances=tuple(sorted(instances, key=lambda i: (i.start, i.end, i.name))))
+
+
+def _follow(plan: TaskPlan, first: BlockInstance, links: Sequence[Link]) -> Iterator[BlockInstance]:
+    """Yield the instances by which the anchor of the first one follows the chain, up to where it leaves it."""
+    timeline = [instance for instance, _ in plan.timeline(first.slots.get(links[0].block.anchor, ""))]
+    begin = timeline.index(first) if first in timeline else len(timeline)
+    for link, instance in zip(links, timeline[begin:], strict=False):
+        if instance.block != link.block.name:
+            return
+        yield instance
+
+
+def _named(whole: Block, links: Sequence[Link], run: Sequence[BlockInstance]) -> dict[str, str] | None:
+    """Return the value that each role of the chain has in all instances, or None if the values differ."""
+    named: dict[str, str] = {}
+    for link, instance in zip(links, run, strict=False):
+        for own, role in link.roles.items():
+            value = instance.roles.get(own)
+            if value is None or value != (named.setdefault(role, value) if role in whole.roles else role):
+                return None
+    return named

@@ -1,7 +1,7 @@
-"""Composing blocks in series, one after the other: deletes before adds, and what nobody undoes still holds.
+"""Composition of blocks in series. Deletes precede adds, and a condition holds until a block undoes it.
 
-All roles of the whole are roles of one of its blocks. So a chain has no more parameters than its dearest block, and
-no token has two of them.
+All roles of the whole are roles of one of its blocks. So a chain has no more parameters than its largest block, and no
+token has two roles.
 """
 
 from collections.abc import Iterable, Mapping
@@ -18,7 +18,7 @@ def begin_series(block: Block, taken: Iterable[str] = ()) -> Series:
 
     Args:
         block: the block.
-        taken: names that no role may have: the symbols in conditions of blocks to come.
+        taken: names that no role may have: the symbols in the conditions of later blocks.
     """
     roles: dict[str, str] = {}
     for role in block.roles:
@@ -35,15 +35,15 @@ def _positive(literal: Literal) -> bool:
 
 
 def _lasting(literal: Literal) -> bool:
-    """Say whether an entry condition still holds after the block, if nothing undoes it."""
+    """Say whether an entry condition still holds after the block if nothing undoes it."""
     return literal.positive and literal.predicate.measured
 
 
 def extend_series(series: Series, block: Block, slots: Mapping[str, str], taken: Iterable[str] = ()) -> Series | None:
-    """Return the series with one more block, or None where the two cannot be one step.
+    """Return the series with one more block, or None if the two cannot be one step.
 
-    What the last block's exit does not bring about, the next one's entry must not ask for, except feasibility, and
-    that only while nobody can stay before it: who stays in a block that holds could otherwise never be sure to go on.
+    The exit of the last block must bring about the entry conditions of the next one. Only feasibility may be left
+    open, and only if no earlier block holds: tokens that stay in a block that holds might never be able to go on.
 
     Args:
         series: the series so far.
@@ -54,7 +54,7 @@ def extend_series(series: Series, block: Block, slots: Mapping[str, str], taken:
     roles = _determined(series, block, {slot: series.last.roles[before] for slot, before in slots.items()})
     fresh = [target.name for target in block.targets if target.name not in roles]
     if fresh and not set(series.sorts) <= set(roles.values()):
-        return None  # as many parameters as both together: two steps cost less
+        return None  # The whole has as many parameters as both together: two steps cost less.
     for target in fresh:
         roles[target] = unused(target, {*taken, *series.sorts, *roles.values()})
     link = Link(block, roles)
@@ -80,10 +80,10 @@ def _twice(link: Link) -> bool:
 
 
 def _determined(series: Series, block: Block, roles: Mapping[str, str]) -> dict[str, str]:
-    """Return the roles with those targets that can be but one thing, given the others.
+    """Return the roles together with the targets whose value the other roles determine.
 
-    They are the value of a functional predicate, or what the last block maintains; any other condition might hold of
-    something else, too.
+    Such a target is the value of a functional predicate, or the last block maintains a condition on it. Any other
+    condition may hold for several values.
     """
     found = dict(roles)
     targets = {target.name for target in block.targets}
@@ -115,12 +115,12 @@ def _agrees(fact: Literal, wanted: Literal, roles: Mapping[str, str], open_roles
 
 
 def _narrowed(series: Series, link: Link, fresh: Iterable[str]) -> dict[str, Sort] | None:
-    """Return the classes of the whole's roles with those that the link asks for; None if no class says both."""
+    """Return the classes of the roles, narrowed to those that the link needs; None if two classes do not nest."""
     sorts = {**series.sorts, **{link.roles[target]: link.block.roles[target] for target in fresh}}
     for own, role in link.roles.items():
         asked = link.block.roles[own]
         if role not in sorts:
-            continue  # a symbol
+            continue  # The role is a symbol.
         if within(asked, sorts[role]):
             sorts[role] = asked
         elif not within(sorts[role], asked):
@@ -129,18 +129,18 @@ def _narrowed(series: Series, link: Link, fresh: Iterable[str]) -> dict[str, Sor
 
 
 def within(one: Sort, other: Sort) -> bool:
-    """Say whether everything of one class or sort is of the other."""
+    """Say whether every member of one class or sort is a member of the other."""
     if isinstance(one, SymbolSort) or isinstance(other, SymbolSort):
         return one is other
     return issubclass(one, other) or (other is TOKEN and not is_place(one))
 
 
 def _composed(series: Series, link: Link, sorts: Mapping[str, Sort]) -> tuple[Literal, ...] | None:
-    """Return what both bring about, one after the other; None where that depends on whether two symbols are one."""
+    """Return the joint exit conditions; None if they depend on whether two symbols are equal."""
     kept: list[Literal] = []
     for literal in series.exit:
         if literal.predicate.maintained:
-            continue  # void when its tokens leave
+            continue  # It ends when its tokens leave.
         later = [each for each in link.exit if each.predicate is literal.predicate and _meets(each, literal, sorts)]
         if any(key(each) != key(literal) and _matters(each, literal) for each in later):
             return None
@@ -154,13 +154,13 @@ def _matters(one: Literal, other: Literal) -> bool:
 
 
 def key(literal: Literal) -> tuple[str, ...]:
-    """Return the arguments but the functional one: literals with the same key replace each other."""
+    """Return the arguments without the functional one. Literals with the same key replace each other."""
     index = literal.predicate.functional_index
     return literal.arguments if index is None else (*literal.arguments[:index], *literal.arguments[index + 1 :])
 
 
 def _undone(fact: Literal, exits: Iterable[Literal], sorts: Mapping[str, Sort]) -> bool:
-    """Say whether exit conditions may take the fact away."""
+    """Say whether exit conditions may delete the fact."""
     return any(
         each.predicate is fact.predicate
         and (not each.positive or each.predicate.functional_index is not None)
@@ -170,7 +170,7 @@ def _undone(fact: Literal, exits: Iterable[Literal], sorts: Mapping[str, Sort]) 
 
 
 def _meets(one: Literal, other: Literal, sorts: Mapping[str, Sort]) -> bool:
-    """Say whether two literals over the whole's roles may speak of the same, their functional values aside."""
+    """Say whether two literals over the roles of the whole may be one atom, their functional values aside."""
     return all(
         mine == theirs or ANY in (mine, theirs) or _may_be(mine, theirs, sorts)
         for mine, theirs in zip(key(one), key(other), strict=True)
@@ -178,5 +178,5 @@ def _meets(one: Literal, other: Literal, sorts: Mapping[str, Sort]) -> bool:
 
 
 def _may_be(one: str, other: str, sorts: Mapping[str, Sort]) -> bool:
-    """Say whether two different arguments may be one symbol; two roles are never one token."""
+    """Say whether two different arguments may be one symbol. Two roles are never one token."""
     return any(isinstance(sorts.get(argument), SymbolSort) for argument in (one, other))

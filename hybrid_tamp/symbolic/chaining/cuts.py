@@ -1,14 +1,14 @@
-"""Where a series of blocks must be cut: where a plan of the task may need to stop, or others to act, inside.
+"""Cuts of a series of blocks: the junctions at which a plan may need to stop, or other blocks to act.
 
-A chain that is compiled as one step is gone through at the instant at which it begins, before anything else happens.
-That loses no plan if, at each junction of its blocks,
+The planner passes through a chain at the instant at which it begins, before anything else happens. This loses no plan
+if three conditions hold at each junction between blocks of the chain:
 
-* what holds there and no longer at the end is in no other block's entry conditions nor, if one may stay there, in
-  the goal; and nothing that is still to come would be undone by another block;
-* who may stay there may also go on: that needs nothing new (`composing`) and comes to a block that holds;
-* what is read and what is changed under readers' eyes is the same all along.
+* A fact that holds there but not at the end is in no entry condition of another block. If tokens may stay there, it is
+  not in the goal either. Another block does not undo the later effects of the chain.
+* Tokens that may stay there may also go on: the next blocks need nothing new (`composing`), and the last one holds.
+* The targets that are read, and the slots whose tokens change while others may read them, are the same in all blocks.
 
-A token in the chain is in no slot of another block, so conditions that speak of slots on both sides do not meet.
+A token in the chain is in no slot of another block, so two conditions on slots of different blocks never meet.
 """
 
 from collections.abc import Iterator
@@ -18,23 +18,23 @@ from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.chaining.composing import key, within
-from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort, rename_roles, undone_by
+from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort, list_deleted, rename_roles
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
 from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
 
 class Cuts:
-    """Says for one task which series need no cut."""
+    """Finds the series of a task that need no cut."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
         self.domain: Domain = task.domain
         self.conditions = Conditions(Vocabulary(task.domain))
 
-    def uncut(self, series: Series) -> bool:
-        """Say whether no plan is lost if nobody ever stops or acts inside the series."""
+    def is_uncut(self, series: Series) -> bool:
+        """Say whether no plan is lost if no plan stops inside the series and no other block acts there."""
         inside = {link.block.name for link in series.links}
-        # Other tokens may go through the whole itself.
+        # Other tokens may pass through the same series.
         others = [*(b for b in self.domain.blocks if b.name not in inside), series.block("the whole")]
         return (
             self._encodable(series)
@@ -45,7 +45,7 @@ class Cuts:
         )
 
     def _encodable(self, series: Series) -> bool:
-        """Say whether every way into and out of the whole has its operators, if it has several slots."""
+        """Say whether a series with several slots has operators for every way in and out."""
         first, last = series.links[0], series.last
         if len(first.block.slots) == 1:
             return True
@@ -57,20 +57,20 @@ class Cuts:
         return not returns and (alone or last.roles[last.block.anchor] == series.anchor)
 
     def _footprint(self, link: Link) -> tuple[frozenset[str], frozenset[str]]:
-        """Return the targets that are locked, and the slots whose tokens are changed while others may want to read."""
+        """Return the locked targets, and the slots whose tokens the block changes while others may read them."""
         locked = frozenset(link.roles[target.name] for target in self.conditions.locked(link.block))
         slots = [slot.name for slot in link.block.slots if self.conditions.changes(link.block, slot.name)]
         return locked, frozenset(link.roles[slot] for slot in slots)
 
     def _comes_to_stay(self, series: Series) -> bool:
-        """Say whether one may stay at the end of the series, or could not before either."""
+        """Say whether tokens may stay at the end of the series, or could not stay in it before."""
         if series.last.block.hold or not any(link.block.hold for link in series.links):
             return True
         _, changed = self._footprint(series.last)
         return not changed and all(self._may_rest(series, slot.name) for slot in series.last.block.slots)
 
     def _may_rest(self, series: Series, slot: str) -> bool:
-        """Say whether the token in a slot of the last block may go and rest, whatever else is so."""
+        """Say whether the token in a slot of the last block may always go to the resting block."""
         block, resting = series.last.block, self.domain.resting_block
         role = series.last.roles[slot]
         wanted = [rename_roles(literal, {resting.anchor: role}) for literal in resting.entry]
@@ -82,10 +82,10 @@ class Cuts:
             and not resting.targets
         )
 
-    # -- what holds inside only ---------------------------------------------------------------------------------
+    # -- facts that hold only inside ----------------------------------------------------------------------------
 
     def _needed(self, series: Series, junction: Series, others: list[Block]) -> bool:
-        """Say whether something that holds at the junction, but not at the end, is wanted."""
+        """Say whether another block or the goal needs a fact that holds at the junction but not at the end."""
         lost = list(_lost(series, junction))
         wanted = junction.last.block.hold and any(self._is_goal(series, fact) for fact in lost)
         return wanted or any(
@@ -111,20 +111,20 @@ class Cuts:
             return name in sort.symbols
         return name in self.task.token_by_name and self.task.token_by_name[name].is_member(sort)
 
-    # -- what another block would undo ----------------------------------------------------------------------------
+    # -- effects that another block undoes ----------------------------------------------------------------------
 
     def _overruled(self, series: Series, others: list[Block]) -> bool:
-        """Say whether another block may undo what the series brings about after its first block."""
+        """Say whether another block may undo an effect of the series after its first block."""
         coming = [literal for link in series.links[1:] for literal in link.exit if literal in series.exit]
         return any(
             fact.positive and fact.predicate is undone.predicate and self._meet(series, fact, block, undone)
             for fact in coming
             for block in others
-            for undone in undone_by(block)
+            for undone in list_deleted(block)
         )
 
     def _meet(self, series: Series, mine: Literal, block: Block, theirs: Literal) -> bool:
-        """Say whether a literal of the series and one of another block may speak of the same at one time."""
+        """Say whether a literal of the series and one of another block may be the same atom at one time."""
         slots = {slot.name for slot in block.slots}
         for one, other in zip(mine.arguments, theirs.arguments, strict=True):
             apart = one in series.slots and other in slots
@@ -134,7 +134,7 @@ class Cuts:
         return True
 
     def _overlap(self, one: Sort | str, other: Sort | str) -> bool:
-        """Say whether two classes, sorts or symbols may be of the same."""
+        """Say whether two classes, sorts or symbols may have a common member."""
         if isinstance(one, str) or isinstance(other, str):
             ours = {one} if isinstance(one, str) else set(getattr(one, "symbols", ()))
             theirs = {other} if isinstance(other, str) else set(getattr(other, "symbols", ()))
@@ -145,7 +145,7 @@ class Cuts:
 
 
 def _lost(series: Series, junction: Series) -> Iterator[Literal]:
-    """Yield what may hold at the junction and does not at the end; `ANY` stands for a value that is not known."""
+    """Yield the facts that may hold at the junction but not at the end; `ANY` stands for an unknown value."""
     for literal in junction.last.exit:
         if literal.predicate.maintained and literal.positive and literal not in series.exit:
             yield literal
@@ -156,7 +156,7 @@ def _lost(series: Series, junction: Series) -> Iterator[Literal]:
 
 
 def _there(junction: Series, literal: Literal) -> Iterator[Literal]:
-    """Yield what may hold at the junction of that which an exit condition takes away."""
+    """Yield the facts that may hold at the junction and that an exit condition deletes."""
     index = literal.predicate.functional_index
     if index is None:
         if not literal.positive and (literal not in junction.exit or ~literal in junction.exit):
@@ -165,6 +165,6 @@ def _there(junction: Series, literal: Literal) -> Iterator[Literal]:
     same = [each for each in junction.exit if each.predicate is literal.predicate and key(each) == key(literal)]
     held = [each for each in junction.known if each.predicate is literal.predicate and key(each) == key(literal)]
     if held or same:
-        yield from held  # if there is none, then it has been cleared
+        yield from held  # If there is none, the value has been deleted.
         return
     yield Literal(literal.predicate, (*literal.arguments[:index], ANY, *literal.arguments[index + 1 :]))

@@ -1,6 +1,6 @@
-"""Blocks in series as one: what the whole asks for, what it brings about, and what its links are.
+"""Blocks in series as one: the entry and exit conditions of the whole, and its links.
 
-The whole has roles of its own; each link says what its block's roles are called in it.
+The whole has roles of its own. Each link maps the roles of its block to roles of the whole.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -19,7 +19,7 @@ class Link:
 
     Attributes:
         block: the block.
-        roles: its roles to the roles of the whole, or to the symbols that they must be.
+        roles: its roles to roles of the whole, or to the symbols that they must be.
     """
 
     block: Block
@@ -38,15 +38,15 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Blocks that follow each other, as far as they are composed.
+    """Blocks that follow each other and are composed so far.
 
     Attributes:
         links: the blocks, first to last.
         sorts: roles of the whole, slots first, to their classes or sorts.
-        entry: what the whole asks for.
-        exit: what it brings about, once its last block has come to its exit.
-        known: changing conditions that hold then, whoever brought them about.
-        before: the series without its last block, None if there is but one.
+        entry: the entry conditions of the whole.
+        exit: the conditions that hold once its last block has reached its exit.
+        known: the changing conditions that hold then, whether or not the series brought them about.
+        before: the series without its last block, None if it has only one.
     """
 
     links: tuple[Link, ...]
@@ -68,12 +68,12 @@ class Series:
 
     @property
     def anchor(self) -> str:
-        """The anchor of the whole: that of its first block."""
+        """The anchor of the whole, which is that of its first block."""
         return self.links[0].roles[self.links[0].block.anchor]
 
     @property
     def junctions(self) -> Iterator["Series"]:
-        """The shorter series that it contains, longest first: as far as one has come between two of its blocks."""
+        """The shorter series with which it begins, longest first: one for each junction between two blocks."""
         junction = self.before
         while junction is not None:
             yield junction
@@ -87,7 +87,7 @@ class Series:
             name=name,
             slots=tuple(Slot(role, sort) for role, sort in self._tokens() if role in self.slots),
             anchor=self.anchor,
-            # Its links are scheduled, never the whole.
+            # The links are scheduled, never the whole.
             duration=Duration(shortest, sum(block.duration.maximum for block in blocks), lambda *_: shortest),
             targets=tuple(
                 Target(role, sort, _united(_read(link, role) for link in self.links))
@@ -102,7 +102,7 @@ class Series:
             },
             keeps=tuple(dict.fromkeys(predicate for block in blocks for predicate in block.keeps)),
             hold=self.last.block.hold,
-            description=f"{first.name} and what follows it, up to {self.last.block.name}",
+            description=f"{first.name} to {self.last.block.name}, in series",
         )
 
     def _tokens(self) -> Iterator[tuple[str, type[ObjectClass]]]:
@@ -112,7 +112,7 @@ class Series:
 
 
 def _read(link: Link, role: str) -> tuple[str, ...]:
-    """Return what the link's block reads of a target of the whole."""
+    """Return the properties that the block of the link reads of a target of the whole."""
     targets = {target.name: target.reads for target in link.block.targets}
     return _united(targets.get(own, ()) for own in _called(link, role))
 
@@ -126,12 +126,12 @@ def _united(names: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
 
 
 def rename_roles(literal: Literal, roles: Mapping[str, str]) -> Literal:
-    """Return the literal over other roles; symbols and `ANY` stay."""
+    """Return the literal with other names for its roles; symbols and `ANY` stay."""
     return replace(literal, arguments=tuple(roles.get(argument, argument) for argument in literal.arguments))
 
 
-def undone_by(block: Block) -> Iterator[Literal]:
-    """Yield what the block takes away; `ANY` stands for the old value of a functional predicate."""
+def list_deleted(block: Block) -> Iterator[Literal]:
+    """Yield the literals that the block deletes; `ANY` stands for the old value of a functional predicate."""
     for literal in block.exit:
         index = literal.predicate.functional_index
         if index is not None:

@@ -1,4 +1,4 @@
-"""Encoder: block declarations to lifted STRIPS operators, slot by slot, generic over domains.
+"""Encoder: block declarations to lifted STRIPS operators, slot by slot, for any domain.
 
-Before: a domain's blocks and network. After: a planning domain, and what each operator means.
+Input: the blocks and the network of a domain. Output: a planning domain, and the meaning of each operator.
 """

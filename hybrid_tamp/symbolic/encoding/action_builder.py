@@ -1,4 +1,4 @@
-"""Collects the parameters, conditions and effects of one operator."""
+"""Builder of one operator: collects its parameters, conditions and effects."""
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
@@ -12,16 +12,16 @@ Same = dict[str, type[ObjectClass] | SymbolSort]
 
 
 class ActionBuilder:
-    """Collects what one operator asks for and does. Roles of the new block are variables by their own names."""
+    """Collects the conditions and effects of one operator. Roles of the new block are variables with the same names."""
 
     def __init__(self, vocabulary: Vocabulary, block: Block, same: Same | None = None) -> None:
         """Begin an operator that takes a token to the block.
 
         Args:
-            vocabulary: the words of the domain.
+            vocabulary: the PDDL words of the domain.
             block: the block that the token goes to.
-            same: role of the block to the class that the same token has in a role of the block that it leaves; the
-                variable gets the narrower type of the two.
+            same: role of the block to the class of the role that the same token has in the block that it leaves. The
+                variable gets the narrower of the two types.
         """
         self.vocabulary = vocabulary
         self.block = block
@@ -46,7 +46,7 @@ class ActionBuilder:
         return self._variables[role]
 
     def other(self, block: Block, role: str, unified: dict[str, str] | None = None) -> str:
-        """Return the variable of a role of the old block, or what it is unified with in the new one."""
+        """Return the variable of a role of the old block, or of the role of the new block that is unified with it."""
         if unified and role in unified:
             return self._argument(unified[role])
         if role not in self._others:
@@ -98,7 +98,7 @@ class ActionBuilder:
         self.add(new)
 
     def count_readers(self, token: str, change: int) -> None:
-        """Count one reader of the token more or fewer."""
+        """Change the count of the readers of a token by +1 or -1."""
         count = self.vocabulary.type_of(COUNT)
         now, then = self._fresh("readers", count), self._fresh("readers", count)
         self.require(("next", now, then) if change > 0 else ("next", then, now))
@@ -115,7 +115,7 @@ class ActionBuilder:
         """Add an exit condition over roles of the new block as an effect."""
         name, index = self.vocabulary.predicate(literal.predicate.name), literal.predicate.functional_index
         if ANY in literal.arguments and index is None:
-            return  # maintained: void when its keeper leaves
+            return  # The predicate is maintained: its atoms end when the token leaves.
         arguments = [ANY if a == ANY else self._argument(a) for a in literal.arguments]
         if index is not None:
             self._clear(literal, name, arguments, index)
@@ -125,7 +125,7 @@ class ActionBuilder:
             self.add((name, *arguments))
 
     def _clear(self, literal: Literal, name: str, arguments: list[str], index: int) -> None:
-        """Take the old value of a functional predicate away; with nothing set after, the value is none."""
+        """Delete the old value of a functional predicate. If the exit sets no new value, the value is none."""
         key = (name, *arguments[:index], *arguments[index + 1 :])
         known = self._known_value(literal, index)
         if known is not None:
@@ -149,7 +149,7 @@ class ActionBuilder:
             self.add((name, *arguments[:index], none, *arguments[index + 1 :]))
 
     def _known_value(self, literal: Literal, index: int) -> str | None:
-        """Return the old value of a functional predicate where an entry condition of the block names it."""
+        """Return the old value of a functional predicate if an entry condition of the block names it."""
         for wanted in self.block.entry:
             value = wanted.arguments[index] if wanted.predicate is literal.predicate and wanted.positive else ANY
             others = (*wanted.arguments[:index], *wanted.arguments[index + 1 :])
@@ -171,7 +171,7 @@ class ActionBuilder:
         return {role: order.index(variable) for role, variable in self._variables.items()}
 
     def build(self, name: str) -> Operator:
-        """Return the operator. A fact that is deleted and added stays: effects delete before they add."""
+        """Return the operator. A fact that is both deleted and added stays, because deletes precede adds."""
         parameters: tuple[Typed, ...] = tuple(self._parameters.items())
         return Operator(
             name,

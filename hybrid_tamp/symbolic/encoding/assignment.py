@@ -1,6 +1,6 @@
-"""The compiler's own predicates: which token is in which slot, who reads what, what is under way at an instant.
+"""The predicates of the compiler: tokens in slots, readers of tokens, unfinished reassignments.
 
-Each is known by its kind and by the block, slots and targets that it speaks of; its PDDL name only resembles these.
+A kind, a block, and slots or targets of the block identify each predicate. Its PDDL name only resembles them.
 """
 
 from collections.abc import Iterator
@@ -14,16 +14,16 @@ State = tuple[str, ...]
 """A kind of predicate, and the names of its block and of the slots or targets of that block."""
 
 COUNT = "how many"
-"""The type of numbers of readers."""
+"""The type of the counts of readers."""
 ROOT = "object"
-"""The root of all types, which is above the places, too."""
+"""The root of all types, places included."""
 
 Sort = type[ObjectClass] | SymbolSort | str
-"""What a parameter ranges over; as a string `COUNT` or `ROOT`."""
+"""The class, sort or type of a parameter; a string is `COUNT` or `ROOT`."""
 
 
 def assignment_predicates(domain: Domain) -> Iterator[tuple[State, tuple[tuple[str, Sort], ...]]]:
-    """Yield the compiler's predicates, each with its parameters and what they range over."""
+    """Yield the predicates of the compiler with their typed parameters."""
     yield ("idle",), ()
     for name in ("settled", "unclaimed", "completed"):
         yield (name,), (("token", TOKEN),)
@@ -52,7 +52,7 @@ def _block_predicates(domain: Domain, block: Block) -> Iterator[tuple[State, tup
 
 
 def remainders(block: Block) -> tuple[tuple[str, ...], ...]:
-    """Return every non-empty set of slots, in order, that may still have to leave after the anchor has."""
+    """Return every non-empty set of slots, in order, whose tokens may have to leave after the anchor."""
     names = [slot.name for slot in block.others]
     sets: list[tuple[str, ...]] = [()]
     for name in names:
@@ -61,7 +61,7 @@ def remainders(block: Block) -> tuple[tuple[str, ...], ...]:
 
 
 def locked_targets(domain: Domain, block: Block) -> tuple[Target, ...]:
-    """Return the targets of a block that some block's system may change while this block reads them."""
+    """Return the targets that the system of some block may change while this block reads them."""
 
     def written(target: Target) -> bool:
         return any(
@@ -78,7 +78,8 @@ def locked_targets(domain: Domain, block: Block) -> tuple[Target, ...]:
 def remembered(domain: Domain, block: Block, slot: str) -> tuple[str, ...]:
     """Return the targets that must be known when the token in a slot leaves.
 
-    The anchor remembers locked targets, to release them; every slot those of its maintained exit conditions.
+    The token of the anchor remembers the locked targets, to release them. The token of each slot remembers the targets
+    in the maintained exit conditions that it carries.
     """
     locked = {t.name for t in locked_targets(domain, block)} if slot == block.anchor else set()
     targets = {t.name for t in block.targets}

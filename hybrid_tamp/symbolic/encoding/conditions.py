@@ -1,8 +1,8 @@
-"""Which condition of a block goes into which operator.
+"""Assignment of the conditions of blocks to operators.
 
-A condition goes where all its roles are known: with the anchor and targets only, into `begin`; with one other slot,
-into that slot's `fill`; with several, into the fill of the last of them. A target that a fill's condition mentions is
-bound by the first such fill, and `begin` must agree.
+A condition belongs to the operator in which all its roles are known. A condition on the anchor and targets belongs to
+`begin`. A condition on other slots belongs to the `fill` of the last of them. If the conditions of several fills
+mention a target, the first fill binds it, and `begin` must agree.
 """
 
 from collections.abc import Iterator
@@ -16,16 +16,16 @@ from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
 @dataclass(frozen=True, eq=False)
 class Conditions:
-    """Placement of the conditions of one domain's blocks."""
+    """Assigns the conditions of the blocks of one domain to operators."""
 
     vocabulary: Vocabulary
 
     def entry_at_begin(self, block: Block) -> list[Literal]:
-        """Entry conditions on the anchor and targets alone."""
+        """Return the entry conditions on the anchor and targets alone."""
         return [literal for literal in block.entry if keeper(block, literal.arguments) == block.anchor]
 
     def entry_at_fill(self, block: Block, slot: str) -> list[Literal]:
-        """Entry conditions whose last other slot is this one; and feasibility known by then, to prune early."""
+        """Return the entry conditions whose last slot is this one, and the feasibility that is known by then."""
         mine = [literal for literal in block.entry if keeper(block, literal.arguments) == slot]
         known = {slot, block.anchor} | {a for literal in mine for a in literal.arguments}
         early = [
@@ -36,15 +36,15 @@ class Conditions:
         return mine + early
 
     def exit_at_begin(self, block: Block) -> list[Literal]:
-        """Exit conditions on the anchor and targets alone."""
+        """Return the exit conditions on the anchor and targets alone."""
         return [literal for literal in block.exit if keeper(block, literal.arguments) == block.anchor]
 
     def exit_at_fill(self, block: Block, slot: str) -> list[Literal]:
-        """Exit conditions whose last other slot is this one."""
+        """Return the exit conditions whose last slot is this one."""
         return [literal for literal in block.exit if keeper(block, literal.arguments) == slot]
 
     def bound_by(self, block: Block) -> dict[str, str]:
-        """Return the targets that fills bind, each with the first slot whose fill mentions it."""
+        """Return the targets that fills bind, with the first slot whose fill mentions each."""
         targets = {target.name for target in block.targets}
         bound: dict[str, str] = {}
         for slot in block.others:
@@ -55,14 +55,14 @@ class Conditions:
         return bound
 
     def maintained_by(self, block: Block, slot: str) -> list[Literal]:
-        """Exit conditions that the block's hold maintains and that this slot's token carries."""
+        """Return the exit conditions that the hold of the block maintains and the token in this slot carries."""
         return [literal for literal in block.maintained_exit if keeper(block, literal.arguments) == slot]
 
     def unified(self, old: Block, slot_before: str, new: Block, slot: str) -> dict[str, str]:
         """Return roles of the old block that must equal roles of the new one.
 
-        What the old block maintains, e.g. behind(hand, object, region), is known to hold for its own targets only;
-        an entry condition of the new block on the same predicate therefore names the same tokens.
+        The old block maintains a condition, e.g. behind(hand, object, region), for its own targets only. So an entry
+        condition of the new block on the same predicate names the same tokens.
         """
         same: dict[str, str] = {}
         entry = self.entry_at_begin(new) if slot == new.anchor else self.entry_at_fill(new, slot)
@@ -75,7 +75,7 @@ class Conditions:
         return same
 
     def locked(self, block: Block) -> tuple[Target, ...]:
-        """Targets of the block that some block may change."""
+        """Return the targets of the block that some block may change."""
         return locked_targets(self.vocabulary.domain, block)
 
     def claimable(self, block: Block, slot: str) -> bool:
@@ -100,18 +100,18 @@ class Conditions:
         return any(True for _ in self._reads(block, slot))
 
     def changes(self, block: Block, slot: str) -> bool:
-        """Say whether the block changes something that a reader of the slot's token reads."""
+        """Say whether the block changes a property that a reader of the token in this slot reads."""
         written = set(block.writes.get(slot, ()))
         return any(written & read for read in self._reads(block, slot))
 
     def disturbs(self, block: Block, slot: str) -> bool:
-        """Say whether it does so as long as it runs: one that holds lets others read once its exit holds."""
+        """Say whether the block changes such a property until it ends. A block that holds stops at its exit."""
         return not block.hold and self.changes(block, slot)
 
     def to_keep_apart(self, block: Block, bound: set[str]) -> list[tuple[str, str]]:
-        """Return pairs of a slot and a target that one token could fill both, were it not forbidden.
+        """Return the (slot, target) pairs that need a condition which forbids one token in both.
 
-        Pairs under a common static condition need nothing more: feasibility is computed for different tokens.
+        A pair in a common static condition needs none, because feasibility is computed for different tokens.
         """
         pairs = []
         for slot in block.slots:

@@ -1,7 +1,4 @@
-"""What operators of every kind do where a token passes from one block to another: it leaves, it enters.
-
-Each kind of operator has a module of its own: `fill_operators`, `begin_operators`, `leave_operators`.
-"""
+"""The effects that operators of all kinds share: a token leaves one block and enters another."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +14,7 @@ from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
 @dataclass(frozen=True)
 class Meaning:
-    """What an operator does, for decoding plans.
+    """The meaning of an operator, from which plans are decoded.
 
     Attributes:
         kind: ``fill``, ``begin`` or ``leave``.
@@ -25,7 +22,7 @@ class Meaning:
         slot: the slot that it goes to.
         source: (block, slot) that it comes from.
         roles: roles of the block that are parameters, with their indices.
-        along: slots of the source block whose tokens move along with the anchor, when that begins a block.
+        along: slots of the source block whose tokens move together with the anchor that begins a block.
     """
 
     kind: Literal["fill", "begin", "leave"]
@@ -37,7 +34,7 @@ class Meaning:
 
 
 class OperatorMaker:
-    """Leaving and entering blocks, for one domain."""
+    """Makes the effects of leaving and entering the blocks of one domain."""
 
     def __init__(self, vocabulary: Vocabulary) -> None:
         self.vocabulary = vocabulary
@@ -53,7 +50,7 @@ class OperatorMaker:
     # -- entering the new block
 
     def _enter(self, action: ActionBuilder, old: Block, slot_before: str, new: Block) -> None:
-        """What the anchor's entering does in every kind of operator: facts, effects, locks."""
+        """Add the facts, effects and locks of an anchor that enters a block."""
         anchor = action.variable(new.anchor)
         kept = [action.variable(target) for target in remembered(self.domain, new, new.anchor)]
         action.add((self.vocabulary.state("in", new), anchor, *kept))
@@ -71,7 +68,7 @@ class OperatorMaker:
             action.add(("completed", anchor))
 
     def _start_writing(self, action: ActionBuilder, old: Block, slot_before: str, new: Block, slot: str) -> None:
-        """A block that changes a token needs it unread, and unsettles it until it is held or left alone again."""
+        """Require that nobody reads a token that the block changes; delete and add `settled`."""
         if not self.conditions.readable(new, slot):
             return
         token = action.variable(slot)
@@ -94,7 +91,7 @@ class OperatorMaker:
     def _void(
         self, action: ActionBuilder, old: Block, slot: str, variables: dict[str, str], unified: dict[str, str]
     ) -> None:
-        """Delete what the hold of the old block maintained about the token that leaves."""
+        """Delete the facts that the hold of the old block maintained about the token that leaves."""
         for literal in self.conditions.maintained_by(old, slot):
             known = []
             for argument in literal.arguments:

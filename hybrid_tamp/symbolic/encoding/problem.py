@@ -1,33 +1,33 @@
-"""A task as a ground planning problem: objects, the facts read off its continuous state, the goal."""
+"""A task as a ground planning problem: objects, facts of its continuous state, and goal."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 from hybrid_tamp.model.facts import StaticFacts, facts, static_facts
+from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.encoding.assignment import COUNT, locked_targets
 from hybrid_tamp.symbolic.encoding.encoder import EncodedDomain, encode_domain, encode_task
-from hybrid_tamp.symbolic.encoding.goals import with_one_goal
-from hybrid_tamp.symbolic.encoding.task_words import TaskWords
+from hybrid_tamp.symbolic.encoding.task_words import TaskWords, settle_goal
 from hybrid_tamp.symbolic.pddl.naming import Naming, legal
-from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem
+from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem, ground
 
 
 @dataclass(frozen=True, eq=False)
 class Compilation:
-    """A task compiled, with the way back to the user's names; what takes long is done when it is asked for.
+    """A compiled task, with the way back to the names of the user. Slow parts are computed on first use.
 
     Attributes:
         task: the task.
         encoded: its domain, encoded.
         words: names of its tokens and symbols.
-        counts: how many instances could read one token at once.
-        goal: what is wanted in the end.
-        feasible: its facts of feasibility, or those of a larger task of which it is a part.
+        counts: largest number of instances that can read one token at once.
+        goal: the facts that hold in the end.
+        feasible: its facts of feasibility, or those of a larger task that contains it.
     """
 
     task: Task
@@ -47,7 +47,7 @@ class Compilation:
 
     @cached_property
     def problem(self) -> PlanningProblem:
-        """The planning problem: for many tokens it has very many facts of feasibility."""
+        """The planning problem, which has very many facts of feasibility if there are many tokens."""
         vocabulary, writer = self.encoded.vocabulary, _Writer(self.encoded, self.words, self.counts)
         tokens = sorted(self.task.tokens, key=lambda token: token.name)
         return PlanningProblem(
@@ -64,11 +64,11 @@ class Compilation:
 
     @cached_property
     def changing(self) -> frozenset[Fact]:
-        """The initial facts but those of feasibility and difference, for which ask `always`."""
+        """The initial facts except those of feasibility and difference, which `always` decides."""
         return frozenset(_Writer(self.encoded, self.words, self.counts).changing())
 
     def always(self, fact: Fact) -> bool:
-        """Say whether a fact of feasibility or difference, which nothing ever changes, holds."""
+        """Say whether a fact of feasibility or difference holds; no action changes these."""
         predicate, *names = fact
         if predicate == "distinct":
             return len(set(names)) > 1
@@ -76,6 +76,28 @@ class Compilation:
             return False
         known, positive = self._static[predicate]
         return (Atom(known.name, tuple(map(self.user, names))) in self.feasible) == positive
+
+    def reaches_goal(self, actions: Sequence[PlannedAction]) -> bool:
+        """Say whether each action can be applied after those before it and the goal holds in the end.
+
+        The effects follow STRIPS. Feasibility is decided fact by fact, because a large task has too many such facts
+        to list them all.
+        """
+        operators = {operator.name: operator for operator in self.encoded.planning.operators}
+        facts: set[Fact] = set(self.changing)
+        for action in actions:
+            operator = operators.get(action.name)
+            if operator is None or len(operator.parameters) != len(action.arguments):
+                return False
+            binding = operator.bind(action)
+            if not self._hold([ground(fact, binding) for fact in operator.precondition], facts):
+                return False
+            facts.difference_update([ground(fact, binding) for fact in operator.delete])
+            facts.update([ground(fact, binding) for fact in operator.add])
+        return self._hold(self.goal, facts)
+
+    def _hold(self, conditions: Iterable[Fact], facts: Collection[Fact]) -> bool:
+        return all(fact in facts or self.always(fact) for fact in conditions)
 
     @cached_property
     def _static(self) -> dict[str, tuple[Predicate, bool]]:
@@ -90,14 +112,14 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
 
     Args:
         task: the task.
-        whole: the compiled task of which this one is a part, with the same tokens in the same state: it has encoded
-            the domain already, and decided facts of feasibility.
-        chains: whether blocks in series are one step.
+        whole: a compiled task that contains this one, with the same tokens in the same state. Its encoded domain and
+            its facts of feasibility are used again.
+        chains: whether blocks in series are compiled as one step.
 
     Raises:
-        InputError: the goal denies a predicate that changes or leaves a choice, which STRIPS goals cannot.
+        InputError: the goal has a negative atom or leaves a choice, which STRIPS goals cannot.
     """
-    task = with_one_goal(task)
+    task = settle_goal(task)
     encoded = whole.encoded if whole else encode_task(task) if chains else encode_domain(task.domain)
     own = {name for name, _ in encoded.planning.predicates}
     counts = _counts(task)
@@ -109,7 +131,7 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
 
 
 def _counts(task: Task) -> int:
-    """Return how many instances could read one token at once: as many as tokens could anchor them."""
+    """Return the largest number of instances that can read one token at once: that of their possible anchors."""
     anchors = {
         token
         for block in task.domain.blocks
@@ -120,7 +142,7 @@ def _counts(task: Task) -> int:
 
 
 class _Writer:
-    """Writes initial facts and goal of one task in the words of its encoded domain."""
+    """Writes the initial facts and the goal of one task in the words of its encoded domain."""
 
     def __init__(self, encoded: EncodedDomain, words: TaskWords, counts: int) -> None:
         self.task = words.task
@@ -149,7 +171,7 @@ class _Writer:
             yield from self.words.differences()
 
     def _no_values(self, changing: frozenset[Atom]) -> Iterator[Fact]:
-        """A functional predicate without a value has the value 'none'."""
+        """Yield the value 'none' for each functional predicate that has no value."""
         for predicate in self.task.domain.predicates:
             index = predicate.functional_index
             if index is None:
@@ -174,7 +196,7 @@ class _Writer:
         yield from (("next", one, more) for one, more in pairwise(steps))
 
     def goal(self) -> Iterator[Fact]:
-        """Yield the goal: the user's atoms, and that no reassignment or bounded block is left half done."""
+        """Yield the goal: the atoms of the user, and that no reassignment and no block without a hold is unfinished."""
         yield from map(self.fact, self.task.goal)
         yield ("idle",)
         for token in self.task.assigned:

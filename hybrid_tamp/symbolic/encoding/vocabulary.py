@@ -1,8 +1,8 @@
-"""The words of a domain's PDDL: types, constants and predicates, by the user's names where there are any.
+"""The PDDL words of a domain: types, constants and predicates, named like those of the user.
 
-Classes: PDDL types inherit singly and affordances overlap, so a class becomes a type only where no token can be in
-it and in another class that is neither above nor below it; otherwise it is a static unary predicate that guards the
-slot. Either way it is found under its own name.
+PDDL types have one parent each, but affordances overlap. So a class becomes a type only if no token can be in it and in
+another class that is neither above nor below it. Any other class becomes a static unary predicate that guards the slot.
+In both cases it keeps its name.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,14 +19,14 @@ from hybrid_tamp.symbolic.pddl.naming import Naming, legal, name_apart, name_var
 from hybrid_tamp.symbolic.pddl.operators import Fact, Typed
 
 Word = tuple[str, str]
-"""What a word is (a class, a sort, a symbol, a predicate, ...) and the user's name of it."""
+"""The kind of a word (class, sort, symbol, predicate, ...) and its name for the user."""
 
 _NONE_READING: Word = ("count", "none reading")
 
 
 @dataclass(frozen=True, eq=False)
 class Vocabulary:
-    """Names and types that the compiled domain uses."""
+    """The names and types in the compiled domain."""
 
     domain: Domain
 
@@ -46,7 +46,7 @@ class Vocabulary:
 
     @cached_property
     def sorts(self) -> tuple[SymbolSort, ...]:
-        """Symbol sorts of the domain, of predicates and of targets, each once."""
+        """Symbol sorts of the domain, of predicates and of targets, without duplicates."""
         mentioned = [*self.domain.sorts]
         mentioned += [p.sort for q in self.domain.predicates for p in q.parameters if isinstance(p.sort, SymbolSort)]
         mentioned += [t.sort for b in self.domain.blocks for t in b.targets if isinstance(t.sort, SymbolSort)]
@@ -54,7 +54,7 @@ class Vocabulary:
 
     @cached_property
     def names(self) -> Naming[Word]:
-        """PDDL names of the user's classes, sorts, symbols and predicates, and of the compiler's own words."""
+        """PDDL names of the classes, sorts, symbols and predicates of the user, and of the words of the compiler."""
         words: dict[Word, str] = {("class", c.name): c.name for c in self.classes}
         words |= {("sort", s.name): s.name for s in self.sorts}
         words |= {("symbol", symbol): symbol for s in self.sorts for symbol in s.symbols}
@@ -66,7 +66,7 @@ class Vocabulary:
 
     @cached_property
     def denied(self) -> tuple[Predicate, ...]:
-        """Static predicates that some entry condition wants not to hold."""
+        """Static predicates that some entry condition negates."""
         found = [c.predicate for b in self.domain.blocks for c in b.static_entry if not c.positive]
         return tuple({predicate.name: predicate for predicate in found}.values())
 
@@ -77,32 +77,32 @@ class Vocabulary:
         return self.names.pddl(("symbol", name))
 
     def predicate(self, name: str, positive: bool = True) -> str:
-        """Return the predicate of that name, or the static predicate that says that it does not hold."""
+        """Return the PDDL name of a predicate, or that of the static predicate for its negation."""
         return self.names.pddl(("predicate" if positive else "opposite", name))
 
     def no_value(self, predicate: Predicate) -> str:
-        """Return the constant that says that a functional predicate has no value."""
+        """Return the constant that stands for no value of a functional predicate."""
         return self.names.pddl(("no value", predicate.name))
 
     @property
     def none_reading(self) -> str:
-        """The constant that counts no reader."""
+        """The constant that stands for zero readers."""
         return self.names.pddl(_NONE_READING)
 
     def state(self, kind: str, block: Block, *names: str) -> str:
-        """Return the compiler's own predicate about a block, and slots or targets of it."""
+        """Return the predicate of the compiler about a block and slots or targets of it."""
         state = (kind, block.name, *names)
         return self._state_names[state]
 
     @cached_property
     def _state_names(self) -> Mapping[State, str]:
-        # Their names depend on the domain alone, never on the user's tokens.
+        # These names depend on the domain alone, never on tokens.
         return name_apart({state: "-".join(map(legal, state)) for state, _ in assignment_predicates(self.domain)})
 
     # -- types ----------------------------------------------------------------------------------------------------
 
     def type_of(self, sort: Sort) -> str:
-        """Return the PDDL type of variables that range over a class or sort, over counts, or over everything."""
+        """Return the PDDL type of the variables of a class or sort, of counts, or of all objects."""
         if isinstance(sort, str):
             return ROOT if sort == ROOT else self.names.pddl(("type", sort))
         if isinstance(sort, SymbolSort):
@@ -115,7 +115,7 @@ class Vocabulary:
     def narrower(
         self, one: type[ObjectClass] | SymbolSort, other: type[ObjectClass] | SymbolSort
     ) -> type[ObjectClass] | SymbolSort:
-        """Return the one of two classes of a token whose PDDL type lies below the other's, else the first."""
+        """Return the class whose PDDL type lies below that of the other class, or else the first class."""
         if isinstance(one, SymbolSort) or isinstance(other, SymbolSort):
             return one
         below = dict(self.types)
@@ -127,7 +127,7 @@ class Vocabulary:
         return one
 
     def guard(self, variable: str, sort: type[ObjectClass] | SymbolSort) -> Iterator[Fact]:
-        """Yield the unary fact that guards a variable whose class is no type."""
+        """Yield the unary fact that guards a variable whose class is not a type."""
         if not isinstance(sort, SymbolSort) and sort not in self.typed:
             yield (self.names.pddl(("class", sort.name)), variable)
 
@@ -145,7 +145,7 @@ class Vocabulary:
         return ROOT if object_class is TOKEN or is_place(object_class) else self.type_of(TOKEN)
 
     def token_type(self, token: Token) -> str:
-        """Return the PDDL type of a token: the deepest class that it is a member of and that is a type."""
+        """Return the PDDL type of a token: the deepest of its classes that is a type."""
         deepest = max(filter(token.is_member, self.typed), key=lambda c: (len(c.__mro__), c is not TOKEN), default=None)
         return self.type_of(deepest) if deepest else ROOT
 
@@ -164,7 +164,7 @@ class Vocabulary:
 
     @property
     def predicates(self) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
-        """The user's predicates, with those that stand for classes, each with its typed parameters."""
+        """The predicates of the user and those that stand for classes, with their typed parameters."""
         guards = [
             self._declare(self.names.pddl(("class", c.name)), [("thing", ROOT if is_place(c) else TOKEN)])
             for c in self.classes
@@ -176,7 +176,7 @@ class Vocabulary:
 
     @property
     def assignment_predicates(self) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
-        """The compiler's own predicates, each with its typed parameters."""
+        """The predicates of the compiler, with their typed parameters."""
         declared = assignment_predicates(self.domain)
         return tuple(self._declare(self._state_names[state], parameters) for state, parameters in declared)
 

@@ -7,10 +7,10 @@ from collections import ChainMap, OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import chain, count
 from typing import Any
 
 from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.symbolic.pddl.naming import unused
 from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningProblem, Typed
 
 
@@ -125,9 +125,7 @@ class _Names:
     def __call__(self, own: str, kind: str) -> str:
         """Return the name of the item of that kind, the same one each time."""
         if (own, kind) not in self._given:
-            name = own.removeprefix("?")
-            candidates = chain([name], (f"{name}-{number}" for number in count(2)))
-            self._given[own, kind] = next(each for each in candidates if each not in self._taken)
+            self._given[own, kind] = unused(own.removeprefix("?"), self._taken)
             self._taken.add(self._given[own, kind])
         return self._given[own, kind]
 

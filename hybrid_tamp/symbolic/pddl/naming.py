@@ -15,56 +15,13 @@ Key = TypeVar("Key", bound=Any)
 
 _ILLEGAL = re.compile(r"[^a-z0-9_-]+")
 # Words of PDDL that stand without a colon; ':goal' and the like take nothing from anyone.
-_KEYWORDS = frozenset(
-    {
-        "and",
-        "or",
-        "not",
-        "imply",
-        "exists",
-        "forall",
-        "when",
-        "define",
-        "domain",
-        "problem",
-        "duration",
-        "minimize",
-        "maximize",
-        "object",
-        "either",
-        "number",
-        "increase",
-        "decrease",
-        "assign",
-        "scale-up",
-        "scale-down",
-        "at",
-        "over",
-        "start",
-        "end",
-        "all",
-        "always",
-        "sometime",
-        "within",
-        "at-most-once",
-        "sometime-after",
-        "sometime-before",
-        "always-within",
-        "hold-during",
-        "hold-after",
-        "preference",
-        "total-time",
-        "total-cost",
-        "is-violated",
-        "bool",
-        "int",
-        "real",
-        "fluent",
-        "oneof",
-        "probabilistic",
-        "undefined",
-    }
-)
+_KEYWORD_TEXT = """
+    and or not imply exists forall when define domain problem duration minimize maximize object either number
+    increase decrease assign scale-up scale-down at over start end all always sometime within at-most-once
+    sometime-after sometime-before always-within hold-during hold-after preference total-time total-cost
+    is-violated bool int real fluent oneof probabilistic undefined
+"""
+_KEYWORDS = frozenset(_KEYWORD_TEXT.split())
 
 # VAL takes other keywords for keywords even behind a question mark.
 _NO_VARIABLES = frozenset(f"?{word}" for word in _KEYWORDS - {"all", "at", "end", "object", "over", "start"})

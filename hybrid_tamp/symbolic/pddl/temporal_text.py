@@ -7,7 +7,8 @@ place is deleted by name, so an action that gives a value names the old one (`as
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from hybrid_tamp.symbolic.pddl.layout import (
+from hybrid_tamp.symbolic.pddl.operators import Fact
+from hybrid_tamp.symbolic.pddl.text import (
     group_by_type,
     indent,
     lay_out_conjunction,
@@ -16,7 +17,6 @@ from hybrid_tamp.symbolic.pddl.layout import (
     lay_out_term,
     lay_out_typed,
 )
-from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.problem import (
     Condition,
     DurativeAction,

@@ -18,7 +18,6 @@ from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.facts import facts
 from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.symbolic.decode import UndecodableError, decode
-from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem, ground, rename_arguments
 from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
@@ -134,7 +133,7 @@ class _Groups:
                 return None
             merged += min(plans, key=lambda plan: plan[0])[1]
         with self._search.stage("scheduling"):
-            return merged if applicable(self._search.compilation, merged) else None
+            return merged if self._search.compilation.reaches_goal(merged) else None
 
     def _orders(self, share: Share) -> list[Share]:
         """Return the share with helpers of one kind in every order, up to a limit, if the makespan counts."""

@@ -1,19 +1,18 @@
-"""Matching of places to things at the least total cost."""
+"""Matching of rows to columns at the least total cost."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hybrid_tamp.motion.arrays import FloatArray
 
 
 def cheapest_matching(costs: FloatArray) -> list[int] | None:
-    """Return for each row a column of its own such that the sum of the costs is least, or None if there is no way.
+    """Return a different column for each row such that the sum of the costs is least, or None if there is no matching.
 
-    Rows are matched one by one, each along the cheapest path of changes to the earlier ones (Kuhn 1955, with the
-    potentials of Edmonds and Karp 1972, which keep the changes' costs from being negative).
+    The rows are matched one by one. Each is matched along the cheapest path of changes to the earlier ones (Kuhn
+    1955). The potentials of Edmonds and Karp (1972) keep the costs of the changes from being negative.
 
     Args:
-        costs: costs ``(rows, columns)``, infinite where a row and a column do not fit.
+        costs: costs ``(rows, columns)``, infinite if a row and a column do not fit.
     """
     rows, columns = costs.shape
     if rows > columns:
@@ -35,26 +34,13 @@ def cheapest_matching(costs: FloatArray) -> list[int] | None:
                 return None
             done[column] = True
             at = int(owner[column])
-        _move_prices(of_row, of_column, owner, reduced, done, row, length)
+        # With these changes no reduced cost is negative, and those on the path are zero.
+        owned = np.flatnonzero(done & (owner >= 0))
+        of_row[row] += length
+        of_row[owner[owned]] += length - reduced[owned]
+        of_column[done] -= length - reduced[done]
         while column >= 0:
             previous = int(before[column])
             owner[column] = row if previous < 0 else owner[previous]
             column = previous
     return [int(np.flatnonzero(owner == row)[0]) for row in range(rows)]
-
-
-def _move_prices(
-    of_row: FloatArray,
-    of_column: FloatArray,
-    owner: NDArray[np.int_],
-    reduced: FloatArray,
-    done: NDArray[np.bool_],
-    row: int,
-    length: float,
-) -> None:
-    """Change the potentials so that no reduced cost is negative and those on the path are zero."""
-    of_row[row] += length
-    for column in np.flatnonzero(done):
-        if owner[column] >= 0:
-            of_row[owner[column]] += length - reduced[column]
-        of_column[column] -= length - reduced[column]

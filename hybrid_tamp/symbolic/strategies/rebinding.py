@@ -16,7 +16,6 @@ from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.decode import UndecodableError, decode
-from hybrid_tamp.symbolic.encoding.application import applicable
 from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import Estimates
 from hybrid_tamp.symbolic.pddl.operators import rename_arguments
@@ -126,7 +125,7 @@ def _rebind(
 
 def _schedule(compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates) -> TaskPlan | None:
     """Return the schedule of actions that can be applied one after the other and reach the goal, else None."""
-    if not applicable(compilation, actions):
+    if not compilation.reaches_goal(actions):
         return None
     try:
         return schedule(compilation.task, decode(compilation, actions), actions, estimates)

@@ -9,7 +9,6 @@ from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
 from hybrid_tamp.symbolic.pddl.naming import legal, variable_of
 from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.problem import Condition, DurativeAction, Effect, Value, When
-from hybrid_tamp.symbolic.temporal.sources import Sources
 from hybrid_tamp.symbolic.temporal.words import NOBODY, Words
 
 
@@ -31,16 +30,15 @@ class Running:
 class ActionMaker:
     """One durative action in the making."""
 
-    def __init__(self, words: Words, sources: Sources, block: Block, along: frozenset[str]) -> None:
+    def __init__(self, words: Words, block: Block, along: frozenset[str]) -> None:
         """Begin the action that runs a block.
 
         Args:
             words: the encoder's words.
-            sources: from where tokens come.
             block: the block.
             along: the slots whose tokens come along with the anchor.
         """
-        self.words, self.vocabulary, self.sources = words, words.vocabulary, sources
+        self.words, self.vocabulary = words, words.vocabulary
         self.block, self.along = block, along
         self.parameters: dict[str, str] = {}
         self.conditions: dict[Condition, None] = {}
@@ -106,7 +104,7 @@ class ActionMaker:
             first, second = sorts[one], sorts[other]
             if isinstance(first, SymbolSort) or isinstance(second, SymbolSort):
                 continue
-            if self.sources.domain.relations.can_share_token(first, second):
+            if self.vocabulary.domain.relations.can_share_token(first, second):
                 self.require(("distinct", self.roles[one], self.roles[other]))
 
     def _entry(self) -> None:
@@ -121,7 +119,7 @@ class ActionMaker:
     def _take(self, slot: str) -> None:
         """Take a token from where it holds to a slot, and free it from what it was in."""
         variable, block, along = self.roles[slot], self.block, slot in self.along
-        sources = self.sources.of(block, slot, along)
+        sources = self.words.sources(block, slot, along)
         constants = [self.words.slot(old, before) for old, before in sources]
         place, own = (self.words("place"), variable), self.words.slot(block, slot)
         before = constants[0]
@@ -157,9 +155,11 @@ class ActionMaker:
                 self.at_start(partner, (anchor,))
             elif bound:
                 self.at_start(partner, (self.words(NOBODY),))
-        if self.sources.may_anchor(block, slot) and any(before == old.anchor and old.others for old, before in sources):
+        if self.words.conditions.claimable(block, slot) and any(
+            before == old.anchor and old.others for old, before in sources
+        ):
             self.at_start((self.words("let-go"), variable))
-        if slot == block.anchor and self.sources.may_anchor(block, slot):
+        if slot == block.anchor and self.words.conditions.claimable(block, slot):
             joining = len(block.others) - len(self.along)
             self.count("crew", variable, joining)
             self.require((self.words("crew"), variable), len(block.others), "end")
@@ -168,7 +168,7 @@ class ActionMaker:
 
     def _stop_reading(self, slot: str, sources: list[tuple[Block, str]]) -> None:
         """Free what the token's last instance read, if it was the anchor there."""
-        locked = self.sources.conditions.locked
+        locked = self.words.conditions.locked
         for number in range(self.words.locks):
             readers = [old for old, before in sources if before == old.anchor and len(locked(old)) > number]
             if not readers:
@@ -184,8 +184,8 @@ class ActionMaker:
         """Return what the token's last instance read: a role of the block, where a condition says so."""
         named = set()
         for old, before in sources:
-            locked = self.sources.conditions.locked(old) if before == old.anchor else ()
-            unified = self.sources.conditions.unified(old, before, self.block, slot)
+            locked = self.words.conditions.locked(old) if before == old.anchor else ()
+            unified = self.words.conditions.unified(old, before, self.block, slot)
             named.add(unified.get(locked[number].name) if len(locked) > number else None)
         role = named.pop() if len(named) == 1 else None
         if role is not None and role in self.roles:
@@ -202,11 +202,11 @@ class ActionMaker:
                 self.at_start(fact, self.words.none(predicate))
 
     def _kept(self, block: Block, slot: str) -> list[Literal]:
-        return self.sources.conditions.maintained_by(block, slot)
+        return self.words.conditions.maintained_by(block, slot)
 
     def _lock(self) -> None:
         """Read what is to be read; change only what nobody reads."""
-        conditions, block = self.sources.conditions, self.block
+        conditions, block = self.words.conditions, self.block
         for number, target in enumerate(conditions.locked(block)):
             self.at_start((self.words.reads(number), self.roles[block.anchor]), (self.roles[target.name],))
             self.count("readers", self.roles[target.name], 1)

@@ -7,8 +7,7 @@ from itertools import product
 from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.predicate import Atom, name_of
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.encoding.goals import with_one_goal
-from hybrid_tamp.symbolic.encoding.task_words import TaskWords
+from hybrid_tamp.symbolic.encoding.task_words import TaskWords, settle_goal
 from hybrid_tamp.symbolic.pddl.naming import Naming, legal
 from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.encoder import TemporalEncoding, encode_durative
@@ -44,7 +43,7 @@ def compile_durative(task: Task) -> TemporalCompilation:
     Raises:
         InputError: the goal denies a predicate that changes, or leaves a choice.
     """
-    task = with_one_goal(task)
+    task = settle_goal(task)
     encoding = encode_durative(task.domain)
     fluents = {fluent.name for fluent in encoding.planning.fluents}
     taken = encoding.vocabulary.names.all | encoding.names.all | fluents

@@ -29,13 +29,11 @@ from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.symbolic.encoding.assignment import ROOT
-from hybrid_tamp.symbolic.encoding.conditions import Conditions
 from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 from hybrid_tamp.symbolic.pddl.naming import legal, name_apart, name_variables
 from hybrid_tamp.symbolic.pddl.operators import Typed
 from hybrid_tamp.symbolic.temporal.action import ActionMaker, Running
 from hybrid_tamp.symbolic.temporal.problem import DurativeAction, Fluent, TemporalDomain
-from hybrid_tamp.symbolic.temporal.sources import Sources
 from hybrid_tamp.symbolic.temporal.words import NOBODY, Words
 
 
@@ -70,9 +68,7 @@ class _Encoder:
     def __init__(self, vocabulary: Vocabulary) -> None:
         self.vocabulary = vocabulary
         self.domain = vocabulary.domain
-        self.conditions = Conditions(vocabulary)
         self.words = Words(vocabulary)
-        self.sources = Sources(self.domain, self.conditions)
 
     # -- declarations -------------------------------------------------------------------------------------------
 
@@ -137,8 +133,8 @@ class _Encoder:
             choices = [self._choices(block, slot.name) for slot in block.slots]
             for chosen in product(*choices):
                 along = frozenset(slot.name for slot, along in zip(block.slots, chosen, strict=True) if along)
-                yield ActionMaker(self.words, self.sources, block, along).build()
+                yield ActionMaker(self.words, block, along).build()
 
     def _choices(self, block: Block, slot: str) -> list[bool]:
         """Return whether the token of a slot may come on its own, along with the anchor, or both."""
-        return [along for along in (False, True) if self.sources.of(block, slot, along)]
+        return [along for along in (False, True) if self.words.sources(block, slot, along)]

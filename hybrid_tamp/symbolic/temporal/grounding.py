@@ -6,19 +6,17 @@ depends on where its anchor comes from. So the durations are estimates, as those
 whole plan.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.network import SlotName
-from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort, name_of
+from hybrid_tamp.model.predicate import Atom, Literal, name_of
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import OrderedInstance
 from hybrid_tamp.symbolic.estimates import Estimate, Estimates, Poses
-
-Sort = type[ObjectClass] | SymbolSort
+from hybrid_tamp.symbolic.pddl.joins import FactIndex, join
 
 
 @dataclass(frozen=True)
@@ -113,16 +111,20 @@ class _Reaching:
         targets = {target.name: roles[target.name] for target in block.targets}
         return Estimates(task).of([OrderedInstance("", block.name, slots, targets, 0)])[0]
 
-    # -- bindings -----------------------------------------------------------------------------------------------
-
     def _bindings(self, block: Block) -> Iterator[dict[str, str]]:
         """Yield every binding whose positive entry conditions can hold."""
-        conditions = [literal for literal in block.entry if literal.positive]
+        ranges = {f"?{r}": dict.fromkeys(map(name_of, self.task.values_of(sort))) for r, sort in block.roles.items()}
+        conditions = [
+            (literal.predicate.name, *(f"?{a}" if a in block.roles else a for a in literal.arguments))
+            for literal in block.entry
+            if literal.positive
+        ]
         denied = [literal for literal in block.static_entry if not literal.positive]
-        sorts = block.roles
-        for roles in self._join(sorts, conditions, _Index(self.atoms), {}):
+        index = FactIndex((atom.predicate, *atom.arguments) for atom in self.atoms)
+        for binding in join(conditions, {}, index, ranges):
+            roles = {role: binding[f"?{role}"] for role in block.roles}
             if not any(self._holds(literal, roles) for literal in denied) and self._distinct(roles):
-                yield {role: roles[role] for role in sorts}
+                yield roles
 
     def _holds(self, literal: Literal, roles: dict[str, str]) -> bool:
         atom = literal.ground(self.task.bind(roles))
@@ -131,69 +133,3 @@ class _Reaching:
     def _distinct(self, roles: Mapping[str, str]) -> bool:
         tokens = [name for name in roles.values() if name in self.task.token_by_name]
         return len(set(tokens)) == len(tokens)
-
-    def _join(
-        self, sorts: Mapping[str, Sort], conditions: list[Literal], index: "_Index", roles: dict[str, str]
-    ) -> Iterator[dict[str, str]]:
-        if not conditions:
-            yield from self._fill(sorts, roles)
-            return
-        patterns = [(_pattern(literal, sorts, roles), literal) for literal in conditions]
-        # The most constrained first.
-        rows, chosen = min(
-            ((index.rows(literal.predicate.name, pattern), literal) for pattern, literal in patterns),
-            key=lambda found: len(found[0]),
-        )
-        rest = [condition for condition in conditions if condition is not chosen]
-        for row in rows:
-            extended = self._extend(sorts, chosen, row, roles)
-            if extended is not None:
-                yield from self._join(sorts, rest, index, extended)
-
-    def _extend(
-        self, sorts: Mapping[str, Sort], literal: Literal, row: tuple[str, ...], roles: dict[str, str]
-    ) -> dict[str, str] | None:
-        extended = dict(roles)
-        for argument, value in zip(literal.arguments, row, strict=True):
-            if argument in sorts and extended.setdefault(argument, value) != value:
-                return None
-            if argument in sorts and argument not in roles and not self._is_of(sorts[argument], value):
-                return None
-        return extended
-
-    def _is_of(self, sort: Sort, name: str) -> bool:
-        return isinstance(sort, SymbolSort) or self.task.token_by_name[name].is_member(sort)
-
-    def _fill(self, sorts: Mapping[str, Sort], roles: dict[str, str]) -> Iterator[dict[str, str]]:
-        """Yield the binding with every value for the roles that no condition binds."""
-        free = next((role for role in sorts if role not in roles), None)
-        if free is None:
-            yield roles
-            return
-        for value in self.task.values_of(sorts[free]):
-            yield from self._fill(sorts, {**roles, free: name_of(value)})
-
-
-def _pattern(literal: Literal, sorts: Mapping[str, Sort], roles: Mapping[str, str]) -> tuple[str | None, ...]:
-    """Return the known arguments of a condition, None for those that are open."""
-    return tuple(roles.get(a) if a in sorts else a for a in literal.arguments)
-
-
-class _Index:
-    """Atoms by the values of some of their arguments."""
-
-    def __init__(self, atoms: Iterable[Atom]) -> None:
-        self._by_predicate: dict[str, list[tuple[str, ...]]] = {}
-        for atom in atoms:
-            self._by_predicate.setdefault(atom.predicate, []).append(atom.arguments)
-        self._sorted: dict[tuple[str, tuple[int, ...]], dict[tuple[str, ...], list[tuple[str, ...]]]] = {}
-
-    def rows(self, predicate: str, pattern: tuple[str | None, ...]) -> list[tuple[str, ...]]:
-        """Return the arguments of the atoms that fit the pattern."""
-        known = tuple(place for place, value in enumerate(pattern) if value is not None)
-        if (predicate, known) not in self._sorted:
-            table: dict[tuple[str, ...], list[tuple[str, ...]]] = {}
-            for row in self._by_predicate.get(predicate, ()):
-                table.setdefault(tuple(row[place] for place in known), []).append(row)
-            self._sorted[predicate, known] = table
-        return self._sorted[predicate, known].get(tuple(value for value in pattern if value is not None), [])

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
 from hybrid_tamp.symbolic.pddl.operators import Fact, ground
 from hybrid_tamp.symbolic.pddl.temporal_text import ask_for_old_values
+from hybrid_tamp.symbolic.reencode import group_by_source
 from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation
 from hybrid_tamp.symbolic.temporal.problem import DurativeAction, TemporalProblem, TimedAction, Value
 
@@ -127,30 +128,19 @@ class _Following:
         """
         everything = list(_actions_of(self.compilation, self.plan))
         for time in self.plan.instants:
-            waiting = [pair for pair in everything if at(pair[0].start, time)]
-            groups = self._groups(waiting)
+            names = {id(instance): name for instance, name in everything if at(instance.start, time)}
+            waiting = [instance for instance, _ in everything if id(instance) in names]
+            groups = [
+                [(instance, names[id(instance)]) for instance in sorted(group, key=self._takes_anchor, reverse=True)]
+                for group in group_by_source(self.plan, waiting)
+            ]
             yield from (pair for group in sorted(groups, key=self._changes) for pair in group)
 
-    def _groups(self, waiting: list[tuple[BlockInstance, str]]) -> list[list[tuple[BlockInstance, str]]]:
-        groups: list[tuple[set[str], list[tuple[BlockInstance, str]]]] = []
-        for pair in waiting:
-            sources = {pair[0].name, *(b.name for t in pair[0].slots.values() if (b := self._before(pair[0], t)))}
-            joined = [group for group in groups if group[0] & sources]
-            groups = [group for group in groups if group not in joined]
-            members = [member for _, group in joined for member in group]
-            groups.append((sources.union(*(names for names, _ in joined)), [*members, pair]))
-        return [sorted(group, key=self._takes_anchor, reverse=True) for _, group in groups]
-
-    def _before(self, instance: BlockInstance, token: str) -> BlockInstance | None:
-        timeline = [other for other, _ in self.plan.timeline(token)]
-        index = timeline.index(instance)
-        return timeline[index - 1] if index else None
-
-    def _takes_anchor(self, pair: tuple[BlockInstance, str]) -> bool:
+    def _takes_anchor(self, instance: BlockInstance) -> bool:
         """Say whether an instance takes an anchor out of an instance with several slots."""
         blocks = self.compilation.task.domain.block_by_name
-        before = [(b, token) for token in pair[0].slots.values() if (b := self._before(pair[0], token))]
-        return any(len(b.slots) > 1 and b.slots[blocks[b.block].anchor] == token for b, token in before)
+        before = [found for token in instance.slots.values() if (found := self.plan.before(instance, token))]
+        return any(len(old.slots) > 1 and slot == blocks[old.block].anchor for old, slot in before)
 
     def _changes(self, group: list[tuple[BlockInstance, str]]) -> bool:
         """Say whether a group has a block that others must not read meanwhile."""

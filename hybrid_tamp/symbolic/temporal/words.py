@@ -41,6 +41,28 @@ class Words:
         """Return the fluent that says what a token's instance reads, of its targets that others may change."""
         return self("reads", f"{number}")
 
+    def sources(self, block: Block, slot: str, along: bool) -> list[tuple[Block, str]]:
+        """Return the slots from which a token can enter a slot, together with the anchor or on its own.
+
+        Args:
+            block: the block that the token enters.
+            slot: the slot that it enters.
+            along: whether it comes along with the anchor.
+        """
+        domain, found = self.vocabulary.domain, []
+        for name, before in domain.network.sources((block.name, slot)):
+            old = domain.block_by_name[name]
+            together = (
+                slot != block.anchor
+                and before != old.anchor
+                and domain.network.allows((name, old.anchor), (block.name, block.anchor))
+            )
+            # If a condition says that the old anchor is the new one, the token cannot come on its own.
+            bound = self.conditions.unified(old, before, block, slot).get(old.anchor) == block.anchor
+            if (along and together) or (not along and not (together and bound)):
+                found.append((old, before))
+        return found
+
     @property
     def all(self) -> frozenset[str]:
         """All PDDL names given."""
@@ -53,8 +75,12 @@ class Words:
     @cached_property
     def locks(self) -> int:
         """How many targets a block has, at most, that other blocks may change."""
-        domain, conditions = self.vocabulary.domain, Conditions(self.vocabulary)
-        return max((len(conditions.locked(block)) for block in domain.blocks), default=0)
+        return max((len(self.conditions.locked(block)) for block in self.vocabulary.domain.blocks), default=0)
+
+    @cached_property
+    def conditions(self) -> Conditions:
+        """The placement of the conditions of the domain's blocks."""
+        return Conditions(self.vocabulary)
 
     def key(self, predicate: Predicate) -> tuple[int, ...]:
         """Return the indices of the arguments of which a predicate is a fluent; all, if it is true or is not."""

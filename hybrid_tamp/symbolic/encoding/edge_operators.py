@@ -1,0 +1,166 @@
+"""The operators of an edge of the network: ``fill``, ``begin`` and ``leave`` (see `encoder`)."""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.predicate import Literal
+from hybrid_tamp.symbolic.encoding.action_builder import ActionBuilder
+from hybrid_tamp.symbolic.encoding.assignment import remainders, remembered
+from hybrid_tamp.symbolic.encoding.operator_maker import Meaning, OperatorMaker
+from hybrid_tamp.symbolic.pddl.naming import legal
+from hybrid_tamp.symbolic.pddl.operators import Operator
+
+
+class EdgeOperators(OperatorMaker):
+    """Makes the operators of the edges between two blocks."""
+
+    # -- fill ---------------------------------------------------------------------------------------------------
+
+    def fill(self, old: Block, slot_before: str, new: Block, slot: str) -> Iterator[tuple[Operator, Meaning]]:
+        """Yield the operator that reserves a token for a slot.
+
+        The token comes from a block with one slot, or from the block in which the anchor is.
+        """
+        name = f"fill-{legal(new.name)}-{legal(slot)}-from-{legal(old.name)}"
+        if len(old.slots) > 1:
+            if old is new or slot_before == old.anchor:
+                return
+            name += f"-{legal(slot_before)}"
+        unified = self.conditions.unified(old, slot_before, new, slot)
+        action = ActionBuilder(self.vocabulary, new, self._same(old, slot_before, slot, unified))
+        action.require(("idle",))
+        token, anchor = action.role(slot), action.role(new.anchor)
+        self._leave_slot(action, old, slot_before, token, unified, anchor)
+        self._claim(action, new, slot)
+        for literal in self.conditions.entry_at_fill(new, slot):
+            action.require_literal(literal)
+            self._know_earlier(action, new, slot, literal)
+        for literal in self.conditions.exit_at_fill(new, slot):
+            action.apply_literal(literal)
+            self._know_earlier(action, new, slot, literal)
+        kept = [action.role(target) for target in remembered(self.domain, new, slot)]
+        action.add((self.vocabulary.state("in", new, slot), token, anchor, *kept))
+        self._bind_targets(action, new, slot)
+        self._start_writing(action, old, slot_before, new, slot)
+        if len(old.slots) == 1 and not old.hold:
+            action.add(("completed", token))
+        yield action.build(name), Meaning("fill", new.name, slot, (old.name, slot_before), action.roles)
+
+    def _know_earlier(self, action: ActionBuilder, new: Block, slot: str, literal: Literal) -> None:
+        """Require that the other tokens in a condition are in the slots that were filled before."""
+        for other in new.others:
+            if other.name in literal.arguments and other.name != slot:
+                kept = [action.role(target) for target in remembered(self.domain, new, other.name)]
+                fluent = self.vocabulary.state("in", new, other.name)
+                action.require((fluent, action.role(other.name), action.role(new.anchor), *kept))
+
+    def _claim(self, action: ActionBuilder, new: Block, slot: str) -> None:
+        """Advance the claim on the anchor: from unclaimed to claimed up to each slot in turn."""
+        names = [s.name for s in new.others]
+        anchor, index = action.variable(new.anchor), names.index(slot)
+        before = "unclaimed" if index == 0 else self.vocabulary.state("claimed", new, names[index - 1])
+        action.replace((before, anchor), (self.vocabulary.state("claimed", new, slot), anchor))
+
+    def _bind_targets(self, action: ActionBuilder, new: Block, slot: str) -> None:
+        """Record the targets in the conditions of this slot, so that `begin` and later slots use the same."""
+        anchor = action.variable(new.anchor)
+        for target, first in self.conditions.bound_by(new).items():
+            if target not in action.bound:
+                continue
+            witness = (self.vocabulary.state("for", new, target), anchor, action.variable(target))
+            if first == slot:
+                action.add(witness)
+            else:
+                action.require(witness)
+
+    def _leave_slot(
+        self, action: ActionBuilder, old: Block, slot: str, token: str, unified: dict[str, str], anchor: str
+    ) -> None:
+        """Take a token out of a block with one slot, or out of a slot of the block in which the anchor is."""
+        if len(old.slots) == 1:
+            if self.conditions.claimable(old, slot):
+                action.require(("unclaimed", token))
+            self._leave_anchor(action, old, token, unified)
+            return
+        memory = [action.other(old, target, unified) for target in remembered(self.domain, old, slot)]
+        action.consume((self.vocabulary.state("in", old, slot), token, anchor, *memory))
+        self._void(action, old, slot, {slot: token, old.anchor: anchor}, unified)
+        full, moved = (self.vocabulary.state(kind, old, slot) for kind in ("full", "moved"))
+        action.replace((full, anchor), (moved, anchor))
+
+    # -- begin --------------------------------------------------------------------------------------------------
+
+    def begin(self, old: Block, new: Block) -> Iterator[tuple[Operator, Meaning]]:
+        """Yield the operators by which the anchor enters a new block: one for each set of tokens that go along."""
+        movable = [
+            slot.name
+            for slot in old.others
+            if any(self.domain.network.allows((old.name, slot.name), (new.name, to.name)) for to in new.others)
+        ]
+        for size in range(len(movable) + 1):
+            for moved in combinations(movable, size):
+                if len(moved) <= len(new.others):
+                    yield self._begin(old, new, moved)
+
+    def _begin(self, old: Block, new: Block, moved: tuple[str, ...]) -> tuple[Operator, Meaning]:
+        name = "-".join(["begin", legal(new.name), "from", legal(old.name), *(f"with-{legal(s)}" for s in moved)])
+        unified = self.conditions.unified(old, old.anchor, new, new.anchor)
+        action = ActionBuilder(self.vocabulary, new, self._same(old, old.anchor, new.anchor, unified))
+        action.require(("idle",))
+        anchor = action.role(new.anchor)
+        self._leave_anchor(action, old, anchor, unified)
+        rest = tuple(slot.name for slot in old.others if slot.name not in moved)
+        for slot in old.others:
+            action.consume((self.vocabulary.state("full" if slot.name in rest else "moved", old, slot.name), anchor))
+        if rest:
+            action.delete(("idle",))
+            action.add((self.vocabulary.state("leaving", old, *rest), anchor))
+        self._enter_anchor(action, old, new)
+        source = (old.name, old.anchor)
+        return action.build(name), Meaning("begin", new.name, new.anchor, source, action.roles, frozenset(moved))
+
+    def _enter_anchor(self, action: ActionBuilder, old: Block, new: Block) -> None:
+        anchor = action.variable(new.anchor)
+        for target in new.targets:
+            action.role(target.name)
+        if new.others:
+            claimed = self.vocabulary.state("claimed", new, new.others[-1].name)
+            action.replace((claimed, anchor), ("unclaimed", anchor))
+            for bound in self.conditions.bound_by(new):
+                action.consume((self.vocabulary.state("for", new, bound), anchor, action.variable(bound)))
+            for slot in new.others:
+                action.add((self.vocabulary.state("full", new, slot.name), anchor))
+        elif self.conditions.claimable(new, new.anchor):
+            action.require(("unclaimed", anchor))
+        for literal in self.conditions.entry_at_begin(new):
+            action.require_literal(literal)
+        self._enter(action, old, old.anchor, new)
+
+    # -- leave --------------------------------------------------------------------------------------------------
+
+    def leave(self, old: Block, slot: str, new: Block) -> Iterator[tuple[Operator, Meaning]]:
+        """Yield the operators by which a token of an ended block enters a block with one slot after the anchor left."""
+        for rest in remainders(old):
+            if rest[0] == slot:
+                yield self._leave(old, slot, new, rest)
+
+    def _leave(self, old: Block, slot: str, new: Block, rest: tuple[str, ...]) -> tuple[Operator, Meaning]:
+        later = (f"before-{legal(other)}" for other in rest[1:])
+        name = "-".join(["leave", legal(old.name), legal(slot), "to", legal(new.name), *later])
+        action = ActionBuilder(self.vocabulary, new, self._same(old, slot, new.anchor, {}))
+        token = action.role(new.anchor)
+        if self.conditions.claimable(old, slot):
+            action.require(("unclaimed", token))
+        anchor = action.other(old, old.anchor)
+        following = (self.vocabulary.state("leaving", old, *rest[1:]), anchor) if rest[1:] else ("idle",)
+        action.replace((self.vocabulary.state("leaving", old, *rest), anchor), following)
+        memory = [action.other(old, target) for target in remembered(self.domain, old, slot)]
+        action.consume((self.vocabulary.state("in", old, slot), token, anchor, *memory))
+        self._void(action, old, slot, {slot: token, old.anchor: anchor}, {})
+        for target in new.targets:
+            action.role(target.name)
+        for literal in self.conditions.entry_at_begin(new):
+            action.require_literal(literal)
+        self._enter(action, old, slot, new)
+        return action.build(name), Meaning("leave", new.name, new.anchor, (old.name, slot), action.roles)

@@ -1,0 +1,96 @@
+"""Joins: the bindings of variables with which some conditions are facts."""
+
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import product
+from types import MappingProxyType
+
+from hybrid_tamp.symbolic.pddl.operators import Fact
+
+Binding = dict[str, str]
+"""Variable to constant or object."""
+
+Ranges = Mapping[str, Collection[str]]
+"""Variable to the values that it may take."""
+
+_UNLIMITED: Ranges = MappingProxyType({})
+
+
+class FactIndex:
+    """Ground facts, found by their predicate and some of their arguments.
+
+    Attributes:
+        facts: all of them.
+    """
+
+    def __init__(self, facts: Iterable[Fact]) -> None:
+        self.facts: set[Fact] = set()
+        self._rows: defaultdict[str, list[Fact]] = defaultdict(list)
+        self._tables: defaultdict[str, dict[tuple[int, ...], defaultdict[Fact, list[Fact]]]] = defaultdict(dict)
+        for fact in facts:
+            self.add(fact)
+
+    def add(self, fact: Fact) -> bool:
+        """Add a fact and say whether it is new."""
+        if fact in self.facts:
+            return False
+        self.facts.add(fact)
+        self._rows[fact[0]].append(fact)
+        for places, table in self._tables[fact[0]].items():
+            table[tuple(fact[place] for place in places)].append(fact)
+        return True
+
+    def match(self, condition: Fact, binding: Mapping[str, str]) -> Sequence[Fact]:
+        """Return the facts that agree with a condition in its constants and bound variables, in the order of adding."""
+        known = {i: binding.get(a, a) for i, a in enumerate(condition) if a in binding or not a.startswith("?")}
+        places, tables = tuple(known), self._tables[condition[0]]
+        if places not in tables:
+            tables[places] = defaultdict(list)
+            for fact in self._rows[condition[0]]:
+                tables[places][tuple(fact[place] for place in places)].append(fact)
+        return tables[places].get(tuple(known.values()), ())
+
+
+def join(
+    conditions: Sequence[Fact],
+    binding: Binding,
+    index: FactIndex,
+    ranges: Ranges = _UNLIMITED,
+    skip: Callable[[Binding], bool] = lambda _: False,
+) -> Iterator[Binding]:
+    """Yield the extensions of a binding with which all conditions are facts.
+
+    Args:
+        conditions: facts over variables.
+        binding: the variables that are bound already.
+        index: the facts.
+        ranges: values of variables. A variable that no condition binds takes each of its values; a variable that is
+            not in `ranges` may take any value.
+        skip: whether to leave out all extensions of a binding.
+    """
+    if skip(binding):
+        return
+    if not conditions:
+        free = [variable for variable in ranges if variable not in binding]
+        for values in product(*(ranges[variable] for variable in free)):
+            yield binding | dict(zip(free, values, strict=True))
+        return
+    # The condition with the fewest facts comes first.
+    rows, chosen = min(((index.match(each, binding), each) for each in conditions), key=lambda found: len(found[0]))
+    rest = [each for each in conditions if each is not chosen]
+    for row in rows:
+        extended = bind_condition(chosen, row, binding, ranges)
+        if extended is not None:
+            yield from join(rest, extended, index, ranges, skip)
+
+
+def bind_condition(condition: Fact, fact: Fact, binding: Binding, ranges: Ranges = _UNLIMITED) -> Binding | None:
+    """Return the binding extended such that the condition becomes the fact, or None if that is impossible."""
+    extended = dict(binding)
+    for argument, value in zip(condition[1:], fact[1:], strict=True):
+        if not argument.startswith("?"):
+            if argument != value:
+                return None
+        elif extended.setdefault(argument, value) != value or value not in ranges.get(argument, (value,)):
+            return None
+    return extended
