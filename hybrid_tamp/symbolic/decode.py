@@ -15,7 +15,11 @@ from hybrid_tamp.symbolic.chaining.series import Link
 from hybrid_tamp.symbolic.encoding.problem import Compilation
 
 
-class UndecodableError(ValueError):
+class NotAPlanError(ValueError):
+    """The actions are not a plan of the task."""
+
+
+class UndecodableError(NotAPlanError):
     """The actions are not a sequence of reassignments."""
 
 

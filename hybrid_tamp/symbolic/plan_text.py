@@ -7,9 +7,9 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.decode import UndecodableError, decode
+from hybrid_tamp.symbolic.decode import NotAPlanError
 from hybrid_tamp.symbolic.encoding.problem import compile_task
-from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+from hybrid_tamp.symbolic.schedule import schedule_actions
 
 _ACTION = re.compile(r"\(\s*([^()\s]+(?:\s+[^()\s]+)*)\s*\)")
 
@@ -38,8 +38,8 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
         came = "actions that the exported PDDL does not have, that cannot follow each other, or that miss the goal"
         raise InputError([Issue(str(path), wanted, came)])
     try:
-        plan = schedule(task, decode(compilation, actions), actions)
-    except (UndecodableError, InfeasibleScheduleError) as error:
+        plan = schedule_actions(compilation, actions)
+    except NotAPlanError as error:
         raise InputError([Issue(str(path), wanted, str(error))]) from error
     breaches = check_law(task, plan)
     if breaches:

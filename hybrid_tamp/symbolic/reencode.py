@@ -4,7 +4,7 @@ A timeline does not show all parameters, such as old values and counts. Applying
 no operator fits, or if its conditions do not hold, `NO_ACTION` takes its place, so that a validator refuses the plan.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, PlannedAction, TaskPlan, at
@@ -122,30 +122,26 @@ def _group(domain: Domain, plan: TaskPlan, group: list[BlockInstance]) -> Iterat
         sources = {s: plan.before(instance, t) for s, t in instance.slots.items()}
         for slot in block.others:
             if slot.name in sources:
-                yield _wanted("fill", instance, slot.name, sources[slot.name], frozenset())
+                yield _wanted("fill", instance, slot.name, sources[slot.name])
         home = sources.get(block.anchor)
         moved = {b[1] for s, b in sources.items() if b and home and s != block.anchor and b[0] is home[0]}
-        yield _wanted("begin", instance, block.anchor, home, frozenset(moved))
+        yield _wanted("begin", instance, block.anchor, home, moved)
     for instance in single:
         source = plan.before(instance, next(iter(instance.slots.values())))
         if source is None or source[1] == blocks[source[0].block].anchor:
             anchored.append(instance)
-            yield _wanted("begin", instance, blocks[instance.block].anchor, source, frozenset())
+            yield _wanted("begin", instance, blocks[instance.block].anchor, source)
     leaving = [(plan.before(i, next(iter(i.slots.values()))), i) for i in single if i not in anchored]
     order = {(block.name, slot.name): n for block in domain.blocks for n, slot in enumerate(block.slots)}
     for source, instance in sorted(leaving, key=lambda p: order[p[0][0].block, p[0][1]] if p[0] else 0):
-        yield _wanted("leave", instance, blocks[instance.block].anchor, source, frozenset())
+        yield _wanted("leave", instance, blocks[instance.block].anchor, source)
 
 
 def _wanted(
-    kind: str,
-    instance: BlockInstance,
-    slot: str,
-    source: tuple[BlockInstance, str] | None,
-    moved: frozenset[str],
+    kind: str, instance: BlockInstance, slot: str, source: tuple[BlockInstance, str] | None, moved: Iterable[str] = ()
 ) -> _Wanted:
     before = (source[0].block, source[1]) if source else None
-    return (kind, instance.block, slot, before, moved, instance.roles)
+    return (kind, instance.block, slot, before, frozenset(moved), instance.roles)
 
 
 def _find_action(

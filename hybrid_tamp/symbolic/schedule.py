@@ -16,14 +16,15 @@ import numpy as np
 from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.predicate import ANY, Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.decode import OrderedInstance
+from hybrid_tamp.symbolic.decode import NotAPlanError, OrderedInstance, decode
+from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import TICK, Estimate, Estimates
 
 Constraint = tuple[int, int, float, str]
 """(i, j, seconds, reason): event j comes at least that long [s] after event i."""
 
 
-class InfeasibleScheduleError(ValueError):
+class InfeasibleScheduleError(NotAPlanError):
     """No times satisfy the order and the durations of the plan; the message names the cycle."""
 
 
@@ -54,6 +55,17 @@ def schedule(
         for instance, end, each in zip(instances, ends, expected, strict=True)
     ]
     return TaskPlan(tuple(sorted(timed, key=lambda i: (i.start, i.end, i.name))), times[final], tuple(actions))
+
+
+def schedule_actions(
+    compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates | None = None
+) -> TaskPlan:
+    """Return the plan of the actions of a compiled task.
+
+    Raises:
+        NotAPlanError: the actions are not a sequence of reassignments, or the durations contradict their order.
+    """
+    return schedule(compilation.task, decode(compilation, actions), actions, estimates)
 
 
 def _reached(task: Task, instance: OrderedInstance, expected: Estimate, times: Sequence[float]) -> float | None:

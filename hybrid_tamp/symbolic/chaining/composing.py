@@ -26,12 +26,8 @@ def begin_series(block: Block, taken: Iterable[str] = ()) -> Series:
     link = Link(block, roles)
     sorts = {roles[role]: sort for role, sort in block.roles.items()}
     held = [literal for literal in link.entry if _lasting(literal) and not _undone(literal, link.exit, sorts)]
-    known = (*held, *filter(_positive, link.exit))
+    known = (*held, *(literal for literal in link.exit if literal.positive))
     return Series((link,), sorts, link.entry, link.exit, tuple(dict.fromkeys(known)))
-
-
-def _positive(literal: Literal) -> bool:
-    return literal.positive
 
 
 def _lasting(literal: Literal) -> bool:
@@ -69,7 +65,7 @@ def extend_series(series: Series, block: Block, slots: Mapping[str, str], taken:
     if exits is None:
         return None
     known = [literal for literal in series.known if _lasting(literal) and not _undone(literal, link.exit, sorts)]
-    known += filter(_positive, link.exit)
+    known += [literal for literal in link.exit if literal.positive]
     return Series((*series.links, link), sorts, (*series.entry, *new), exits, tuple(dict.fromkeys(known)), series)
 
 
@@ -142,15 +138,12 @@ def _composed(series: Series, link: Link, sorts: Mapping[str, Sort]) -> tuple[Li
         if literal.predicate.maintained:
             continue  # It ends when its tokens leave.
         later = [each for each in link.exit if each.predicate is literal.predicate and _meets(each, literal, sorts)]
-        if any(key(each) != key(literal) and _matters(each, literal) for each in later):
+        functional = literal.predicate.functional_index is not None
+        if any(key(each) != key(literal) and (functional or each.positive != literal.positive) for each in later):
             return None
         if not any(key(each) == key(literal) for each in later):
             kept.append(literal)
     return tuple(dict.fromkeys((*kept, *link.exit)))
-
-
-def _matters(one: Literal, other: Literal) -> bool:
-    return one.predicate.functional_index is not None or one.positive != other.positive
 
 
 def key(literal: Literal) -> tuple[str, ...]:

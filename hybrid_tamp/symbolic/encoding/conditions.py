@@ -35,12 +35,8 @@ class Conditions:
         ]
         return mine + early
 
-    def exit_at_begin(self, block: Block) -> list[Literal]:
-        """Return the exit conditions on the anchor and targets alone."""
-        return [literal for literal in block.exit if keeper(block, literal.arguments) == block.anchor]
-
-    def exit_at_fill(self, block: Block, slot: str) -> list[Literal]:
-        """Return the exit conditions whose last slot is this one."""
+    def exit_at(self, block: Block, slot: str) -> list[Literal]:
+        """Return the exit conditions whose last slot is this one; for the anchor, those on it and targets alone."""
         return [literal for literal in block.exit if keeper(block, literal.arguments) == slot]
 
     def bound_by(self, block: Block) -> dict[str, str]:
@@ -48,7 +44,7 @@ class Conditions:
         targets = {target.name for target in block.targets}
         bound: dict[str, str] = {}
         for slot in block.others:
-            for literal in self.entry_at_fill(block, slot.name) + self.exit_at_fill(block, slot.name):
+            for literal in self.entry_at_fill(block, slot.name) + self.exit_at(block, slot.name):
                 for argument in literal.arguments:
                     if argument in targets:
                         bound.setdefault(argument, slot.name)

@@ -36,7 +36,7 @@ class EdgeOperators(OperatorMaker):
         for literal in self.conditions.entry_at_fill(new, slot):
             action.require_literal(literal)
             self._know_earlier(action, new, slot, literal)
-        for literal in self.conditions.exit_at_fill(new, slot):
+        for literal in self.conditions.exit_at(new, slot):
             action.apply_literal(literal)
             self._know_earlier(action, new, slot, literal)
         kept = [action.role(target) for target in remembered(self.domain, new, slot)]

@@ -54,7 +54,7 @@ class OperatorMaker:
         anchor = action.variable(new.anchor)
         kept = [action.variable(target) for target in remembered(self.domain, new, new.anchor)]
         action.add((self.vocabulary.state("in", new), anchor, *kept))
-        for literal in self.conditions.exit_at_begin(new):
+        for literal in self.conditions.exit_at(new, new.anchor):
             action.apply_literal(literal)
         for target in self.conditions.locked(new):
             action.require(("settled", action.variable(target.name)))

@@ -1,4 +1,4 @@
 """Planning engines.
 
-A planning problem goes in, a validated sequence of actions comes out. Only this package imports unified_planning.
+Input: a planning problem. Output: a validated sequence of actions. Only this package imports unified_planning.
 """

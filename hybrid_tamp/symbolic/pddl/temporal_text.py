@@ -1,22 +1,15 @@
 """PDDL 2.1 text of a temporal problem: durative actions, types, numbers for durations and counts.
 
-PDDL has no fluents with objects for values: such a fluent is a predicate that names its value last. What takes its
-place is deleted by name, so an action that gives a value names the old one (`ask_for_old_values`).
+PDDL has no fluents with objects as values. Such a fluent becomes a predicate whose last arguments are its value. An
+action that sets a new value deletes the old one by name, so it has the old value as a parameter
+(`require_old_values`).
 """
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
+from hybrid_tamp.symbolic.pddl import text as pddl
 from hybrid_tamp.symbolic.pddl.operators import Fact
-from hybrid_tamp.symbolic.pddl.text import (
-    group_by_type,
-    indent,
-    lay_out_conjunction,
-    lay_out_definition,
-    lay_out_section,
-    lay_out_term,
-    lay_out_typed,
-)
 from hybrid_tamp.symbolic.temporal.problem import (
     Condition,
     DurativeAction,
@@ -33,18 +26,18 @@ _WHEN = {"start": ("at start",), "end": ("at end",), "over all": ("over all",), 
 
 def temporal_domain_text(domain: TemporalDomain) -> str:
     """Return the domain file."""
-    domain = ask_for_old_values(domain)
+    domain = require_old_values(domain)
     numbers = [fluent for fluent in domain.fluents if fluent.kind == "number"]
     others = [fluent for fluent in domain.fluents if fluent.kind != "number"]
     sections = [
         "(:requirements :strips :typing :fluents :durative-actions)",
-        lay_out_section(":types", group_by_type(domain.types)),
-        lay_out_section(":constants", group_by_type(domain.constants)),
-        lay_out_section(":predicates", map(_declare, others)),
-        lay_out_section(":functions", map(_declare, numbers)),
+        pddl.lay_out_section(":types", pddl.group_by_type(domain.types)),
+        pddl.lay_out_section(":constants", pddl.group_by_type(domain.constants)),
+        pddl.lay_out_section(":predicates", map(_declare, others)),
+        pddl.lay_out_section(":functions", map(_declare, numbers)),
         *map(_action_text, domain.actions),
     ]
-    return lay_out_definition(f"(domain {domain.name})", sections, domain.comments)
+    return pddl.lay_out_definition(f"(domain {domain.name})", sections, domain.comments)
 
 
 def temporal_problem_text(problem: TemporalProblem) -> str:
@@ -54,16 +47,16 @@ def temporal_problem_text(problem: TemporalProblem) -> str:
     goal = [_state(fact, value) for fact, value in problem.goal]
     sections = [
         f"(:domain {problem.domain.name})",
-        lay_out_section(":objects", group_by_type(problem.objects)),
-        lay_out_section(":init", init) or "(:init)",
-        lay_out_section(":goal", [lay_out_conjunction(goal)]),
+        pddl.lay_out_section(":objects", pddl.group_by_type(problem.objects)),
+        pddl.lay_out_section(":init", init) or "(:init)",
+        pddl.lay_out_section(":goal", [pddl.lay_out_conjunction(goal)]),
         "(:metric minimize (total-time))",
     ]
-    return lay_out_definition(f"(problem {problem.name})", sections, problem.comments)
+    return pddl.lay_out_definition(f"(problem {problem.name})", sections, problem.comments)
 
 
 def temporal_plan_text(actions: Iterable[TimedAction]) -> str:
-    """Return the plan file: ``time: (action objects) [duration]`` a line, times in seconds, as VAL takes it."""
+    """Return the plan file as VAL reads it: ``time: (action objects) [duration]`` per line, times in seconds."""
     lines = [f"{a.start:.3f}: ({' '.join((a.name, *a.arguments))}) [{a.duration:.3f}]\n" for a in actions]
     return "".join(lines)
 
@@ -71,13 +64,13 @@ def temporal_plan_text(actions: Iterable[TimedAction]) -> str:
 # -- old values by name ---------------------------------------------------------------------------------------------
 
 
-def ask_for_old_values(domain: TemporalDomain) -> TemporalDomain:
-    """Return the domain with actions that ask for the old value of everything that they give a new one."""
+def require_old_values(domain: TemporalDomain) -> TemporalDomain:
+    """Return the domain with actions that require the old value of every fluent to which they give a new one."""
     fluents = {fluent.name: fluent for fluent in domain.fluents}
-    return replace(domain, actions=tuple(_ask_for_old_values(action, fluents) for action in domain.actions))
+    return replace(domain, actions=tuple(_require_old_values(action, fluents) for action in domain.actions))
 
 
-def _ask_for_old_values(action: DurativeAction, fluents: dict[str, Fluent]) -> DurativeAction:
+def _require_old_values(action: DurativeAction, fluents: dict[str, Fluent]) -> DurativeAction:
     parameters, conditions = list(action.parameters), list(action.conditions)
     for effect in action.effects:
         if isinstance(effect.value, tuple) and _old(action.conditions, action.effects, effect) is None:
@@ -89,11 +82,11 @@ def _ask_for_old_values(action: DurativeAction, fluents: dict[str, Fluent]) -> D
 
 
 def _old(conditions: Iterable[Condition], effects: Iterable[Effect], effect: Effect) -> tuple[str, ...] | None:
-    """Return the value that an effect replaces, where the action says it."""
+    """Return the value that an effect replaces, if the action names it."""
     for other in effects:
         if effect.when == "end" and other.when == "start" and other.fact == effect.fact:
             return other.value if isinstance(other.value, tuple) else None
-    # What holds at the start is still so at the end: the tokens are in this block only, and nothing else changes them.
+    # The value at the start still holds at the end: the tokens are in this block only, and no other block changes them.
     for condition in conditions:
         if condition.fact == effect.fact and isinstance(condition.value, tuple):
             return condition.value
@@ -111,12 +104,12 @@ def _action_text(action: DurativeAction) -> str:
     ]
     effects = [text for effect in action.effects for text in _effect_texts(action, effect)]
     lines = [
-        f":parameters ({lay_out_typed(action.parameters)})",
+        f":parameters ({pddl.lay_out_typed(action.parameters)})",
         f":duration (= ?duration ({' '.join(action.duration)}))",
-        f":condition {lay_out_conjunction(conditions)}",
-        f":effect {lay_out_conjunction(effects)}",
+        f":condition {pddl.lay_out_conjunction(conditions)}",
+        f":effect {pddl.lay_out_conjunction(effects)}",
     ]
-    return f"(:durative-action {action.name}\n" + "\n".join(map(indent, lines)) + "\n)"
+    return f"(:durative-action {action.name}\n" + "\n".join(map(pddl.indent, lines)) + "\n)"
 
 
 def _effect_texts(action: DurativeAction, effect: Effect) -> Iterator[str]:
@@ -136,12 +129,12 @@ def _effect_texts(action: DurativeAction, effect: Effect) -> Iterator[str]:
 
 def _state(fact: Fact, value: Value, milliseconds: bool = False) -> str:
     if value is True:
-        return lay_out_term(fact)
+        return pddl.lay_out_term(fact)
     if isinstance(value, tuple):
-        return lay_out_term((*fact, *value))
+        return pddl.lay_out_term((*fact, *value))
     return f"(= ({' '.join(fact)}) {value / 1e3:.3f})" if milliseconds else f"(= ({' '.join(fact)}) {value})"
 
 
 def _declare(fluent: Fluent) -> str:
     values = tuple((f"?value-{number}", kind) for number, kind in enumerate(fluent.values, 1))
-    return lay_out_term([fluent.name, lay_out_typed((*fluent.parameters, *values))])
+    return pddl.lay_out_term([fluent.name, pddl.lay_out_typed((*fluent.parameters, *values))])

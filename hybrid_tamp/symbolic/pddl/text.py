@@ -1,7 +1,7 @@
 """PDDL text of a planning problem, for people and for any other planner.
 
-The text needs ``:strips`` and ``:typing`` only. Everything keeps the order in which the encoder gave it,
-so that equal problems give equal files. Names that differ from the user's are listed in comments.
+The text needs ``:strips`` and ``:typing`` only. The order is that of the encoder, so that equal problems give equal
+files. Comments list the names that differ from those of the user.
 """
 
 from collections.abc import Iterable
@@ -35,12 +35,12 @@ def problem_text(problem: PlanningProblem) -> str:
 
 
 def plan_text(actions: Iterable[PlannedAction]) -> str:
-    """Return the plan file: one action a line, as VAL takes it."""
+    """Return the plan file, with one action per line, as VAL reads it."""
     return "".join(f"{action.text}\n" for action in actions)
 
 
 def _operator_text(operator: Operator) -> str:
-    """Return one action; effects delete before they add, and what is added back is not deleted."""
+    """Return one action. Deletes precede adds, so a fact that is also added is not deleted."""
     deleted = [f"(not {lay_out_term(fact)})" for fact in operator.delete if fact not in operator.add]
     added = list(map(lay_out_term, operator.add))
     lines = [
@@ -52,28 +52,28 @@ def _operator_text(operator: Operator) -> str:
     return f"(:action {operator.name}\n{body}\n)"
 
 
-# -- layout, of temporal problems, too ---------------------------------------------------------------------------------
+# -- layout, also of temporal problems ---------------------------------------------------------------------------------
 
 
 def lay_out_definition(head: str, sections: Iterable[str], comments: Iterable[tuple[str, str]]) -> str:
-    """Return a whole file from its sections, leaving out the empty ones, with comments on names above."""
+    """Return a whole file from its sections that are not empty, with the comments on names at the top."""
     body = "\n".join(indent(section) for section in sections if section)
     return f"{_lay_out_comments(comments)}(define {head}\n{body}\n)\n"
 
 
 def lay_out_section(keyword: str, lines: Iterable[str]) -> str:
-    """Return ``(keyword line...)`` with a line each, or an empty text where there are no lines."""
+    """Return ``(keyword line...)`` with one item per line, or an empty text if there are no items."""
     body = "\n".join(map(indent, lines))
     return f"({keyword}\n{body}\n)" if body else ""
 
 
 def lay_out_conjunction(terms: Iterable[str]) -> str:
-    """Return ``(and term...)`` with a line each; an empty conjunction is true."""
+    """Return ``(and term...)`` with one term per line. An empty conjunction is true."""
     return lay_out_section("and", terms) or "(and)"
 
 
 def lay_out_term(words: Iterable[str]) -> str:
-    """Return ``(first second ...)`` on one line, leaving out what is empty."""
+    """Return ``(first second ...)`` on one line, without empty words."""
     return f"({' '.join(filter(None, words))})"
 
 
@@ -96,6 +96,6 @@ def indent(text: str) -> str:
 
 
 def _lay_out_comments(comments: Iterable[tuple[str, str]]) -> str:
-    """Return a comment line for each name that differs; quoted, so that no name can end its line."""
+    """Return a comment line for each name that differs. The name is quoted, so that it cannot end the line."""
     lines = [f";   {name} is {own!r}" for name, own in comments if name != own]
     return "\n".join(["; Names here and in the task:", *lines, ""]) if lines else ""

@@ -1,6 +1,6 @@
-"""Who helps whom: tokens are given to groups of goals such that each gets what its plan needs, from close by.
+"""Allocation of helpers to groups of goals: each group gets the helpers that its plan needs, from close by.
 
-Where there are too few tokens for all groups at once, they serve in waves.
+If there are too few helpers for all groups at once, they help in waves.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -17,14 +17,14 @@ from hybrid_tamp.symbolic.strategies.groups import Group, Helpers, Signature
 from hybrid_tamp.symbolic.strategies.matching import cheapest_matching
 
 _NEAR = 6
-"""At least so many of the closest helpers are looked at for each group; the others only where these do not do."""
+"""Smallest number of the closest helpers that are considered for a group; others are used if these do not suffice."""
 _CHOICES = 8
-"""So many choices of kinds are tried for each group and number of helpers."""
+"""Largest number of choices of kinds that are tried for a group and a number of helpers."""
 
 
 @dataclass(frozen=True)
 class Demand:
-    """What a group needs: for each of its helpers what must be known of it, in the order of the plan's roles."""
+    """The signatures of the helpers that a group needs, in the order of the roles in its plan."""
 
     group: Group
     kinds: tuple[Signature, ...]
@@ -32,7 +32,7 @@ class Demand:
 
 @dataclass(frozen=True)
 class Share:
-    """A group with its helpers, in the order of the plan's roles.
+    """A group with its helpers, in the order of the roles in its plan.
 
     Attributes:
         group: the group.
@@ -46,17 +46,17 @@ class Share:
 
 
 class Allocation:
-    """Gives the helpers of a task to its groups."""
+    """Assigns the helpers of a task to its groups."""
 
     def __init__(self, task: Task, groups: Sequence[Group], holding: Collection[Atom], feasible: StaticFacts) -> None:
         self._views: Mapping[Group, Helpers] = {group: Helpers(task, group, holding, feasible) for group in groups}
 
     def considered(self, group: Group, count: int) -> tuple[str, ...]:
-        """Return the helpers from which so many are chosen for a group, the closest first."""
-        return tuple(self._views[group].closest[: _near(count)])
+        """Return the helpers from which `count` are chosen for a group, the closest first."""
+        return tuple(self._views[group].closest[: max(_NEAR, 2 * count)])
 
     def choices(self, group: Group, count: int) -> Iterator[tuple[str, ...]]:
-        """Yield helpers that a group could have, the closest first, of different kinds each time."""
+        """Yield choices of helpers for a group, of different kinds each, the closest first."""
         view = self._views[group]
         kinds: dict[Signature, list[str]] = {}
         for name in self.considered(group, count):
@@ -75,7 +75,7 @@ class Allocation:
         return Demand(group, tuple(map(self._views[group].signature, helpers)))
 
     def shares(self, demands: Sequence[Demand]) -> list[list[Share]] | None:
-        """Return waves of shares, no token twice in one wave, or None if there is no way to meet a demand."""
+        """Return waves of shares with no token twice in one wave, or None if a demand cannot be met."""
         waves: list[list[Share]] = []
         left = list(demands)
         while left:
@@ -86,7 +86,7 @@ class Allocation:
         return _mark_returns(waves)
 
     def _wave(self, demands: Sequence[Demand]) -> tuple[list[Share], list[Demand]]:
-        """Return the shares of as many of the demands as can be met at once, and the other demands."""
+        """Return the shares of the demands that can be met at once, and the other demands."""
         names = self._views[demands[0].group].closest
         at_once = min(len(demands), len(names) // max(1, len(demands[0].kinds)))
         shares: list[Share] = []
@@ -99,7 +99,7 @@ class Allocation:
 
     @staticmethod
     def _match(demands: Sequence[tuple[Demand, FloatArray]], names: Sequence[str]) -> list[Share]:
-        """Return the shares of as many of the demands, with their costs, as can be met, in their order."""
+        """Return the shares of the demands that can be met together; earlier demands have priority."""
         met: list[tuple[Demand, FloatArray]] = []
         columns: list[int] = []
         for each in demands:
@@ -112,18 +112,14 @@ class Allocation:
         return [Share(demand.group, tuple(names[next(chosen)] for _ in demand.kinds)) for demand, _ in met]
 
     def _costs(self, demand: Demand, names: Sequence[str], near: bool) -> FloatArray:
-        """Return the distances ``(kinds, names)`` [m] of the helpers, infinite for one of another kind, or not near."""
+        """Return the distances ``(kinds, names)`` [m], infinite for helpers of another kind or too far away."""
         view, costs = self._views[demand.group], np.full((len(demand.kinds), len(names)), np.inf)
-        looked_at = self.considered(demand.group, len(demand.kinds)) if near else view.closest
-        for name in looked_at:
+        candidates = self.considered(demand.group, len(demand.kinds)) if near else view.closest
+        for name in candidates:
             for row, kind in enumerate(demand.kinds):
                 if view.signature(name) == kind:
                     costs[row, names.index(name)] = view.distance(name)
         return costs
-
-
-def _near(count: int) -> int:
-    return max(_NEAR, 2 * count)
 
 
 def _mark_returns(waves: list[list[Share]]) -> list[list[Share]]:

@@ -1,11 +1,11 @@
-"""Independent goals planned apart and merged: a strategy for a plan of many goals.
+"""Independent goals planned apart and merged: a strategy for plans of many goals.
 
-Each group of goals that share tokens is planned by itself, with as few helpers or as many as are of use. The plans
-are put one after the other; as they share no tokens but places and helpers that have come back to where they were,
-they stay applicable, which is checked action by action. In time, what is independent runs at once.
+Each group of goals that share tokens is planned by itself, with different numbers of helpers. The plans are
+concatenated. They share only places and helpers that have returned to their initial state, so they stay applicable;
+this is checked action by action. The schedule runs independent plans at the same time.
 
-Two groups have the same plan if renaming their tokens makes one planning problem of the other. So equal boxes with
-hands placed alike need one search, whatever their number.
+Two groups have the same plan if renaming their tokens turns one planning problem into the other. So any number of
+equal boxes with equally placed hands needs one search.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,10 +17,10 @@ from itertools import islice, permutations, product
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.facts import facts
 from hybrid_tamp.model.plan import PlannedAction
-from hybrid_tamp.symbolic.decode import UndecodableError, decode
+from hybrid_tamp.symbolic.decode import NotAPlanError
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem, ground, rename_arguments
-from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+from hybrid_tamp.symbolic.schedule import schedule_actions
 from hybrid_tamp.symbolic.strategies.allocation import Allocation, Demand, Share
 from hybrid_tamp.symbolic.strategies.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
 from hybrid_tamp.symbolic.strategies.search import Candidate, Search
@@ -28,22 +28,22 @@ from hybrid_tamp.symbolic.strategies.search import Candidate, Search
 APART = "goals planned apart"
 
 _ORDERS = 24
-"""So many orders of equal helpers are tried for a group."""
+"""Largest number of orders of equal helpers that are tried for a group."""
 
 Key = tuple[frozenset[Fact], frozenset[Fact], tuple[tuple[str, str], ...]]
 Actions = tuple[PlannedAction, ...]
 
 
 def plan_goals_apart(search: Search, seconds: float, *, first_will_do: bool) -> Candidate | None:
-    """Return the plan with the least makespan of those with different numbers of helpers for a group, or None.
+    """Return the plan with the smallest makespan over different numbers of helpers per group, or None.
 
-    First come as many helpers as there are for all groups at once, then fewer. More would have to serve one group
-    after the other, and are tried only where these do not do.
+    The first number is the largest with which all groups have helpers at once; then come smaller numbers. With a larger
+    number, helpers serve the groups one after the other; it is tried only if there is no plan yet.
 
     Args:
         search: the search for a plan of the whole task.
-        seconds: how long the planner may take for one group, and when to stop looking for shorter plans [s].
-        first_will_do: whether the first plan will do, and is worth the effort only if groups are smaller than the task.
+        seconds: time limit for one group, and for the search for shorter plans [s].
+        first_will_do: whether to return the first plan, and to search only if a group is smaller than the task.
     """
     best: Candidate | None = None
     with search.stage("compiling"):
@@ -68,11 +68,11 @@ def plan_goals_apart(search: Search, seconds: float, *, first_will_do: bool) -> 
 
 
 class _Groups:
-    """The groups of a task's goals, with their plans as far as they are known.
+    """The groups of the goals of a task, with the plans that are known so far.
 
     Attributes:
-        allocation: gives helpers to groups.
-        hopeless: whether some group has no plan even with all helpers that are of use.
+        allocation: assigns helpers to groups.
+        hopeless: whether some group has no plan even with all useful helpers.
     """
 
     def __init__(self, search: Search, seconds: float) -> None:
@@ -93,7 +93,7 @@ class _Groups:
         return len(self._groups) > 1 or (len(self._groups) == 1 and left_out > most_helpers(self._task))
 
     def count_helpers(self) -> tuple[int, int, int]:
-        """Return how many helpers a group can have at once with all others, and the least and the most of use."""
+        """Return the numbers of helpers per group: available to all groups at once, least and most that are useful."""
         available = len(helpers(self._task))
         least = max((least_helpers(self._task, group, self._holding) for group in self._groups), default=1)
         if not self._groups or least > available:
@@ -102,7 +102,7 @@ class _Groups:
         return min(most, max(least, available // len(self._groups))), least, most
 
     def find_demands(self, count: int) -> list[Demand] | None:
-        """Return for each group the closest helpers with whose like its goal can be reached; None if one has none."""
+        """Return the demand of each group, for the closest helpers with which it has a plan; None if one has none."""
         demands: list[Demand] = []
         for group in self._groups:
             for chosen in self.allocation.choices(group, count):
@@ -110,16 +110,16 @@ class _Groups:
                     demands.append(self.allocation.demand(group, chosen))
                     break
             else:
-                # What all of them together cannot do, none of them can: then every further try would be in vain.
+                # If the group has no plan with all of them together, it has none with fewer.
                 together = self.allocation.considered(group, most_helpers(self._task))
                 self.hopeless = self.plan_group(Share(group, together)) is None
                 return None
         return demands
 
     def merge_plans(self, waves: Sequence[Sequence[Share]]) -> list[PlannedAction] | None:
-        """Return the plans of all shares, one after the other, or None if that is no plan of the whole task.
+        """Return the plans of all shares, one after the other, or None if that is not a plan of the whole task.
 
-        Where the makespan counts, helpers of one kind serve in the order that gives the shortest plan.
+        If the objective is the makespan, helpers of one kind take the order that gives the shortest plan.
         """
         merged: list[PlannedAction] = []
         for share in (share for wave in waves for share in wave):
@@ -136,7 +136,7 @@ class _Groups:
             return merged if self._search.compilation.reaches_goal(merged) else None
 
     def _orders(self, share: Share) -> list[Share]:
-        """Return the share with helpers of one kind in every order, up to a limit, if the makespan counts."""
+        """Return the share with different orders of helpers of one kind if the objective is the makespan."""
         if self._task.objective != "makespan":
             return [share]
         kinds = self.allocation.demand(share.group, share.helpers).kinds
@@ -145,24 +145,24 @@ class _Groups:
         return [replace(share, helpers=tuple(name for some in order for name in some)) for order in orders]
 
     def _makespan(self, actions: Actions) -> float:
-        """Return how long a group takes by itself [s]."""
+        """Return the makespan of the plan of one group alone [s]."""
         compilation = self._search.compilation
         try:
             with self._search.stage("scheduling"):
-                return schedule(self._task, decode(compilation, actions), (), self._search.estimates).makespan
-        except (UndecodableError, InfeasibleScheduleError):
+                return schedule_actions(compilation, actions, self._search.estimates).makespan
+        except NotAPlanError:
             return float("inf")
 
     def plan_group(self, share: Share) -> Actions | None:
-        """Return a group's actions, in the words of the whole task, or None if it has no plan.
+        """Return the actions of a group, in the words of the whole task, or None if it has no plan.
 
-        Its plan has the places that its goal names, or else all.
+        The plan is first sought with the places that the goal of the group names, then with all places.
         """
         search, own = self._search, share.group.places
         for places in (own, self._places) if len(own) < len(self._places) else (own,):
             posed = self._pose(share, places)
             if posed.key not in self._known:
-                self._known[posed.key] = None  # It may not be found in time; the whole task is still there.
+                self._known[posed.key] = None  # If it is not found in time, the whole task can still be planned.
                 with suppress(LimitReached), search.limits_of_request(self._seconds) as limits:
                     answer = search.planner.solve(posed.problem, search.task.planner, limits)
                     if answer.status == "solved":
@@ -173,13 +173,13 @@ class _Groups:
         return None
 
     def _pose(self, share: Share, places: Sequence[str]) -> "_Posed":
-        """Return the planning problem of a group, with these places."""
+        """Return the planning problem of a group with some places."""
         whole = self._search.compilation
         with self._search.stage("compiling"):
             part = compile_task(own_task(self._task, share.group, share.helpers, places), whole)
             wanted = (*part.goal, *(_at_start(part, share.helpers) if share.returning else ()))
             order = (*share.group.tokens, *dict.fromkeys((*share.group.places, *places)), *share.helpers)
-            # Equal groups have their tokens in the same order.
+            # Equal groups have their tokens in the same order, so they get the same labels.
             labels = {part.name(name): f"#{index}" for index, name in enumerate(order)}
             names = {f"#{index}": whole.name(name) for index, name in enumerate(order)}
             return _Posed(replace(part.problem, goal=tuple(sorted(set(wanted)))), labels, names)
@@ -209,11 +209,11 @@ class _Posed:
         return init, goal, objects
 
     def generalise(self, actions: Sequence[PlannedAction]) -> Actions:
-        """Return actions of the problem with labels for objects."""
+        """Return actions of the problem with labels in place of objects."""
         return tuple(rename_arguments(action, self.labels) for action in actions)
 
     def specialise(self, actions: Sequence[PlannedAction]) -> Actions:
-        """Return actions with labels in the words of the whole task."""
+        """Return actions with labels as actions of the whole task."""
         return tuple(rename_arguments(action, self.names) for action in actions)
 
 

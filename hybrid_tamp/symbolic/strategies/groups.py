@@ -1,7 +1,7 @@
-"""Goals that can be planned apart: groups of goal atoms, the tokens that may help with them, and their own tasks.
+"""Groups of goal atoms that can be planned apart, the tokens that may help, and the tasks of the groups.
 
-Two goal atoms belong together if a token other than a place is named in both. What helps is any token with basic
-actions that no goal names: a hand, say. A group's own task has its own tokens, some helpers, and places.
+Two goal atoms are in one group if they name the same token and that is not a place. A helper is a token with basic
+actions that no goal names, e.g. a hand. The task of a group has the tokens of the group, some helpers, and places.
 """
 
 from collections.abc import Collection, Iterable
@@ -19,12 +19,12 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True, order=True)
 class Signature:
-    """What the planner can know of a helper, in words that are the same for equal groups.
+    """The knowledge of the planner about a helper, in words that are the same for equal groups.
 
     Attributes:
         classes: names of its classes.
         block: the block in which it starts.
-        facts: its facts, those with the group's tokens included: predicate and arguments.
+        facts: its facts, including those with tokens of the group: predicate and arguments.
     """
 
     classes: tuple[str, ...]
@@ -32,7 +32,7 @@ class Signature:
     facts: tuple[tuple[str, tuple[str, ...]], ...]
 
     def less_than(self, other: "Signature") -> bool:
-        """Say whether the other one has the same and more to offer."""
+        """Say whether the other helper has the same facts and more."""
         alike = (self.classes, self.block) == (other.classes, other.block)
         return alike and set(self.facts) < set(other.facts)
 
@@ -43,7 +43,7 @@ class Group:
 
     Attributes:
         goal: the atoms.
-        tokens: the tokens that they name but for places, in the order of the atoms.
+        tokens: the tokens that they name except places, in the order of the atoms.
         places: the places that they name.
     """
 
@@ -53,7 +53,7 @@ class Group:
 
 
 def goal_groups(task: Task, holding: Collection[Atom]) -> list[Group]:
-    """Return the groups of goal atoms of which some do not hold yet.
+    """Return the groups of goal atoms in which some atom does not hold yet.
 
     Args:
         task: the task.
@@ -90,38 +90,28 @@ def helpers(task: Task) -> list[Token]:
 
 
 def least_helpers(task: Task, group: Group, holding: Collection[Atom]) -> int:
-    """Return how many helpers a group needs at least: some block must bring each atom about, with all slots full."""
-    needed = [
-        min(
-            (
-                len(block.slots)
-                for block in task.domain.blocks
-                for e in block.exit
-                if e.predicate.name == atom.predicate
-            ),
-            default=1,
-        )
-        for atom in group.goal
-        if atom not in holding
-    ]
+    """Return the least number of helpers of a group: a block with all slots filled must bring about each atom."""
+    sizes = [(literal.predicate.name, len(block.slots)) for block in task.domain.blocks for literal in block.exit]
+    missing = [atom.predicate for atom in group.goal if atom not in holding]
+    needed = [min((size for name, size in sizes if name == wanted), default=1) for wanted in missing]
     return max(1, max(needed, default=0) - len(group.tokens))
 
 
 def most_helpers(task: Task) -> int:
-    """Return how many helpers are of use for one group at once: those of a block, and those that take over."""
+    """Return the largest useful number of helpers of a group: those of one block, and those that take over."""
     return max(1, 2 * max(len(block.slots) - 1 for block in task.domain.blocks))
 
 
 def own_task(task: Task, group: Group, chosen: Iterable[str], places: Collection[str]) -> Task:
-    """Return the task of a group with the chosen helpers and places, and nothing else."""
+    """Return the task of a group with only the chosen helpers and places."""
     return task.restrict({*group.tokens, *chosen, *places}, goal=group.goal)
 
 
 class Helpers:
-    """The helpers as one group sees them: how close they are, and what can be known of them."""
+    """The helpers from the point of view of one group: their distances and signatures."""
 
     def __init__(self, task: Task, group: Group, holding: Collection[Atom], feasible: StaticFacts) -> None:
-        """Look at the helpers of a task.
+        """Store the task and the group.
 
         Args:
             task: the task.
@@ -141,7 +131,7 @@ class Helpers:
         return sorted((token.name for token in helpers(self._task)), key=lambda name: (self.distance(name), name))
 
     def distance(self, name: str) -> float:
-        """Return how far [m] a helper is from the closest of the group's tokens; 0 for what has no position."""
+        """Return the distance of a helper to the closest token of the group [m], or 0 without a position."""
         here = self._position(name)
         there = [place for place in map(self._position, self._group.tokens) if place is not None]
         if here is None or not there:
@@ -153,7 +143,7 @@ class Helpers:
         return self._task.state[key] if key in self._task.state.layout.slices else None
 
     def signature(self, name: str) -> Signature:
-        """Return what can be known of a helper: its classes, its block, and its facts with the group's tokens."""
+        """Return the classes, the block and the facts of a helper."""
         if name not in self._signatures:
             self._signatures[name] = self._describe(self._task.token_by_name[name])
         return self._signatures[name]

@@ -1,10 +1,10 @@
-"""Shorter in time: list scheduling that rebinds interchangeable tokens.
+"""Rebinding of interchangeable tokens to shorten the makespan: list scheduling by local search.
 
-A sequential planner has no reason to spread work over hands. An *episode* of a token is what it does from leaving
-RESTING until it rests again; a token that equals another in classes, properties and shape, and that no goal atom
-names, can take over an episode of the other. Episodes are rebound one by one, in their order, to a token that gives
-an earlier end, and tokens change places as a whole, until nothing improves or the time is up. Every candidate is
-applied action by action, so that what depends on where a token is (its workspace, say) is respected.
+A sequential planner has no reason to distribute work over several hands. An *episode* of a token lasts from leaving
+RESTING until it rests again. A token can take over an episode of another if the two have equal classes, properties and
+shapes and no goal atom names them. The search rebinds one episode at a time, or swaps two tokens in the whole plan,
+until nothing improves or the time is up. Every candidate is applied action by action, so that conditions on the place
+of a token, such as its workspace, are checked.
 """
 
 import time
@@ -15,26 +15,26 @@ from itertools import combinations
 from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.symbolic.decode import UndecodableError, decode
+from hybrid_tamp.symbolic.decode import NotAPlanError
 from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import Estimates
 from hybrid_tamp.symbolic.pddl.operators import rename_arguments
-from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+from hybrid_tamp.symbolic.schedule import schedule_actions
 
 Use = tuple[int, int]
-"""Action and parameter at which a token is named."""
+"""Indices of an action and of its parameter that names a token."""
 
 
 @dataclass
 class Episode:
-    """What one token does between two rests: where the actions name it."""
+    """The places where actions name one token between two rests."""
 
     token: str
     uses: list[Use]
 
 
 def interchangeable(task: Task) -> list[list[str]]:
-    """Return groups of two or more tokens that nothing but their place tells apart."""
+    """Return groups of two or more tokens that differ only in their state."""
     named = {argument for atom in task.goal for argument in atom.arguments}
     groups: dict[tuple[object, ...], list[str]] = {}
     for token in task.assigned:
@@ -53,13 +53,13 @@ def rebind_tokens(
     seconds: float,
     estimates: Estimates,
 ) -> TaskPlan:
-    """Return the plan, or one with rebound tokens that ends earlier.
+    """Return the plan, or a shorter one with rebound tokens.
 
     Args:
         compilation: the compiled task.
-        plan: the plan as it is scheduled, with its actions.
-        seconds: how long to try [s].
-        estimates: those of the task.
+        plan: the scheduled plan with its actions.
+        seconds: time limit [s].
+        estimates: the estimates of the task.
     """
     until = time.monotonic() + seconds
     best = plan
@@ -77,7 +77,7 @@ def rebind_tokens(
 
 
 def _neighbours(compilation: Compilation, actions: Sequence[PlannedAction]) -> Iterator[list[PlannedAction]]:
-    """Yield the actions with one episode given to another token, and with two tokens in each other's place."""
+    """Yield the actions with one episode given to another token, then those with two tokens swapped."""
     for episode in _episodes(compilation, actions):
         yield from _rebind(compilation, actions, episode)
     for group in interchangeable(compilation.task):
@@ -124,10 +124,10 @@ def _rebind(
 
 
 def _schedule(compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates) -> TaskPlan | None:
-    """Return the schedule of actions that can be applied one after the other and reach the goal, else None."""
+    """Return the schedule of the actions if they are a plan, else None."""
     if not compilation.reaches_goal(actions):
         return None
     try:
-        return schedule(compilation.task, decode(compilation, actions), actions, estimates)
-    except (UndecodableError, InfeasibleScheduleError):
-        return None  # this candidate is none; the plan as it was still stands
+        return schedule_actions(compilation, actions, estimates)
+    except NotAPlanError:
+        return None  # The candidate is not a plan; the current plan stays.

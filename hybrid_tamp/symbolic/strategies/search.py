@@ -1,4 +1,4 @@
-"""One search for a plan: what its strategies share, how long everything takes, and what comes of it."""
+"""One search for a plan: the state that the strategies share, the times of the stages, and the result."""
 
 import logging
 import time
@@ -13,18 +13,18 @@ from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Limits, Task
-from hybrid_tamp.symbolic.decode import UndecodableError, decode
+from hybrid_tamp.symbolic.decode import NotAPlanError
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
 from hybrid_tamp.symbolic.estimates import Estimates
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
-from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
+from hybrid_tamp.symbolic.schedule import schedule_actions
 
 _LOG = logging.getLogger(__name__)
 
 
 class Planner(Protocol):
-    """Whatever answers a planning problem; `engines.planner_process.PlannerProcess` does."""
+    """Interface of a planner, which `engines.planner_process.PlannerProcess` implements."""
 
     def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
         """Return the engine's answer."""
@@ -33,7 +33,7 @@ class Planner(Protocol):
 
 @dataclass(frozen=True)
 class Candidate:
-    """A lawful plan, and how it was found."""
+    """A lawful plan, and the way in which it was found."""
 
     way: str
     plan: TaskPlan
@@ -41,15 +41,15 @@ class Candidate:
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What came of searching for a plan.
+    """The result of a search for a plan.
 
     Attributes:
-        answer: the engine's own answer; where there is a plan, with the actions of that plan.
+        answer: the answer of the engine; if there is a plan, with the actions of that plan.
         plan: the checked timeline, or None.
-        refusal: why the engine's plan was refused, or empty.
+        refusal: why the plan of the engine was refused, or empty.
         way: how the plan was found.
         stages: seconds that each stage took.
-        task: the task that was planned: of a goal with a choice, the one that was chosen, or else the nearest.
+        task: the planned task; for a goal with a choice, the chosen alternative, or the nearest if there is no plan.
     """
 
     answer: PlannerAnswer
@@ -94,18 +94,18 @@ class Search:
 
     @cached_property
     def compilation(self) -> Compilation:
-        """The whole task, compiled; its groups of goals are planned in the same words."""
+        """The compiled task. Its groups of goals use the same words."""
         with self.stage("compiling"):
             return compile_task(self.task)
 
     @cached_property
     def estimates(self) -> Estimates:
-        """The estimates of the whole task's instances."""
+        """The estimates of the instances of the task."""
         return Estimates(self.task)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Count the time that is spent inside, but for that of stages within it."""
+        """Measure the time of a stage, without that of the stages inside it."""
         self._count()
         self._open.append(name)
         try:
@@ -122,12 +122,12 @@ class Search:
 
     @contextmanager
     def limits_of_request(self, seconds: float = float("inf")) -> Iterator[Limits]:
-        """Count the time of a request to the engine, and yield its limits.
+        """Measure the time of a request to the engine and yield its limits.
 
-        They are what is left of the task's time, or the given time if that is shorter [s].
+        Its time limit is the remaining time of the task or `seconds` [s], whichever is shorter.
 
         Raises:
-            LimitReached: the request inside ran into a limit, or no time is left for it.
+            LimitReached: the request inside reached a limit, or no time is left for it.
         """
         limits = self.task.limits
         left = limits.time - self.elapsed
@@ -139,22 +139,22 @@ class Search:
         except LimitReached as reached:
             if reached.limit != "time" or self.elapsed < limits.time:
                 raise
-            # The engine was told what was left of the limit; people know the limit.
+            # The engine reports the remaining time, but the user knows the limit of the task.
             raise time_limit_reached(self.task) from reached
 
     def judge_actions(self, way: str, actions: Sequence[PlannedAction]) -> Candidate | None:
-        """Return the actions of the whole task as a lawful plan, or None, and note why it is refused."""
+        """Return the actions as a lawful plan of the whole task; if they are not, record the reason and return None."""
         compilation = self.compilation
         try:
             with self.stage("scheduling"):
-                plan = schedule(self.task, decode(compilation, actions), actions, self.estimates)
-        except (UndecodableError, InfeasibleScheduleError) as error:
+                plan = schedule_actions(compilation, actions, self.estimates)
+        except NotAPlanError as error:
             self._refuse(way, str(error))
             return None
         return self.judge(Candidate(way, plan))
 
     def judge(self, candidate: Candidate) -> Candidate | None:
-        """Return a candidate that obeys the law, or None, and note why it is refused."""
+        """Return a candidate that obeys the law; if it does not, record the reason and return None."""
         with self.stage("law"):
             violations = check_law(self.task, candidate.plan)
         if violations:
@@ -167,5 +167,5 @@ class Search:
 
 
 def time_limit_reached(task: Task) -> LimitReached:
-    """Return the error of a task whose time is up."""
+    """Return the error for a task whose time is up."""
     return LimitReached(f"the planner reached its time limit of {task.limits.time:g} s", limit="time")

@@ -1,4 +1,4 @@
-"""One durative action: a block takes its tokens, runs, and holds them (`encoder` says what is meant by it)."""
+"""One durative action: a block takes its tokens, runs, and holds them (`encoder` explains the fluents)."""
 
 from dataclasses import dataclass
 from itertools import combinations
@@ -14,7 +14,7 @@ from hybrid_tamp.symbolic.temporal.words import NOBODY, Words
 
 @dataclass(frozen=True)
 class Running:
-    """What an action runs.
+    """The block that an action runs.
 
     Attributes:
         block: name of the block.
@@ -28,13 +28,13 @@ class Running:
 
 
 class ActionMaker:
-    """One durative action in the making."""
+    """Builder of one durative action."""
 
     def __init__(self, words: Words, block: Block, along: frozenset[str]) -> None:
         """Begin the action that runs a block.
 
         Args:
-            words: the encoder's words.
+            words: the words of the encoder.
             block: the block.
             along: the slots whose tokens come along with the anchor.
         """
@@ -47,7 +47,7 @@ class ActionMaker:
         self.roles = {role: self._declare(role, sort) for role, sort in block.roles.items()}
 
     def build(self) -> tuple[DurativeAction, Running]:
-        """Return the action with what it runs."""
+        """Return the action and the block that it runs."""
         block = self.block
         self._distinct()
         self._entry()
@@ -84,7 +84,7 @@ class ActionMaker:
         self.effects[Effect("start", fact, value)] = None
 
     def count(self, word: str, variable: str, change: int) -> None:
-        """Change a number at the start, in all by the sum of the changes."""
+        """Add a change of a number at the start. Changes of one number are summed."""
         fact = (self.words(word), variable)
         self.changes[fact] = self.changes.get(fact, 0) + change
 
@@ -117,7 +117,7 @@ class ActionMaker:
                 self.require(*self.words.stated(literal.predicate, word, arguments))
 
     def _take(self, slot: str) -> None:
-        """Take a token from where it holds to a slot, and free it from what it was in."""
+        """Move a token from its old slot to a slot of the block, and release it from the old instance."""
         variable, block, along = self.roles[slot], self.block, slot in self.along
         sources = self.words.sources(block, slot, along)
         constants = [self.words.slot(old, before) for old, before in sources]
@@ -126,7 +126,7 @@ class ActionMaker:
         if len(constants) > 1:
             before = self._declare(f"{slot}-from", self.words("slot"))
             self.require((self.words("passes"), before, own))
-        # It comes from there all the while: no other action can take it meanwhile.
+        # The place stays the old one until the end, so that no other action can take the token meanwhile.
         self.require(place, (before,), "throughout")
         self.at_end(place, (own,))
         self._part(slot, along, sources)
@@ -138,7 +138,7 @@ class ActionMaker:
             self.at_start((self.words("completed"), variable), False)
 
     def _part(self, slot: str, along: bool, sources: list[tuple[Block, str]]) -> None:
-        """Leave the partners of the last instance, all at once or after its anchor has."""
+        """Leave the partners of the last instance, together with its anchor or after it."""
         variable, block = self.roles[slot], self.block
         partner = (self.words("partner"), variable)
         anchor = self.roles[block.anchor]
@@ -167,7 +167,7 @@ class ActionMaker:
                 self.at_end((self.words("let-go"), variable), False)
 
     def _stop_reading(self, slot: str, sources: list[tuple[Block, str]]) -> None:
-        """Free what the token's last instance read, if it was the anchor there."""
+        """Release the targets that the last instance of the token read, if the token was its anchor."""
         locked = self.words.conditions.locked
         for number in range(self.words.locks):
             readers = [old for old, before in sources if before == old.anchor and len(locked(old)) > number]
@@ -181,7 +181,7 @@ class ActionMaker:
                 self.at_start(reads, (self.words(NOBODY),))
 
     def _last_read(self, slot: str, sources: list[tuple[Block, str]], number: int) -> str:
-        """Return what the token's last instance read: a role of the block, where a condition says so."""
+        """Return the variable of a target that the last instance of the token read, a role of the block if known."""
         named = set()
         for old, before in sources:
             locked = self.words.conditions.locked(old) if before == old.anchor else ()
@@ -193,7 +193,7 @@ class ActionMaker:
         return self._declare(f"{slot}-read", self.vocabulary.type_of(TOKEN))
 
     def _void(self, slot: str, sources: list[tuple[Block, str]]) -> None:
-        """Void what the last instance maintained of the token, unless this one will maintain it anew."""
+        """Clear the conditions that the last instance maintained, unless this one maintains them again."""
         maintained = {c.predicate: None for old, before in sources for c in self._kept(old, before)}
         anew = {literal.predicate for literal in self._kept(self.block, slot)}
         for predicate in maintained:
@@ -205,7 +205,7 @@ class ActionMaker:
         return self.words.conditions.maintained_by(block, slot)
 
     def _lock(self) -> None:
-        """Read what is to be read; change only what nobody reads."""
+        """Lock the targets that the block reads, and require that nobody reads the tokens that it changes."""
         conditions, block = self.words.conditions, self.block
         for number, target in enumerate(conditions.locked(block)):
             self.at_start((self.words.reads(number), self.roles[block.anchor]), (self.roles[target.name],))

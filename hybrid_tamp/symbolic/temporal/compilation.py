@@ -1,4 +1,4 @@
-"""A task as a ground temporal problem: objects, facts read off its continuous state, durations, the goal."""
+"""A task as a ground temporal problem: objects, facts of its continuous state, durations, and goal."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from hybrid_tamp.symbolic.temporal.words import NOBODY
 
 @dataclass(frozen=True, eq=False)
 class TemporalCompilation:
-    """A task compiled to durative actions, with the way back to the user's names.
+    """A task compiled to durative actions, with the way back to the names of the user.
 
     Attributes:
         task: the task.
@@ -41,7 +41,7 @@ def compile_durative(task: Task) -> TemporalCompilation:
     """Compile a task to durative actions.
 
     Raises:
-        InputError: the goal denies a predicate that changes, or leaves a choice.
+        InputError: the goal has a negative atom or leaves a choice.
     """
     task = settle_goal(task)
     encoding = encode_durative(task.domain)
@@ -78,7 +78,7 @@ class _Writer:
         return ((word, *arguments), True) if predicate.static else self.words.stated(predicate, word, arguments)
 
     def goal(self) -> Iterator[tuple[Fact, Value]]:
-        """Yield the user's goal, and that every bounded block has ended."""
+        """Yield the goal of the user, and that every block without a hold has ended."""
         yield from map(self.stated, self.task.goal)
         for token in self.task.assigned:
             bounded = [s for b in self.task.domain.blocks if not b.hold for s in b.slots]
@@ -100,7 +100,7 @@ class _Writer:
         yield from ((words, round(1e3 * seconds)) for words, seconds in lasts.items())
 
     def _nothing(self, changing: frozenset[Atom]) -> Iterator[tuple[Fact, Value]]:
-        """What has no value has the value 'none'."""
+        """Yield the value 'none' for each fluent without a value."""
         for predicate in self.task.domain.changing_predicates:
             key = self.words.key(predicate)
             if len(key) == len(predicate.parameters):

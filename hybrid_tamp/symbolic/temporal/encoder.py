@@ -1,24 +1,24 @@
-"""Encoder: block declarations to durative actions, one a block, generic over domains.
+"""Encoder: block declarations to durative actions, one per block, for any domain.
 
-An action takes all tokens of a block at once, with all its targets as parameters. It lasts as long as the block is
-expected to until its exit conditions hold; then the tokens stay in their slots, which is the hold, until other actions
-take them. What makes it true to the law, up to what `decoder` does:
+An action takes all tokens of a block at once and has all targets as parameters. It lasts until the exit conditions are
+expected to hold. After that the tokens stay in their slots (the hold) until other actions take them. These fluents
+enforce the law of assignment:
 
 | fluent | says |
 |---|---|
 | `place(token)` | the slot in which it holds or held last; `passes(slot, slot)` are the network's edges |
-| `partner(token)` | the anchor of the instance in which it holds, where that has several slots |
-| `let-go(anchor)` | it has left its last instance: whoever is there may leave, too |
-| `crew(anchor)` | how many are in its instances: none of the last one may be left as the next one comes to its exit |
-| `reads(token)`, `readers(token)` | what a token's instance reads; a block that changes that has no readers meanwhile |
-| `completed(token)` | it is in no block without a hold; asked for by the goal |
+| `partner(token)` | the anchor of the instance in which it holds, if that has several slots |
+| `let-go(anchor)` | it has left its last instance, so the other tokens may leave, too |
+| `crew(anchor)` | number of tokens in its instances; the last one must be empty when the next one reaches its exit |
+| `reads(token)`, `readers(token)` | tokens that its instance reads; number of readers, zero while a block changes it |
+| `completed(token)` | it is in no block without a hold; the goal requires it |
 
-A predicate with one value at a time is a fluent of its other arguments. So is what a block maintains, of the token
-that carries it (`vocabulary.keeper`): a token is in one instance at a time. A slot whose token may come along with
-the anchor from one instance to the next, or on its own, gives an action for either case.
+A predicate with one value at a time is a fluent of its other arguments. A maintained predicate is a fluent of the token
+that carries it (`assignment.keeper`), because a token is in one instance at a time. If the token of a slot may come
+together with the anchor or on its own, there is an action for each case.
 
-It asks for less than the law in this: tokens may leave an instance a little later than its anchor, and a block
-without a hold, which ends at once, may be left later. `decoder` puts that right or refuses the plan.
+In two points the encoding is weaker than the law: tokens may leave an instance a little later than its anchor, and
+tokens may leave a block without a hold after its end.
 """
 
 from collections.abc import Iterator
@@ -39,7 +39,7 @@ from hybrid_tamp.symbolic.temporal.words import NOBODY, Words
 
 @dataclass(frozen=True, eq=False)
 class TemporalEncoding:
-    """The temporal planning domain of a domain, with what each action runs by its name."""
+    """The temporal planning domain of a domain, with the block that each action runs by the name of the action."""
 
     vocabulary: Vocabulary
     names: Words
@@ -48,7 +48,7 @@ class TemporalEncoding:
 
 
 def encode_durative(domain: Domain) -> TemporalEncoding:
-    """Compile a domain's blocks and network to durative actions; the result depends on nothing else."""
+    """Compile the blocks and the network of a domain to durative actions. The result depends on nothing else."""
     encoder = _Encoder(Vocabulary(domain))
     built = list(encoder.actions())
     names = name_apart({number: action.name for number, (action, _) in enumerate(built)})
@@ -73,9 +73,9 @@ class _Encoder:
     # -- declarations -------------------------------------------------------------------------------------------
 
     def constants(self) -> Iterator[Typed]:
-        """Symbols, slots, and the values that say 'none'."""
+        """Yield the symbols, the slots, and the values that stand for none."""
         token, slot = self.vocabulary.type_of(TOKEN), self.words("slot")
-        own = {constant for constant, _ in self.vocabulary.constants[-1:]}  # the count, which is not used here
+        own = {constant for constant, _ in self.vocabulary.constants[-1:]}  # The count is not used here.
         yield from (each for each in self.vocabulary.constants if each[0] not in own)
         yield (self.words(NOBODY), token)
         for block in self.domain.blocks:
@@ -89,7 +89,7 @@ class _Encoder:
                         yield (self.words("no", predicate.name, parameter.name), kind)
 
     def fluents(self, actions: list[DurativeAction]) -> Iterator[Fluent]:
-        """Every fluent of the user's, and of the encoder's own those that an action mentions."""
+        """Yield the fluents of the user, and those of the encoder that an action mentions."""
         token, slot = self.vocabulary.type_of(TOKEN), self.words("slot")
         yield from self._users()
         mentioned = {fact[0] for action in actions for fact in action.facts}
@@ -116,7 +116,7 @@ class _Encoder:
             if name in changing:
                 key = self.words.key(changing[name])
                 values = tuple(kind for i, (_, kind) in enumerate(parameters) if i not in key)
-                # Any token may leave what it maintained, whatever an action knows of it.
+                # Tokens of any class may carry a maintained condition and leave it.
                 wide = changing[name].maintained and values
                 keys = tuple(
                     (parameters[i][0], self.vocabulary.type_of(TOKEN) if wide else parameters[i][1]) for i in key
@@ -125,10 +125,10 @@ class _Encoder:
             else:
                 yield Fluent(name, parameters)
 
-    # -- which tokens come from where -----------------------------------------------------------------------------
+    # -- origins of tokens -----------------------------------------------------------------------------
 
     def actions(self) -> Iterator[tuple[DurativeAction, Running]]:
-        """Yield the actions of every block, one for each choice of the tokens that come along with the anchor."""
+        """Yield the actions of every block, one for each set of tokens that come along with the anchor."""
         for block in self.domain.blocks:
             choices = [self._choices(block, slot.name) for slot in block.slots]
             for chosen in product(*choices):

@@ -1,9 +1,8 @@
-"""What can happen at all, and how soon: the runs of blocks that a task's tokens can come to, if nothing is ever undone.
+"""The runs of blocks that a task can reach if nothing is ever undone, and the earliest time of each.
 
-Every condition by itself is met as soon as something meets it (the heuristic h-max of Haslum and Geffner, 2001, over
-runs of blocks). A run is expected to last as long as it would in the state that its soonest causes leave behind; this
-depends on where its anchor comes from. So the durations are estimates, as those of a schedule are, which knows the
-whole plan.
+A condition holds as soon as one run brings it about (the heuristic h-max of Haslum and Geffner, 2001, over runs of
+blocks). The duration of a run is estimated in the state that its earliest causes leave; it depends on the block from
+which the anchor comes. A schedule has better estimates because it knows the whole plan.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,7 +20,7 @@ from hybrid_tamp.symbolic.pddl.joins import FactIndex, join
 
 @dataclass(frozen=True)
 class Run:
-    """A block with its tokens and targets, where its anchor comes from, and how long it is expected to last [s]."""
+    """A block with its tokens and targets, the source of its anchor, and its expected duration [s]."""
 
     block: str
     roles: tuple[tuple[str, str], ...]
@@ -30,13 +29,13 @@ class Run:
 
 
 def reachable(task: Task) -> tuple[Run, ...]:
-    """Return the runs that can be reached, each condition taken by itself, in the order of the domain's blocks."""
+    """Return the reachable runs, with each condition considered by itself, in the order of the blocks of the domain."""
     return _Reaching(task).runs()
 
 
 @dataclass(frozen=True)
 class _Cause:
-    """When something holds for the first time [s], and where the tokens are that brought it about."""
+    """The earliest time of a fact [s], and the poses of the tokens that brought it about."""
 
     time: float
     poses: Poses
@@ -46,7 +45,7 @@ class _Reaching:
     def __init__(self, task: Task) -> None:
         self.task = task
         start = _Cause(0.0, {})
-        # In an order that does not change from run to run: of causes that come equally soon the first counts.
+        # The order is fixed, because the first of several causes at the same time counts.
         self.atoms: dict[Atom, _Cause] = dict.fromkeys(sorted(static_facts(task) | facts(task)), start)
         self.places: dict[tuple[str, SlotName], _Cause] = {}
         self.known: dict[tuple[str, tuple[tuple[str, str], ...], SlotName], tuple[float, float, Estimate]] = {}
@@ -68,7 +67,7 @@ class _Reaching:
         return tuple(Run(*key, self.known[key][2].seconds) for key in found)
 
     def _run(self, block: Block, roles: dict[str, str], source: SlotName) -> bool:
-        """Take in what a run brings about; say whether anything comes sooner by it."""
+        """Add the effects of a run and say whether any fact holds sooner."""
         causes = self._causes(block, roles, source)
         if causes is None:
             return False
@@ -91,7 +90,7 @@ class _Reaching:
         return sooner
 
     def _causes(self, block: Block, roles: Mapping[str, str], source: SlotName) -> list[_Cause] | None:
-        """Return the soonest causes of a run, or None if it has a condition that never holds."""
+        """Return the earliest causes of a run, or None if one of its conditions never holds."""
         bound = self.task.bind(roles)
         atoms = [atom for literal in block.entry if (atom := literal.ground(bound)).positive]
         found = [self.atoms.get(atom) for atom in atoms]
@@ -104,7 +103,7 @@ class _Reaching:
         return certain if len(certain) == len(found) else None
 
     def _estimate(self, block: Block, roles: Mapping[str, str], causes: list[_Cause]) -> Estimate:
-        """Return what is expected of a run in the state that its causes leave; the last one to put a token counts."""
+        """Return the estimate of a run in the state that its causes leave. For each token the last cause counts."""
         poses = {key: value for cause in causes for key, value in cause.poses.items()}
         task = self.task.replaced(state=self.task.state.replace(poses)) if poses else self.task
         slots = {slot.name: roles[slot.name] for slot in block.slots}

@@ -1,9 +1,8 @@
-"""Durative actions and their problems: what the temporal encoder makes, `unified` and `text` read.
+"""Durative actions and temporal problems: the output of the temporal encoder and the input of `pddl.temporal_text`.
 
-A fluent has one value for its arguments: one or several objects, a number, or a truth value, which is no object at
-all: the fluent is then true of its arguments or is not. Conditions ask for a value, effects give one or add to a
-number, each at the start or at the end of an action; conditions also all the while in between. All names are PDDL
-names already (`pddl.naming`); variables begin with a question mark.
+A fluent has one value for its arguments: one or several objects, a number, or a truth value. A condition requires a
+value at the start, at the end or throughout an action. An effect sets a value, or adds to a number, at the start or at
+the end. All names are PDDL names (`pddl.naming`). Variables begin with a question mark.
 """
 
 from dataclasses import dataclass, field
@@ -15,7 +14,7 @@ Value = tuple[str, ...] | int | bool
 """Objects or variables, a number, or a truth value."""
 
 When = Literal["start", "over all", "end", "throughout"]
-"""``over all`` begins when the start has taken effect; ``throughout`` is from the start itself to the end."""
+"""``over all`` begins after the effects at the start; ``throughout`` includes the start itself."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +24,8 @@ class Fluent:
     Attributes:
         name: its name.
         parameters: typed.
-        kind: of its values.
-        values: the types of the objects that are its values.
+        kind: the kind of its values.
+        values: the types of the objects in its value.
     """
 
     name: str
@@ -37,7 +36,7 @@ class Fluent:
 
 @dataclass(frozen=True)
 class Condition:
-    """At a time the fluent has the value."""
+    """The fluent has the value at some time of the action."""
 
     when: When
     fact: Fact
@@ -46,7 +45,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Effect:
-    """At a time the fluent takes the value; or, with `add`, changes by that number."""
+    """The fluent takes the value at the start or at the end or, with `add`, changes by that number."""
 
     when: Literal["start", "end"]
     fact: Fact
@@ -56,7 +55,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class DurativeAction:
-    """A lifted durative action; its duration is the value of a static number [ms]."""
+    """A lifted durative action. Its duration is the value of a constant number [ms]."""
 
     name: str
     parameters: tuple[Typed, ...]
@@ -66,13 +65,13 @@ class DurativeAction:
 
     @property
     def facts(self) -> tuple[Fact, ...]:
-        """The fluents, with their arguments, that it asks for or changes."""
+        """The fluents with arguments in its conditions and effects."""
         return (*(condition.fact for condition in self.conditions), *(effect.fact for effect in self.effects))
 
 
 @dataclass(frozen=True)
 class TemporalDomain:
-    """What depends on the domain alone, never on one problem's tokens."""
+    """The part of a temporal problem that depends on the domain alone, never on tokens."""
 
     name: str
     types: tuple[Typed, ...]
@@ -90,9 +89,9 @@ class TemporalProblem:
         name: name of the problem.
         domain: its domain.
         objects: names and types.
-        init: fluents with their values; of truths those that are true.
-        goal: fluents with the values that they have at the end.
-        comments: PDDL name to the user's own, where they differ.
+        init: fluents with their values; those with a truth value only if they are true.
+        goal: fluents with their values at the end.
+        comments: (PDDL name, name of the user) pairs that differ.
     """
 
     name: str

@@ -1,8 +1,8 @@
-"""A timeline as durative actions, so that any task plan, wherever it came from, can be judged by validators.
+"""From a timeline to durative actions, so that validators can judge any task plan, whatever its origin.
 
-Reassignments are instants, and an action's conditions must hold before its own instant: so the actions are put a
-little apart, each by a hundredth of a second more than the one before. What a timeline does not show (where a token
-came from, old values) is found by following the fluents.
+The conditions of an action must hold before its instant. So the actions of one reassignment are set apart: each starts
+0.01 s later than the one before. A timeline does not show all parameters, such as the origin of a token and old values.
+Following the fluents gives them.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,27 +10,27 @@ from dataclasses import dataclass, replace
 
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
 from hybrid_tamp.symbolic.pddl.operators import Fact, ground
-from hybrid_tamp.symbolic.pddl.temporal_text import ask_for_old_values
+from hybrid_tamp.symbolic.pddl.temporal_text import require_old_values
 from hybrid_tamp.symbolic.reencode import group_by_source
 from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation
 from hybrid_tamp.symbolic.temporal.problem import DurativeAction, TemporalProblem, TimedAction, Value
 
 _APART = 1e-2
-"""Between two actions of one instant [s]."""
+"""Time between two actions of one instant [s]."""
 _UNKNOWN = "unknown"
-"""Stands for what no fluent tells, in a timeline that is unlawful."""
+"""The value of a parameter that no fluent gives, because the timeline is unlawful."""
 
 
 def reencode_durative(
     compilation: TemporalCompilation, plan: TaskPlan
 ) -> tuple[TemporalProblem, tuple[TimedAction, ...]]:
-    """Return the problem, in which runs last as long as they do in the plan, and the plan's actions in its terms."""
+    """Return the problem with the durations of the plan, and the plan as actions of this problem."""
     problem = _lasting(compilation, plan)
     return problem, tuple(_Following(compilation, problem, plan).actions())
 
 
 def _lasting(compilation: TemporalCompilation, plan: TaskPlan) -> TemporalProblem:
-    """Return the problem with the plan's own durations; where a run has several, with the shortest: it may hold."""
+    """Return the problem with the durations of the plan; of several durations of one run, with the shortest."""
     lasts: dict[Fact, int] = {}
     for instance, action in _actions_of(compilation, plan):
         block = compilation.task.domain.block_by_name[instance.block]
@@ -48,7 +48,7 @@ def _duration(compilation: TemporalCompilation, action: str) -> str:
 
 @dataclass
 class _Begun:
-    """An action that has begun: what is bound of it, and when it ends [s]."""
+    """An action that has begun: its bound parameters, its start and its end [s]."""
 
     action: DurativeAction
     binding: dict[str, str]
@@ -57,12 +57,12 @@ class _Begun:
 
 
 class _Following:
-    """Follows the fluents through a timeline."""
+    """Follows the values of the fluents through a timeline."""
 
     def __init__(self, compilation: TemporalCompilation, problem: TemporalProblem, plan: TaskPlan) -> None:
         self.compilation = compilation
         self.plan = plan
-        self.templates = {action.name: action for action in ask_for_old_values(problem.domain).actions}
+        self.templates = {action.name: action for action in require_old_values(problem.domain).actions}
         self.values: dict[Fact, Value] = dict(problem.init)
         self.running: list[_Begun] = []
 
@@ -94,7 +94,7 @@ class _Following:
         return _Begun(action, binding, start, start + lasts / 1e3)
 
     def _finish(self, time: float) -> None:
-        """Let the actions end that do so before a time."""
+        """Apply the ends of the actions that end before a time."""
         for each in sorted(self.running, key=lambda each: each.end):
             if each.end < time:
                 self._bind(each.action, each.binding, ("end",))
@@ -102,7 +102,7 @@ class _Following:
                 self.running.remove(each)
 
     def _bind(self, action: DurativeAction, binding: dict[str, str], times: Sequence[str]) -> None:
-        """Bind what the values of fluents tell."""
+        """Bind the parameters that the values of fluents give."""
         for condition in action.conditions:
             value = self.values.get(ground(condition.fact, binding))
             if condition.when in times and isinstance(condition.value, tuple) and isinstance(value, tuple):
@@ -122,9 +122,9 @@ class _Following:
     # -- order --------------------------------------------------------------------------------------------------
 
     def _ordered(self) -> Iterator[tuple[BlockInstance, str]]:
-        """Yield the instances by their instants; of one instant, who leaves off reading before who changes.
+        """Yield the instances in the order of their instants. At one instant, readers leave before tokens change.
 
-        Those that take tokens out of one instance stay together, the one that takes the anchor first.
+        Instances that take tokens out of a common instance stay together, and the one that takes the anchor is first.
         """
         everything = list(_actions_of(self.compilation, self.plan))
         for time in self.plan.instants:
@@ -143,7 +143,7 @@ class _Following:
         return any(len(old.slots) > 1 and slot == blocks[old.block].anchor for old, slot in before)
 
     def _changes(self, group: list[tuple[BlockInstance, str]]) -> bool:
-        """Say whether a group has a block that others must not read meanwhile."""
+        """Say whether a group has a block that changes tokens which nobody may read meanwhile."""
         readers = self.compilation.encoding.names("readers")
         actions = [self.templates[name] for _, name in group]
         return any(c.fact[0] == readers for action in actions for c in action.conditions)

@@ -1,4 +1,4 @@
-"""The temporal encoder's own words: fluents, slots as constants, what stands for nothing; and predicates as fluents."""
+"""The words of the temporal encoder: fluents, slots as constants, values for nothing, and predicates as fluents."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +17,7 @@ NOBODY = "nobody"
 
 @dataclass(frozen=True, eq=False)
 class Words:
-    """The encoder's own words: fluents, slots as constants, and what values there are for nothing."""
+    """The words of the encoder: fluents, slots as constants, and values that stand for nothing."""
 
     vocabulary: Vocabulary
 
@@ -34,11 +34,11 @@ class Words:
         return Naming(words, taken=self.vocabulary.names.all | {"distinct"})
 
     def __call__(self, *word: str) -> str:
-        """Return the PDDL name of one of the encoder's words."""
+        """Return the PDDL name of a word of the encoder."""
         return self._names.pddl(word)
 
     def reads(self, number: int) -> str:
-        """Return the fluent that says what a token's instance reads, of its targets that others may change."""
+        """Return the fluent for a target with this number that the instance of a token reads and others may change."""
         return self("reads", f"{number}")
 
     def sources(self, block: Block, slot: str, along: bool) -> list[tuple[Block, str]]:
@@ -65,7 +65,7 @@ class Words:
 
     @property
     def all(self) -> frozenset[str]:
-        """All PDDL names given."""
+        """All PDDL names of the words."""
         return self._names.all
 
     def slot(self, block: Block, slot: str) -> str:
@@ -74,7 +74,7 @@ class Words:
 
     @cached_property
     def locks(self) -> int:
-        """How many targets a block has, at most, that other blocks may change."""
+        """Largest number of targets of a block that other blocks may change."""
         return max((len(self.conditions.locked(block)) for block in self.vocabulary.domain.blocks), default=0)
 
     @cached_property
@@ -83,7 +83,7 @@ class Words:
         return Conditions(self.vocabulary)
 
     def key(self, predicate: Predicate) -> tuple[int, ...]:
-        """Return the indices of the arguments of which a predicate is a fluent; all, if it is true or is not."""
+        """Return the indices of the arguments of a predicate as a fluent: all of them if its value is a truth value."""
         everything = tuple(range(len(predicate.parameters)))
         if predicate.maintained:
             kept = {
@@ -96,14 +96,14 @@ class Words:
         return tuple(i for i in everything if i != predicate.functional_index)
 
     def none(self, predicate: Predicate) -> tuple[str, ...]:
-        """Return the value that says that a predicate has no value."""
+        """Return the value that stands for no value of a predicate."""
         if not predicate.maintained:
             return (self.vocabulary.no_value(predicate),)
         rest = [q for i, q in enumerate(predicate.parameters) if i not in self.key(predicate)]
         return tuple(self("no", predicate.name, parameter.name) for parameter in rest)
 
     def stated(self, predicate: Predicate, name: str, arguments: tuple[str, ...]) -> tuple[Fact, Value]:
-        """Return a predicate's atom as a fluent with its value."""
+        """Return an atom of a predicate as a fluent with its value."""
         key = self.key(predicate)
         values = tuple(a for i, a in enumerate(arguments) if i not in key)
         return (name, *(arguments[i] for i in key)), values or True
