@@ -111,7 +111,7 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
         if meaning is None:
             raise UndecodableError(f"there is no action {action.name}")
         block = chains.domain.block_by_name[meaning.block]
-        roles = {role: compilation.user(action.arguments[index]) for role, index in meaning.roles.items()}
+        roles = {role: compilation.words.user(action.arguments[index]) for role, index in meaning.roles.items()}
         anchor = roles[block.anchor]
         if meaning.kind == "fill":
             claimed.setdefault((block.name, anchor), {})[meaning.slot] = roles[meaning.slot]

@@ -154,7 +154,9 @@ def _find_action(
         if found != (kind, block, slot, before, moved):
             continue
         variables = [variable for variable, _ in operators[name].parameters]
-        binding = {variables[i]: compilation.name(roles[role]) for role, i in meaning.roles.items() if role in roles}
+        binding = {
+            variables[i]: compilation.words.name(roles[role]) for role, i in meaning.roles.items() if role in roles
+        }
         full = next(join(operators[name].precondition, binding, facts), None)
         if full is not None:
             return PlannedAction(name, tuple(full[variable] for variable in variables))

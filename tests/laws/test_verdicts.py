@@ -82,7 +82,7 @@ def with_goal(task: Task, actions: list[PlannedAction]) -> Task:
         meaning = compilation.encoded.meanings[action.name]
         if action.name.startswith(("begin-rolling", "begin-tipping")):
             predicate, value = ("inside", "region") if "region" in meaning.roles else ("posture", "outcome")
-            thing, there = (compilation.user(action.arguments[meaning.roles[role]]) for role in ("object", value))
+            thing, there = (compilation.words.user(action.arguments[meaning.roles[role]]) for role in ("object", value))
             reached[thing] = Atom(predicate, (thing, there))
     return task.replaced(goal=tuple(reached.values()))
 

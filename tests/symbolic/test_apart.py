@@ -1,4 +1,4 @@
-"""Independent goals planned apart and merged; what is judged is the plan of the whole task."""
+"""Independent goals planned apart and merged. The tests judge the plan of the whole task."""
 
 import time
 from collections.abc import Iterator
@@ -29,7 +29,7 @@ from hybrid_tamp.symbolic.strategies.search import Search, SearchResult
 
 
 class Counting:
-    """A planner that remembers what it was asked."""
+    """A planner that records its requests."""
 
     def __init__(self, planner: PlannerProcess) -> None:
         self.planner = planner
@@ -106,7 +106,7 @@ def test_an_optimal_engine_is_asked_for_the_whole_task(planner: Counting) -> Non
 
 
 class Slow:
-    """A planner that takes all the time that it is given."""
+    """A planner that uses up its time limit."""
 
     def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
         time.sleep(limits.time)

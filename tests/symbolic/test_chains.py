@@ -1,4 +1,4 @@
-"""Blocks in series cost no more than one, and are cut where a plan may need it."""
+"""Blocks in series cost no more than one block, and a chain is cut where a plan may need it."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -35,14 +35,14 @@ def of_twenty(count: int, hold: bool) -> Task:
 
 @pytest.fixture(scope="module", params=[False, True], ids=["passing", "holding"])
 def single(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[bool, Effort]:
-    """Return what one block costs; without a hold, or with one."""
+    """Return the cost of one block, without or with a hold."""
     problem = compile_task(of_twenty(1, request.param)).problem
     return request.param, effort(tmp_path_factory.mktemp("single"), problem)
 
 
 @pytest.mark.parametrize("count", [1, 3, 10, 30])
 def test_a_chain_costs_no_more_than_a_single_block(count: int, single: tuple[bool, Effort], tmp_path: Path) -> None:
-    """Fast Downward's own figures: ground operators that its translator makes, states that its search expands."""
+    """Figures of Fast Downward: ground operators of its translator, and states that its search expands."""
     hold, one = single
     of = of_twenty(count, hold)
     compilation = compile_task(of)
@@ -55,7 +55,7 @@ def test_a_chain_costs_no_more_than_a_single_block(count: int, single: tuple[boo
 
 
 def test_a_longer_chain_has_no_more_effects() -> None:
-    """Facts that only the chain's own blocks ask for are left out: planners look for invariants in every one."""
+    """A chain leaves out facts that only its own blocks require: planners look for invariants in each."""
     sizes = [
         [
             (len(o.parameters), len(o.precondition), len(o.add), len(o.delete))

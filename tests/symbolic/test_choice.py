@@ -1,4 +1,4 @@
-"""Goals with a choice are planned: every alternative, the best plan wins, and 'unsolvable' means each of them."""
+"""Goals with a choice: every alternative is planned, the best plan wins, and 'unsolvable' means that all are."""
 
 import json
 from pathlib import Path
@@ -39,7 +39,7 @@ def some_region(*regions: tuple[float, float]) -> Task:
 
 
 def painting() -> Task:
-    """Return a task in which red is the nearest colour, and takes two blocks where green takes one."""
+    """Return a task in which red is the nearest colour but takes two blocks, and green takes one."""
     primed = changing("primed", Part)
     prime = block("PRIMING", {"part": Part}, [], [primed("part")])
     red = block("RED", {"part": Part}, [primed("part")], [PAINTED("part", "red")])
@@ -53,7 +53,7 @@ def _both(slot: str) -> list[tuple[str, str]]:
 
 
 class Slow:
-    """A planner that reaches its limit on the first problems, and remembers how long it was given."""
+    """A planner that reaches its limit on the first problems and records its time limits."""
 
     def __init__(self, planner: PlannerProcess, failing: int) -> None:
         self.planner = planner

@@ -1,4 +1,4 @@
-"""Five engines solve the exported files, read back as anyone would read them; VAL judges each plan."""
+"""Five engines solve the exported files with an independent reader; VAL judges each plan."""
 
 import os
 import subprocess
@@ -73,7 +73,7 @@ def test_optimal_engines_need_no_more_actions_than_the_default() -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_engine_solves_the_exported_files_as_they_are(engine: str, tmp_path: Path) -> None:
-    """By unified-planning's own command line, which knows nothing of us.
+    """Solve with the command line of unified-planning, which is independent of this project.
 
     Of a part of the domain, where each of them is quick: the next test has all of it.
     """

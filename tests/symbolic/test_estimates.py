@@ -1,4 +1,4 @@
-"""What schedules expect of blocks, against the blocks' own forward models."""
+"""Expected durations and outcomes of blocks, compared with the forward models of the blocks."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Whatever slots, targets, tokens and symbols are called, plans are the same up to renaming."""
+"""Plans do not depend on the names of slots, targets, tokens and symbols."""
 
 from collections.abc import Mapping
 from functools import cache

@@ -1,4 +1,4 @@
-"""The PDDL text: its looks once, then what VAL makes of it."""
+"""The PDDL text: its exact layout once, then the verdicts of VAL."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What a problem loses as impossible is impossible: plans stay plans, and nothing that could matter goes."""
+"""The operators that a problem loses as impossible are impossible: all plans stay plans."""
 
 from pathlib import Path
 

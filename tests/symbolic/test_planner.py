@@ -1,4 +1,4 @@
-"""The planner's process: what the engines answer, and that nothing is ever left of it."""
+"""The process of the planner: the answers of the engines, and that no process and no file is left."""
 
 import json
 import os
@@ -32,7 +32,7 @@ AMPLE = Limits(time=120.0, memory=6000.0)
 
 @pytest.fixture(autouse=True)
 def left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Watch that no process and no file is left; fake engines write the file when they have left some."""
+    """Check that no process and no file is left. Fake engines write the file when they leave a process."""
     temporary, left = tmp_path / "temporary", tmp_path / "left"
     temporary.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(temporary))
@@ -46,7 +46,7 @@ def left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def processes_of(left: Path) -> list[psutil.Process]:
-    """Return all processes that were started by the fake engines of one test, and by their planner."""
+    """Return all processes that the fake engines of one test and their planner started."""
     found = []
     for process in psutil.process_iter():
         try:
@@ -188,7 +188,7 @@ def test_nothing_is_left_if_the_task_is_wrong() -> None:
 
 @contextmanager
 def interrupted(when: Callable[[], bool]) -> Iterator[None]:
-    """Interrupt what runs inside, as a terminal does, when a condition holds."""
+    """Interrupt the code inside, as a terminal does, when a condition holds."""
 
     def interrupt() -> None:
         wait_for(when)

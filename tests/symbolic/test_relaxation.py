@@ -1,4 +1,4 @@
-"""What is reached without deletes: all that can be reached, and nothing that no chain of operators adds."""
+"""The facts reached without deletes: all reachable facts, and none that no sequence of operators adds."""
 
 import pytest
 from planning_problems import DELIVER, ODD, random_problem, shortest

@@ -1,7 +1,7 @@
-"""Names, order and bystanders do not matter: an optimal plan stays as long, and the status what it was.
+"""Names, order and unrelated tokens do not change the length of an optimal plan or the status.
 
-Optimal engines take the whole task. They do that for three drums, and for one box; two boxes take them some ten seconds
-and three far longer, so these are left to the engine that plans them apart.
+Optimal engines plan the whole task, here with three drums or one box. Two boxes take them about 10 s and three far
+longer, so the engine that plans goals apart solves those.
 """
 
 import string
@@ -35,7 +35,7 @@ TASKS = {"three drums": DRUMS, "three boxes": random_tumbling(7, 6, 3), "one han
 
 
 def other_form(task: Task, names: Sequence[str], order: Sequence[int], bystander: str) -> Task:
-    """Return the task with other names of its tokens, in another order, and with a token that has no part in it."""
+    """Return the task with renamed and reordered tokens, and with an unrelated token."""
     extra = Token.make("bystander", [Region], {"radius": 0.05})
     if bystander == "drum":
         extra = Token.make("bystander", [Rollable], DRUM, Cylinder(kind="cylinder", radius=0.1, length=0.3))

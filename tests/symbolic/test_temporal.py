@@ -1,4 +1,4 @@
-"""One durative action a block: encoded and exported."""
+"""One durative action per block: encoded and exported."""
 
 import os
 import subprocess
@@ -56,7 +56,7 @@ def test_the_temporal_domain_does_not_depend_on_the_tokens() -> None:
 
 
 def test_the_temporal_problem_does_not_depend_on_the_order_of_sets() -> None:
-    """Python gives strings other hashes in every process."""
+    """Python gives strings different hashes in every process."""
     code = (
         "from random_tasks.tumbling import random_tumbling;"
         "from hybrid_tamp.symbolic.temporal.compilation import compile_durative;"
@@ -88,7 +88,7 @@ def test_a_timeline_comes_back_from_durative_actions(tumble: tuple[Task, TaskPla
         running = compilation.encoding.running[action.name]
         at = [i for i in begun if 0 < action.start - i.start < 0.01 * (len(begun) + 1) and i.block == running.block]
         roles = {role: action.arguments[index] for role, index in running.roles.items()}
-        assert roles in [{role: compilation.name(name) for role, name in i.roles.items()} for i in at]
+        assert roles in [{role: compilation.words.name(name) for role, name in i.roles.items()} for i in at]
 
 
 @pytest.mark.parametrize("index", range(6))

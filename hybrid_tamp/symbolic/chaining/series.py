@@ -85,7 +85,11 @@ class Series:
         shortest = sum(block.duration.minimum for block in blocks)
         return Block(
             name=name,
-            slots=tuple(Slot(role, sort) for role, sort in self._tokens() if role in self.slots),
+            slots=tuple(
+                Slot(role, sort)
+                for role, sort in self.sorts.items()
+                if role in self.slots and not isinstance(sort, SymbolSort)
+            ),
             anchor=self.anchor,
             # The links are scheduled, never the whole.
             duration=Duration(shortest, sum(block.duration.maximum for block in blocks), lambda *_: shortest),
@@ -104,11 +108,6 @@ class Series:
             hold=self.last.block.hold,
             description=f"{first.name} to {self.last.block.name}, in series",
         )
-
-    def _tokens(self) -> Iterator[tuple[str, type[ObjectClass]]]:
-        for role, sort in self.sorts.items():
-            if not isinstance(sort, SymbolSort):
-                yield role, sort
 
 
 def _read(link: Link, role: str) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ from hybrid_tamp.symbolic.encoding.edge_operators import EdgeOperators
 from hybrid_tamp.symbolic.encoding.operator_maker import Meaning
 from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 from hybrid_tamp.symbolic.pddl.naming import legal, name_apart
-from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain, Typed
+from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,23 +61,19 @@ def _encode(chains: Chains) -> EncodedDomain:
     built = list(_operators(vocabulary))
     names = name_apart({number: operator.name for number, (operator, _) in enumerate(built)})
     built = [(replace(operator, name=names[number]), meaning) for number, (operator, meaning) in enumerate(built)]
+    # Of the predicates of the compiler, only those that an operator or a goal may mention.
+    mentioned = {"idle", "unclaimed", "completed"}
+    mentioned |= {fact[0] for o, _ in built for facts in (o.precondition, o.add, o.delete) for fact in facts}
+    own = (predicate for predicate in vocabulary.assignment_predicates if predicate[0] in mentioned)
     planning = PlanningDomain(
         name=legal(chains.domain.name),
         types=vocabulary.types,
         constants=vocabulary.constants,
-        predicates=_list_predicates(vocabulary, [operator for operator, _ in built]),
+        predicates=(*vocabulary.predicates, *own),
         operators=tuple(operator for operator, _ in built),
         comments=(*vocabulary.names.changed, *chains.comments),
     )
     return EncodedDomain(vocabulary, planning, {operator.name: meaning for operator, meaning in built}, chains)
-
-
-def _list_predicates(vocabulary: Vocabulary, operators: list[Operator]) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
-    """Return the predicates of the user, and those of the compiler that an operator or a goal may mention."""
-    mentioned = {"idle", "unclaimed", "completed"}
-    mentioned |= {fact[0] for o in operators for facts in (o.precondition, o.add, o.delete) for fact in facts}
-    own = [(name, types) for name, types in vocabulary.assignment_predicates if name in mentioned]
-    return (*vocabulary.predicates, *own)
 
 
 def _operators(vocabulary: Vocabulary) -> Iterator[tuple[Operator, Meaning]]:

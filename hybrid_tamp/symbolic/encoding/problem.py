@@ -37,14 +37,6 @@ class Compilation:
     goal: tuple[Fact, ...]
     feasible: StaticFacts
 
-    def name(self, user: str) -> str:
-        """Return the PDDL name of a token or symbol."""
-        return self.words.name(user)
-
-    def user(self, pddl: str) -> str:
-        """Return the user's name of a PDDL object."""
-        return self.words.user(pddl)
-
     @cached_property
     def problem(self) -> PlanningProblem:
         """The planning problem, which has very many facts of feasibility if there are many tokens."""
@@ -75,7 +67,7 @@ class Compilation:
         if predicate not in self._static:
             return False
         known, positive = self._static[predicate]
-        return (Atom(known.name, tuple(map(self.user, names))) in self.feasible) == positive
+        return (Atom(known.name, tuple(map(self.words.user, names))) in self.feasible) == positive
 
     def reaches_goal(self, actions: Sequence[PlannedAction]) -> bool:
         """Say whether each action can be applied after those before it and the goal holds in the end.

@@ -32,7 +32,7 @@ class TaskWords:
         return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.symbol(user)
 
     def user(self, pddl: str) -> str:
-        """Return the user's name of a PDDL object."""
+        """Return the name of a PDDL object for the user."""
         return self.tokens.user(pddl) if self.tokens.knows(pddl) else self.vocabulary.names.user(pddl)
 
     def guards(self) -> Iterator[Fact]:

@@ -180,8 +180,8 @@ class _Groups:
             wanted = (*part.goal, *(_at_start(part, share.helpers) if share.returning else ()))
             order = (*share.group.tokens, *dict.fromkeys((*share.group.places, *places)), *share.helpers)
             # Equal groups have their tokens in the same order, so they get the same labels.
-            labels = {part.name(name): f"#{index}" for index, name in enumerate(order)}
-            names = {f"#{index}": whole.name(name) for index, name in enumerate(order)}
+            labels = {part.words.name(name): f"#{index}" for index, name in enumerate(order)}
+            names = {f"#{index}": whole.words.name(name) for index, name in enumerate(order)}
             return _Posed(replace(part.problem, goal=tuple(sorted(set(wanted)))), labels, names)
 
 
@@ -220,5 +220,5 @@ class _Posed:
 def _at_start(part: Compilation, names_of_helpers: Sequence[str]) -> Iterator[Fact]:
     """Yield the initial facts about the helpers that some action can change."""
     changed = {fact[0] for operator in part.encoded.planning.operators for fact in (*operator.add, *operator.delete)}
-    names = {part.name(helper) for helper in names_of_helpers}
+    names = {part.words.name(helper) for helper in names_of_helpers}
     yield from (fact for fact in part.changing if fact[0] in changed and names & set(fact[1:]))

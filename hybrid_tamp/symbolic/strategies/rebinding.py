@@ -14,7 +14,6 @@ from itertools import combinations
 
 from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.decode import NotAPlanError
 from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import Estimates
@@ -39,20 +38,12 @@ def interchangeable(task: Task) -> list[list[str]]:
     groups: dict[tuple[object, ...], list[str]] = {}
     for token in task.assigned:
         if token.name not in named:
-            groups.setdefault(_kind(token), []).append(token.name)
+            kind = (tuple(c.name for c in token.classes), tuple(sorted(token.properties.items())), token.shape)
+            groups.setdefault(kind, []).append(token.name)
     return [group for group in groups.values() if len(group) > 1]
 
 
-def _kind(token: Token) -> tuple[object, ...]:
-    return (tuple(c.name for c in token.classes), tuple(sorted(token.properties.items())), token.shape)
-
-
-def rebind_tokens(
-    compilation: Compilation,
-    plan: TaskPlan,
-    seconds: float,
-    estimates: Estimates,
-) -> TaskPlan:
+def rebind_tokens(compilation: Compilation, plan: TaskPlan, seconds: float, estimates: Estimates) -> TaskPlan:
     """Return the plan, or a shorter one with rebound tokens.
 
     Args:
@@ -81,14 +72,14 @@ def _neighbours(compilation: Compilation, actions: Sequence[PlannedAction]) -> I
     for episode in _episodes(compilation, actions):
         yield from _rebind(compilation, actions, episode)
     for group in interchangeable(compilation.task):
-        for one, other in combinations(map(compilation.name, group), 2):
+        for one, other in combinations(map(compilation.words.name, group), 2):
             swap = {one: other, other: one}
             yield [rename_arguments(action, swap) for action in actions]
 
 
 def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> list[Episode]:
     """Return the episodes of interchangeable tokens, in the order in which they begin."""
-    names = {compilation.name(name) for group in interchangeable(compilation.task) for name in group}
+    names = {compilation.words.name(name) for group in interchangeable(compilation.task) for name in group}
     resting = compilation.task.domain.resting
     current: dict[str, Episode] = {}
     found: list[Episode] = []
@@ -110,11 +101,9 @@ def _rebind(
     compilation: Compilation, actions: Sequence[PlannedAction], episode: Episode
 ) -> Iterator[list[PlannedAction]]:
     """Yield the actions with one episode given to each other token of its group."""
-    for group in interchangeable(compilation.task):
-        others = [compilation.name(name) for name in group]
-        if episode.token not in others:
-            continue
-        for other in others:
+    groups = [list(map(compilation.words.name, group)) for group in interchangeable(compilation.task)]
+    for group in groups:
+        for other in group if episode.token in group else ():
             if other != episode.token:
                 changed = list(actions)
                 for row, place in episode.uses:

@@ -32,10 +32,6 @@ class TemporalCompilation:
     words: TaskWords
     problem: TemporalProblem
 
-    def name(self, user: str) -> str:
-        """Return the PDDL name of a token or symbol."""
-        return self.words.name(user)
-
 
 def compile_durative(task: Task) -> TemporalCompilation:
     """Compile a task to durative actions.

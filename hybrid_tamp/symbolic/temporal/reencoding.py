@@ -34,7 +34,7 @@ def _lasting(compilation: TemporalCompilation, plan: TaskPlan) -> TemporalProble
     lasts: dict[Fact, int] = {}
     for instance, action in _actions_of(compilation, plan):
         block = compilation.task.domain.block_by_name[instance.block]
-        fact = (_duration(compilation, action), *(compilation.name(instance.roles[role]) for role in block.roles))
+        fact = (_duration(compilation, action), *(compilation.words.name(instance.roles[role]) for role in block.roles))
         end = instance.end if instance.reached is None else min(instance.reached, instance.end)
         seconds = round(1e3 * (end - instance.start))
         lasts[fact] = min(seconds, lasts.get(fact, seconds))
@@ -83,7 +83,7 @@ class _Following:
         action, running = self.templates[name], self.compilation.encoding.running[name]
         order = [parameter for parameter, _ in action.parameters]
         binding = {
-            order[index]: self.compilation.name(instance.roles[role])
+            order[index]: self.compilation.words.name(instance.roles[role])
             for role, index in running.roles.items()
             if role in instance.roles
         }
