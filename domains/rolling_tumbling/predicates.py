@@ -75,7 +75,7 @@ ON_ROLLING_LINE = length_predicate(
     _closeness_of_line,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
-    description="{region} lies on the line along which {object} rolls, perpendicular to its axis",
+    description="{region} is on the rolling line of {object}, perpendicular to its axis",
     denial="{region} is not on the rolling line of {object}",
 )
 WITHIN_WORKSPACE = length_predicate(

@@ -25,7 +25,7 @@ from ..common.classes import (
 
 _OPEN = 0.08
 """Gap between open fingers [m]."""
-IMPULSE = VaryingProperty("impulse", 1, "N s", (0.0,), "hardest blow that it has taken so far")
+IMPULSE = VaryingProperty("impulse", 1, "N s", (0.0,), "largest impact that it has taken so far")
 
 
 class DexterousHand(StaticEndEffector):
@@ -114,7 +114,7 @@ class Strikable(_Boxes, AffordanceClass):
     varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, IMPULSE)
 
     half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
-    impulse_needed: float = positive("N s", "blow from which on it counts as struck", 1e6)
+    impulse_needed: float = positive("N s", "least impact that counts as a strike", 1e6)
 
 
 class Pushable(_Boxes, AffordanceClass):
