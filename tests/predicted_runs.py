@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.recording import Recording

@@ -2,8 +2,8 @@
 
 For rolling read the modules in this order: `classes`, `geometry` (directions and places), `predicates`, `rolling` (D1).
 For tumbling: `faces` (faces and postures of a box), `tumbling_geometry`, `standing`, `tumbling_predicates`, `tipping`
-(D2 to D4, with `turning`, how two hands turn a box), `standing_by` (D5, with `detours`, curves round a box). REACHING
-to roll (D5) and RESTING (D6) come from `..common`. `probing_rolling` and `probing_tumbling` test membership.
+(D2 to D4, with `turning`, how two hands turn a box), `reaching_around` (D5, with `detours`, curves around a box).
+REACHING to roll (D5) and RESTING (D6) come from `..common`. `probing_rolling` and `probing_tumbling` test membership.
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
@@ -17,8 +17,8 @@ from .metrics import metrics
 from .predicates import BEHIND, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .probing_rolling import TRY_ROLLING
 from .probing_tumbling import TRY_TUMBLING
+from .reaching_around import REACH_AWAY, REACH_BESIDE
 from .rolling import REACH_BEHIND, ROLLING
-from .standing_by import REACH_AWAY, REACH_BESIDE
 from .tipping import TILTING, TIPPING
 from .tumbling_predicates import TUMBLING_PREDICATES
 

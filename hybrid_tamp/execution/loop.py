@@ -1,97 +1,249 @@
-"""Closed-loop execution of a plan, or of several plans with the same beginning."""
+"""One run under way: its instances, its clock and its logbook.
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+The plan gives only the order of reassignments. A reassignment happens at the first control step at which the minimum
+durations of all ending instances are over, their exit conditions hold and the entry conditions of all starting
+instances hold. Until then the running blocks continue.
 
-from hybrid_tamp.execution.events import Observer
-from hybrid_tamp.execution.run import Progress, Run
-from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.recording import AtomMargin, Recording
-from hybrid_tamp.model.refined import GOAL
+The wait is bounded: a reassignment must happen within `PATIENCE` after the preceding events and the maximum durations
+of the blocks that it waits for. So every run ends, at the end of its plan or with a failure.
+"""
+
+import logging
+from collections.abc import Callable, Collection, Iterable
+from copy import copy
+
+import numpy as np
+
+from hybrid_tamp.execution.events import Event, Observer
+from hybrid_tamp.execution.logbook import Logbook
+from hybrid_tamp.execution.running_instance import (
+    RunError,
+    Running,
+    blame_state,
+    command_instances,
+    describe_shortfall,
+    measure_conditions,
+)
+from hybrid_tamp.model.commands import CommandLayout
+from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
+from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
+from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
 
+Progress = Callable[[float, float], None]
+"""Called ten times a simulated second with the simulated time and the plan's expected end [s]."""
 
-def execute(
-    task: Task,
-    plan: TaskPlan,
-    backend: Backend,
-    progress: Progress | None = None,
-    observer: Observer | None = None,
-) -> Recording:
-    """Run a lawful plan.
+PATIENCE = 5.0
+"""Time that a reassignment may wait for its conditions once it is due [s]."""
+SETTLING = 0.5
+"""Minimum time of the last instances [s], so that the run measures rest instead of assuming it."""
+_PROGRESS_STEPS = 24
 
-    Args:
-        task: the task.
-        plan: the plan; hyperparameters that it does not give get their initial values when their instance begins.
-        backend: moves the tokens; it is reset to the task's initial state.
-        progress: called every few steps.
-        observer: called with every event as it happens.
-
-    Returns:
-        The recording until the end of the plan or the first failure.
-
-    Raises:
-        InputError: the backend cannot simulate the task.
-        DomainError: a policy commands a token that its block does not hold.
-    """
-    run = Run(task, plan, backend, observer)
-    run.advance(progress=progress)
-    return run.make_recording()
+_logger = logging.getLogger(__name__)
 
 
-def execute_variants(
-    task: Task, plans: Sequence[TaskPlan], backend: Backend, until: str | None = None
-) -> Iterator[Recording]:
-    """Run plans that differ in hyperparameters only; the results are the same to the bit as those of `execute`.
+class Run:
+    """The state of one execution."""
 
-    The part before the first instance in which they differ is run once; each plan continues from a snapshot.
+    def __init__(self, task: Task, plan: TaskPlan, backend: Backend, observer: Observer | None = None) -> None:
+        self._task = task
+        self._plan = plan
+        self._backend = backend
+        self._observer: Observer = observer or (lambda event: None)
+        self._layout = CommandLayout.of(task)
+        self._log = Logbook(task, self._layout, backend)
+        self._pending = dict(enumerate(reassignments(task, plan)))
+        self._enabled_at = {index: 0.0 for index, event in self._pending.items() if not event.after}
+        self._running: dict[str, Running] = {}
+        self._time = 0.0
+        self._state = task.state
+        self._ended = False
+        self._error: RunError | None = None
 
-    Args:
-        task: the task.
-        plans: one or more plans.
-        backend: moves the tokens.
-        until: name of an instance; the runs end when it ends, and the recording omits instances that still run then.
+    def advance(
+        self, *, before: Collection[str] = (), until: str | None = None, progress: Progress | None = None
+    ) -> None:
+        """Run until the end of the plan or a failure.
 
-    Yields:
-        A recording for each plan, in their order.
+        Args:
+            before: names of instances; the run stops at the first control step at which one of them might begin.
+            until: name of an instance; the run stops as soon as this instance has ended.
+            progress: called every few steps.
+        """
+        try:
+            if not self._log.started:
+                self._start()
+            while not (self._over or self._might_begin(before)):
+                self._carry_out_events()
+                if self._over or (until is not None and self._log.has_ended(until)):
+                    return
+                self._step()
+                if progress is not None and self._log.steps % _PROGRESS_STEPS == 0:
+                    progress(self._time, self._plan.makespan)
+        except RunError as error:
+            self._error = error
 
-    Raises:
-        InputError: the backend cannot simulate the task.
-        DomainError: a policy commands a token that its block does not hold.
-    """
-    trunk = Run(task, plans[0], backend)
-    trunk.advance(before=_find_changed(plans), until=until)
-    with backend.snapshot() as go_back:
-        for plan in plans:
-            go_back()
-            run = trunk.branch(plan)
-            run.advance(until=until)
-            yield run.make_recording()
+    def branch(self, plan: TaskPlan) -> "Run":
+        """Return a run that continues from here with other hyperparameters of the instances that have not begun.
 
+        The caller restores the state of the backend.
+        """
+        other = copy(self)
+        other._plan = plan
+        events = reassignments(self._task, plan)
+        other._pending = {index: events[index] for index in self._pending}
+        other._enabled_at = dict(self._enabled_at)
+        other._running = {name: copy(running) for name, running in self._running.items()}
+        other._log = self._log.copy()
+        return other
 
-def _find_changed(plans: Sequence[TaskPlan]) -> frozenset[str]:
-    """Return the names of the instances whose hyperparameters are not the same in all plans."""
-    first = plans[0]
-    return frozenset(
-        one.name
-        for plan in plans[1:]
-        for one, other in zip(first.instances, plan.instances, strict=True)
-        if one.hyperparameters != other.hyperparameters
-    )
+    def make_recording(self) -> Recording:
+        """Return the recording so far; only a run that ended or failed measures the goal."""
+        if self._error is not None:
+            return self._record_failure(self._error)
+        return self._record_end() if self._ended else self._log.make_recording((), None)
 
+    @property
+    def _over(self) -> bool:
+        return self._ended or self._error is not None
 
-def add_predictions(measured: Recording, expected: Mapping[tuple[str, Atom], float | None]) -> Recording:
-    """Return a recording with the predictions of the forward models beside its measured margins.
+    def _start(self) -> None:
+        self._state = self._backend.reset(self._task, self._task.state)
+        self._log.start(self._state)
+        self._begin(initial(self._plan))
 
-    Args:
-        measured: the recording.
-        expected: (instance or `GOAL`, atom) to the predicted margin; other conditions get no prediction.
-    """
+    def _might_begin(self, names: Collection[str]) -> bool:
+        """Say whether an event that starts one of these instances has all its ending instances ready."""
+        return any(
+            any(instance.name in names for instance in self._pending[index].starting)
+            and self._are_ready(self._pending[index].ending)
+            for index in self._enabled_at
+        )
 
-    def add(where: str, margins: tuple[AtomMargin, ...]) -> tuple[AtomMargin, ...]:
-        return tuple(replace(margin, predicted=expected.get((where, margin.atom))) for margin in margins)
+    def _are_ready(self, names: Iterable[str]) -> bool:
+        return all(self._running[name].is_ready(self._time, self._state) for name in names)
 
-    exits = {instance: add(instance, margins) for instance, margins in measured.exits.items()}
-    return replace(measured, exits=exits, goal=add(GOAL, measured.goal))
+    def _carry_out_events(self) -> None:
+        """Carry out every event that can happen at this step."""
+        for running in self._running.values():
+            if running.reached is None:  # `is_ready` records when it first reaches its exit
+                running.is_ready(self._time, self._state)
+        for index in sorted(self._enabled_at):
+            event = self._pending[index]
+            if self._can_happen(event):
+                self._carry_out(index, event)
+            else:
+                self._check_wait(index, event)
+        if not self._ended:
+            for running in self._running.values():
+                running.check_overdue(self._time, self._state)
+
+    def _can_happen(self, event: Reassignment) -> bool:
+        if event.final and self._time - self._log.last_event < SETTLING - TIME_TOLERANCE:
+            return False
+        if not self._are_ready(event.ending):
+            return False
+        if len(self._awaited(event)) > len(event.ending):
+            return False
+        return all(margin.holds for instance in event.starting for margin in self._entries(instance))
+
+    def _carry_out(self, index: int, event: Reassignment) -> None:
+        names = tuple(instance.name for instance in event.starting)
+        if not event.final:
+            self._observer(Event(self._time, "reassignment", ending=event.ending, starting=names))
+        for name in event.ending:
+            self._end(self._running.pop(name))
+        self._begin(event.starting)
+        self._ended = event.final
+        self._log.last_event = self._time
+        del self._pending[index], self._enabled_at[index]
+        # Enabled from the next step on: events that the plan orders never happen at the same instant.
+        for other, later in self._pending.items():
+            if other not in self._enabled_at and not later.after & self._pending.keys():
+                self._enabled_at[other] = self._time
+
+    def _check_wait(self, index: int, event: Reassignment) -> None:
+        """Check the time that an event has waited.
+
+        Raises:
+            RunError: the reassignment is overdue.
+        """
+        if self._time <= self._enabled_at[index] + PATIENCE:  # it is not due before that
+            return
+        due = max(self._enabled_at[index], *(self._running[name].latest for name in self._awaited(event))) + PATIENCE
+        if self._time <= due:
+            return
+        missing = [(name, m) for name in event.ending for m in self._running[name].measure_exits(self._state)]
+        missing += [(instance.name, m) for instance in event.starting for m in self._entries(instance)]
+        missing = [(name, margin) for name, margin in missing if not margin.holds]
+        said = "; ".join(f"{name}: {describe_shortfall(margin)}" for name, margin in missing) or "nothing is missing"
+        first = missing[0][0] if missing else event.ending[0]
+        reason = f"a reassignment was due at {due - PATIENCE:.3f} s and cannot happen: {said}"
+        raise RunError(first, reason, (margin for _, margin in missing))
+
+    def _awaited(self, event: Reassignment) -> list[str]:
+        """Return the ending instances and those that still change what a starting instance reads (law 5)."""
+        changing = [
+            name
+            for name, running in self._running.items()
+            if name not in event.ending
+            and running.reached is None
+            and any(running.changes(instance) for instance in event.starting)
+        ]
+        return [*event.ending, *changing]
+
+    def _begin(self, instances: tuple[BlockInstance, ...]) -> None:
+        for instance in instances:
+            running = Running(self._task, instance, self._time, self._state)
+            self._running[instance.name] = running
+            margins = tuple(self._entries(instance))
+            chosen = running.hyperparameters
+            self._observer(Event(self._time, "begin", instance, hyperparameters=chosen, margins=margins))
+        self._backend.assign([running.instance for running in self._running.values()])
+
+    def _end(self, running: Running) -> None:
+        margins = tuple(running.measure_exits(self._state))
+        self._log.record_end(running, self._time, margins)
+        chosen = running.hyperparameters
+        self._observer(Event(self._time, "end", running.instance, hyperparameters=chosen, margins=margins))
+
+    def _entries(self, instance: BlockInstance) -> list[AtomMargin]:
+        block = self._task.domain.block_by_name[instance.block]
+        return measure_conditions(self._task, block.measured_entries, instance, self._state)
+
+    def _step(self) -> None:
+        """Command the instances, advance one control period and measure.
+
+        Raises:
+            RunError: a command or the measured state is not finite.
+        """
+        commanded = command_instances(self._layout, self._running.values(), self._time, self._state)
+        row, cut = self._layout.limited(commanded)
+        after = self._backend.step(self._layout.commands(row))
+        if not np.isfinite(after.values).all():
+            raise blame_state(after, self._running.values(), self._time)
+        self._state = after
+        self._time = self._log.record_step(after, row, cut, self._running.values())
+
+    def _record_failure(self, error: RunError) -> Recording:
+        step = self._log.step_index
+        for running in list(self._running.values()):
+            self._end(running)
+        failure = Failure(step, error.instance, error.reason, error.margins)
+        instance = next((i for i in self._plan.instances if i.name == error.instance), None)
+        self._observer(Event(self._time, "failure", instance, margins=error.margins, reason=error.reason))
+        _logger.warning("step %d failed: %s", step, error.reason)
+        return self._log.make_recording(self._measure_goal(), failure)
+
+    def _record_end(self) -> Recording:
+        goal = self._measure_goal()
+        self._observer(Event(self._time, "goal", margins=goal))
+        for margin in goal:
+            if not margin.holds:
+                _logger.warning("the goal is not reached: %s", describe_shortfall(margin))
+        return self._log.make_recording(goal, None)
+
+    def _measure_goal(self) -> tuple[AtomMargin, ...]:
+        margins = [(atom, self._task.margin(atom, self._state)) for atom in self._task.goal]
+        return tuple(AtomMargin(atom, None if np.isnan(margin) else margin) for atom, margin in margins)

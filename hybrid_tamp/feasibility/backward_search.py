@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from hybrid_tamp.feasibility.bindings import MOST, Bound, TooMany, complete, find_feasible, order_conditions
-from hybrid_tamp.feasibility.passages import Passages
-from hybrid_tamp.feasibility.reasons import BLOCK
-from hybrid_tamp.feasibility.shares import explain_unmet, find_best_choice, with_unit
+from hybrid_tamp.feasibility.load_shares import explain_unmet, find_best_choice, with_unit
+from hybrid_tamp.feasibility.mode_names import BLOCK
+from hybrid_tamp.feasibility.reachable_slots import Passages
 from hybrid_tamp.model.bindings import Choices
 from hybrid_tamp.model.block import Block, Slot
 from hybrid_tamp.model.explanation import Reason, ReasonKind

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence, Set
 from functools import cached_property
 
 from hybrid_tamp.feasibility.bindings import MOST, Bound, TooMany, order_conditions
-from hybrid_tamp.feasibility.passages import Passages
+from hybrid_tamp.feasibility.reachable_slots import Passages
 from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts

@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
+from hybrid_tamp.midlevel.action_by_action import optimise_apart
 from hybrid_tamp.midlevel.influence import Influence, find_influence, find_moved_measures, is_idle
 from hybrid_tamp.midlevel.objective import Evaluator, Objective
 from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum
 from hybrid_tamp.midlevel.registry import find_optimiser
 from hybrid_tamp.midlevel.screening import Effect, Screening, screen_hyperparameters
-from hybrid_tamp.midlevel.separate import optimise_apart
 from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.model.task import MidLevel
 from hybrid_tamp.motion.arrays import FloatArray

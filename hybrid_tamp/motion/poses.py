@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.products import EACH_ROW, HAMILTON, ROW_SUMS, TURN, products
+from hybrid_tamp.motion.component_products import EACH_ROW, HAMILTON, ROW_SUMS, TURN, products
 
 _CONJUGATION = np.array([-1.0, -1.0, -1.0, 1.0])
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])

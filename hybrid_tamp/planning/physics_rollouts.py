@@ -55,7 +55,7 @@ class PhysicsRollouts:
 
 def _run(task: Task, plans: Sequence[TaskPlan], backend: str, until: str | None) -> list[Rollout]:
     """Run plans one after the other in one process."""
-    from hybrid_tamp.execution.loop import execute_variants
+    from hybrid_tamp.execution.execute import execute_variants
     from hybrid_tamp.physics.protocol import open_backend
 
     with open_backend(backend) as physics:

@@ -6,7 +6,7 @@ from hybrid_tamp.model.explanation import TaskExplanation
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.questions.explain.causal_links import find_causes
-from hybrid_tamp.questions.explain.explanation import explain_failure
+from hybrid_tamp.questions.explain.no_plan import explain_failure
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.verbs.loading import Settings, load
 

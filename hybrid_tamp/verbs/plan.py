@@ -9,7 +9,7 @@ from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.planning.replanning import Progress, plan_and_refine
-from hybrid_tamp.questions.explain.explanation import explain_failure
+from hybrid_tamp.questions.explain.no_plan import explain_failure
 from hybrid_tamp.report.convergence import convergence_picture
 from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.folder import RunFolder

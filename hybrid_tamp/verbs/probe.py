@@ -11,7 +11,7 @@ from hybrid_tamp.model.membership import MembershipResult
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
-from hybrid_tamp.questions.explain.explanation import explain_failure
+from hybrid_tamp.questions.explain.no_plan import explain_failure
 from hybrid_tamp.questions.probe.membership import MOST_STARTS, STARTS, Prober, Tell
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.taskfile.loader import load_task

@@ -8,7 +8,7 @@ from math import isfinite
 from pathlib import Path
 
 from hybrid_tamp.execution.events import EventLog
-from hybrid_tamp.execution.loop import add_predictions, execute
+from hybrid_tamp.execution.execute import add_predictions, execute
 from hybrid_tamp.execution.storage import save
 from hybrid_tamp.midlevel.measured import measure_run
 from hybrid_tamp.model.law import check_law
@@ -20,7 +20,7 @@ from hybrid_tamp.physics.pictures.rendering import open_renderer
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.planning.replanning import FindPlan, Progress, plan_and_refine
-from hybrid_tamp.questions.explain.explanation import explain_failure
+from hybrid_tamp.questions.explain.no_plan import explain_failure
 from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.report.measures import run_measures

@@ -12,7 +12,7 @@ from predicted_runs import predict
 from random_tasks.lifting import random_lifting
 
 import hybrid_tamp
-from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task

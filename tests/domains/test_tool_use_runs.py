@@ -8,7 +8,7 @@ from hybrid_tamp_domains.tool_use.classes import DexterousHand
 from random_tasks.hammer import Scene, hammer_task, random_hammer
 
 import hybrid_tamp
-from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task

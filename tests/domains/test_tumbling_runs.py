@@ -7,7 +7,7 @@ from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from random_tasks.tumbling import random_tumbling
 
 import hybrid_tamp
-from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.questions.changes import without_token

@@ -14,8 +14,8 @@ from random_tasks.tumbling import random_tumbling
 import hybrid_tamp
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.execution.events import Event, EventLog
-from hybrid_tamp.execution.loop import execute
-from hybrid_tamp.execution.run import PATIENCE, SETTLING
+from hybrid_tamp.execution.execute import execute
+from hybrid_tamp.execution.loop import PATIENCE, SETTLING
 from hybrid_tamp.model.block import Duration
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan

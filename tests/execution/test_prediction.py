@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from predicted_runs import margins_of, predict
 
-from hybrid_tamp.execution.loop import add_predictions, execute
+from hybrid_tamp.execution.execute import add_predictions, execute
 from hybrid_tamp.physics.protocol import open_backend
 
 

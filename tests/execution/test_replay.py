@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.execution.replay import replay
 from hybrid_tamp.physics.protocol import open_backend
 

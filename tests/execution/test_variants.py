@@ -11,7 +11,7 @@ from midlevel.plans import reach_and_roll
 from scenes import rolling_task
 
 from hybrid_tamp.execution import loop as execution
-from hybrid_tamp.execution.loop import execute, execute_variants
+from hybrid_tamp.execution.execute import execute, execute_variants
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.physics.protocol import Backend, open_backend

@@ -13,7 +13,7 @@ from hybrid_tamp.feasibility.relevance import find_relevant_blocks, keep_relevan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.widening import Widening
-from hybrid_tamp.questions.explain.explanation import explain_wholly
+from hybrid_tamp.questions.explain.no_plan import explain_wholly
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.roles import can_start
 

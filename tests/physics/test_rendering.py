@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from predicted_runs import predict
 
-from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.geometry import triangles
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom

@@ -6,7 +6,7 @@ from hammer_figures import GRASP, figure_plan, figure_task
 from midlevel.plans import reach_and_roll
 from scenes import rolling_task
 
-from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.midlevel.measured import measure_run
 from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.physics.protocol import open_backend

@@ -4,7 +4,7 @@ from scenes import rolling_task
 
 import hybrid_tamp
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.questions.explain.explanation import explain
+from hybrid_tamp.questions.explain.no_plan import explain
 
 
 def test_a_region_off_the_rolling_line() -> None:

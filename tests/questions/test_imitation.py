@@ -13,7 +13,7 @@ from texts import load_task_text
 
 import hybrid_tamp
 from hybrid_tamp.errors import InputError, NoPlan
-from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.execution.storage import save
 from hybrid_tamp.model.imitation import Segmentation
 from hybrid_tamp.model.law import check_law

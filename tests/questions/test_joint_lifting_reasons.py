@@ -9,7 +9,7 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.affordances.perspectives import afforded_to, environment, team
 from hybrid_tamp.questions.changes import with_copy
-from hybrid_tamp.questions.explain.explanation import explain
+from hybrid_tamp.questions.explain.no_plan import explain
 
 FOUR = {"LIFTING:four", "HOLDING:four", "LOWERING:four"}
 TWO = {"LIFTING:two", "HOLDING:two", "LOWERING:two"}

@@ -203,7 +203,7 @@ def test_the_written_task_plans_and_runs(task: Task, tumbled: MembershipResult, 
     assert [member.name for member in known.token_by_name["P5"].classes] == ["TOKEN", "TUMBLABLE"]
     assert known.token_by_name["P5"].unknown == ()
     found = hybrid_tamp.plan(known).required()
-    from hybrid_tamp.execution.loop import execute
+    from hybrid_tamp.execution.execute import execute
 
     with open_backend("pybullet") as physics:
         assert execute(known, found, physics).success

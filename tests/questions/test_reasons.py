@@ -1,6 +1,6 @@
 """The same reason of several modes is said once."""
 
-from hybrid_tamp.feasibility.reasons import BLOCK, merge_reasons
+from hybrid_tamp.feasibility.mode_names import BLOCK, merge_reasons
 from hybrid_tamp.model.explanation import Reason, ReasonKind
 from hybrid_tamp.model.predicate import Atom
 

@@ -14,7 +14,7 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import apply_change, with_edges
 from hybrid_tamp.questions.explain.candidates import propose_changes
-from hybrid_tamp.questions.explain.explanation import explain, explain_wholly
+from hybrid_tamp.questions.explain.no_plan import explain, explain_wholly
 from hybrid_tamp.questions.explain.property_changes import find_property_changes
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 

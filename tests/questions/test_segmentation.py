@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import hybrid_tamp
-from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.model.imitation import Segmentation
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording

@@ -10,7 +10,7 @@ import hybrid_tamp
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.questions.explain.explanation import explain
+from hybrid_tamp.questions.explain.no_plan import explain
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
 ALONG_Y = "rpy: [1.5707963267948966, 0, 0]"

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping, Set
 from itertools import product
 
 from hybrid_tamp.feasibility.bindings import order_conditions
-from hybrid_tamp.feasibility.passages import Passages
-from hybrid_tamp.feasibility.shares import with_unit
+from hybrid_tamp.feasibility.load_shares import with_unit
+from hybrid_tamp.feasibility.reachable_slots import Passages
 from hybrid_tamp.model.affordance import ObjectClass, is_place
 from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block

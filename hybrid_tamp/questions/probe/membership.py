@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from hybrid_tamp.errors import InputError, Issue, LimitReached, NoPlan
-from hybrid_tamp.execution.loop import execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.geometry.features import resting_poses
 from hybrid_tamp.geometry.warp import Warp, warp
 from hybrid_tamp.model.affordance import ObjectClass

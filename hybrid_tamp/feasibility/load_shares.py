@@ -10,7 +10,7 @@ from math import ceil
 from typing import NamedTuple
 
 from hybrid_tamp.feasibility.bindings import Bound, complete, find_feasible
-from hybrid_tamp.feasibility.reasons import BLOCK
+from hybrid_tamp.feasibility.mode_names import BLOCK
 from hybrid_tamp.model.bindings import Choices, enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.explanation import Reason

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from hybrid_tamp.feasibility.backward_search import BackwardSearch
 from hybrid_tamp.feasibility.bindings import TooMany
-from hybrid_tamp.feasibility.reasons import merge_reasons
+from hybrid_tamp.feasibility.mode_names import merge_reasons
 from hybrid_tamp.feasibility.relevance import keep_relevant
 from hybrid_tamp.model.explanation import Explanation, Reason, Suggestion
 from hybrid_tamp.model.outcome import CLASS_UNKNOWN, MESSAGES, NOT_REFINED, Exclusion, PlanOutcome

@@ -5,7 +5,7 @@ from collections.abc import Collection
 import networkx as nx
 
 from hybrid_tamp.feasibility.bindings import Bound
-from hybrid_tamp.feasibility.reasons import BLOCK
+from hybrid_tamp.feasibility.mode_names import BLOCK
 from hybrid_tamp.model.bindings import Choices
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.explanation import Reason
