@@ -61,8 +61,8 @@ def start_complaint(thing: Token, state: State, tokens: Iterable[Token]) -> str 
         return None
     return (
         f"it is {height:.3g} m high on a base of {base:.3g} m, {height / base:.3g} times as high as its base, and "
-        f"the method of tumbling is shown for boxes up to {SLENDERNESS} times only; lay it on another face, or leave "
-        "it out of TUMBLABLE"
+        f"the tumbling method has been demonstrated only for boxes up to {SLENDERNESS} times as high; "
+        "lay it on another face, or leave it out of TUMBLABLE"
     )
 
 

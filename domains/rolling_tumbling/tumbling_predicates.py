@@ -135,7 +135,7 @@ ON_SIDE = Predicate(
     reads={"hand": ("orientation",), "object": POSE},
     kind=Kind.STATIC,
     description="{face} of {object}, when it is {posture}, looks to the side where {hand} starts",
-    denial="the {face} face of {object}, when it is {posture}, does not look to the side where {hand} starts",
+    denial="the {face} face of {object}, when it is {posture}, does not point to the side on which {hand} starts",
 )
 """Hands stay on their side of a box: two that changed sides at once would collide above it."""
 STRONG_ENOUGH = Predicate(

@@ -1,7 +1,8 @@
 """PUSHING (paper, D9): the head of an upright tool pushes a thing in a straight line to a region.
 
-The tool first touches the thing, then moves on by the distance; both are straight human movements. The wrist bears the
-torque of the push: the resistance times the height of the hand above the pushing point.
+The tool first moves until it touches the thing, then pushes it over the distance. Both movements are straight and have
+the speed profile of human movements. The wrist bears the torque of the push: the resistance times the height of the
+hand above the pushing point.
 """
 
 import numpy as np
@@ -92,8 +93,9 @@ def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArr
 def _steering(state: State, thing: Token, line: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the lateral position ``(...)`` [m] of the pushing point and its rate [m/s].
 
-    A thing that one point pushes from behind turns away from it, more and more. So the tool pushes on the side to which
-    the thing has turned. If the thing has left its line, the tool turns it a little towards the line.
+    If a single point pushes a thing from behind, the thing turns away from that point more and more. So the tool pushes
+    on the side to which the thing has turned. If the thing has left its line, the tool turns it a little towards the
+    line.
 
     Args:
         state: current state.
@@ -178,7 +180,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def _torque_work(binding: Binding, state: State, commands: Commands) -> FloatArray:
-    """Return the square of the wrist's torque times the speed of the push, ``(...)`` [N^2 m^3 / s]."""
+    """Return the squared torque of the wrist, times the speed of the push, ``(...)`` [N^2 m^3 / s]."""
     hand, tool, thing, _ = _roles(binding)
     torque = dot(commands[hand.name, "torque"], side(state, tool))
     return np.asarray(torque**2 * norm(state[thing, "velocity"]))

@@ -24,7 +24,7 @@ def execute(
 
     Args:
         task: the task.
-        plan: the plan; hyperparameters that it does not give get their initial values when their instance begins.
+        plan: the plan; any hyperparameter that it lacks is set to its initial value when its instance begins.
         backend: moves the tokens; it is reset to the task's initial state.
         progress: called every few steps.
         observer: called with every event as it happens.
@@ -87,7 +87,7 @@ def add_predictions(measured: Recording, expected: Mapping[tuple[str, Atom], flo
 
     Args:
         measured: the recording.
-        expected: (instance or `GOAL`, atom) to the predicted margin; other conditions get no prediction.
+        expected: maps (instance or `GOAL`, atom) to the predicted margin; other conditions get no prediction.
     """
 
     def add(where: str, margins: tuple[AtomMargin, ...]) -> tuple[AtomMargin, ...]:

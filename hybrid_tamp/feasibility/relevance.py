@@ -1,8 +1,9 @@
-"""Relevance: the blocks that a goal may need, whatever tokens there are, and the part of a task that is about them.
+"""Relevance: the blocks that a goal may need, whatever tokens exist, and the part of a task that uses these blocks.
 
-Backwards from the goal, a block is relevant if it changes an atom that the goal or the entry of a relevant block needs,
-or if tokens may have to pass through it between relevant blocks. If a task has a plan, it has one of relevant blocks
-only: a token that would pass through another block stays where it was or goes on at once.
+The search goes backwards from the goal. A block is relevant if it changes an atom that the goal or the entry of a
+relevant block needs. It is also relevant if tokens may have to pass through it between relevant blocks. If a task has
+any plan, it has a plan that uses only relevant blocks: instead of passing through another block, a token stays where
+it was or moves on at once.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Set
@@ -23,7 +24,7 @@ Pattern = tuple[str, tuple[Classes, ...]]
 
 
 def restrict_domain(task: Task, blocks: Collection[Block], tokens: Iterable[Token]) -> Domain:
-    """Return the part of the domain that has these blocks and what they, these tokens and the goal mention."""
+    """Return the domain restricted to these blocks and to what the blocks, the tokens or the goal mention."""
     domain = task.domain
     mentioned = {literal.predicate.name for block in blocks for literal in (*block.entry, *block.exit)}
     mentioned |= {atom.predicate for atom in task.goal}
@@ -81,7 +82,7 @@ def _of_sort(sort: type[ObjectClass] | SymbolSort | None) -> Classes:
 
 
 def _with_serving(domain: Domain, kept: Set[str], wanted: Set[Pattern]) -> set[str]:
-    """Return some blocks and all that serve them or the goal."""
+    """Return the given blocks and all blocks that serve them or the goal."""
     found, before = set(kept), set[str]()
     while found != before:
         before = set(found)
@@ -92,7 +93,10 @@ def _with_serving(domain: Domain, kept: Set[str], wanted: Set[Pattern]) -> set[s
 
 
 def _serves(domain: Domain, block: Block, wanted: Collection[Pattern]) -> bool:
-    """Say whether a block may change an atom of some patterns: a token may be a member of both patterns' classes."""
+    """Say whether a block may change an atom that matches one of the patterns.
+
+    Two patterns match if one token may be a member of the classes of both.
+    """
 
     def can_be_one(one: Classes, other: Classes) -> bool:
         return all(domain.relations.can_share_token(a, b) for a, b in product(one, other))

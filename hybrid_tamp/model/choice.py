@@ -39,7 +39,7 @@ def ground_goals(
     choices = [groundings(atom) if _open(atom) else (atom,) for atom in goal]
     count = prod(map(len, choices))
     if count > MOST_ALTERNATIVES:
-        wanted = f"a goal leaves at most {MOST_ALTERNATIVES} choices"
+        wanted = f"a goal must leave at most {MOST_ALTERNATIVES} choices"
         raise InputError([Issue("goal", wanted, str(count), remedy=f"name tokens instead of {ANY!r}")])
     every = dict.fromkeys(tuple(dict.fromkeys(atoms)) for atoms in product(*choices))
     goals = [each for each in every if _compatible(predicates, each)]

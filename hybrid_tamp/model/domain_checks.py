@@ -110,7 +110,7 @@ def _edges(domain: Declarations) -> Iterator[Issue]:
         where = f"edge {'.'.join(source)} -> {'.'.join(target)}"
         unknown = [end for end in (source, target) if end not in slots]
         for end in unknown:
-            yield Issue(where, "an edge joins slots of the domain's blocks", repr(".".join(end)), available)
+            yield Issue(where, "an edge must join slots of the domain's blocks", repr(".".join(end)), available)
         if not unknown and not domain.relations.can_share_token(slots[source], slots[target]):
             wanted = f"no token can be a member of both {slots[source].name} and {slots[target].name}"
             yield Issue(where, wanted, remedy="remove the edge or change the class of a slot")
@@ -158,7 +158,7 @@ def _exit(block: Block, literal: Literal) -> Iterator[Issue]:
     predicate = literal.predicate
     where = f"{block.name}: {literal.text}"
     if predicate.static:
-        remedy = "declare it of another kind or drop the condition"
+        remedy = "declare it as another kind, or remove the condition"
         yield Issue(where, "a static predicate cannot be an exit condition", remedy=remedy)
     wild = [i for i, argument in enumerate(literal.arguments) if argument == ANY]
     if literal.positive and wild:

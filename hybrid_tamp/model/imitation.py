@@ -36,7 +36,7 @@ class Segmentation:
     Attributes:
         plan: the timeline; a token is in no instance during an unexplained movement.
         unexplained: the movements that no block explains, by time.
-        violations: breaches of the law by the timeline, with the margins of the observation; the goal included.
+        violations: where the timeline breaks the law or misses the goal, judged by the observed margins.
         cost: cost of the number of instances and of their misfit; less is better.
     """
 
@@ -67,7 +67,7 @@ class ImitationResult(Tabular):
         shown: name of the folder or file of the demonstration.
         segmentation: the observation as a timeline.
         roles: observed token to the token that took its role.
-        primitives: block to the fit of the motor primitive that it was taught.
+        primitives: maps each taught block to the fit of its motor primitive.
         run: the result of the imitator's run.
     """
 

@@ -1,4 +1,4 @@
-"""Recipes of a domain for trials of whether a token is a member of a class (paper, Sec. II-B).
+"""A domain's recipes for testing whether a token is a member of a class (paper, Sec. II-B).
 
 `hybrid_tamp.questions.probe` ranks classes, warps shapes and counts successes for all domains. A recipe estimates the
 properties of a new token from a labelled member, and makes the task of a trial.
@@ -27,7 +27,7 @@ class Estimate:
 
     Attributes:
         properties: the new token's properties as a member of the class.
-        contacts: name to the expected contact point ``(3,)`` [m] of a hand, in the body frame.
+        contacts: maps each name to the point ``(3,)`` [m] where a hand should touch, in the body frame.
     """
 
     properties: Mapping[str, Any]
@@ -42,10 +42,10 @@ class TrialRecipe(Generic[TaskType]):
         object_class: the class.
         align: ``align(task, token, labelled)``, the initial rotation ``(3, 3)`` of the warp from the body frame of the
             labelled token to that of the new one.
-        estimate: ``estimate(task, token, labelled, carry)``; both tokens have a shape.
-        task: ``task(task, member, rng)``, a task that tests the token as a member from a start that `rng` draws, or
-            from the exact start without `rng`. One plan must serve all starts.
-        bounds: metric of the domain (without the name of the instance) to its bounds.
+        estimate: ``estimate(task, token, labelled, carry)`` returns the estimate; both tokens must have a shape.
+        task: ``task(task, member, rng)`` makes a task that tests the token as a member. `rng` draws the start;
+            without it the start is exact. One plan must serve all starts.
+        bounds: maps each metric of the domain (its name without the instance) to its bounds.
     """
 
     object_class: type[ObjectClass]

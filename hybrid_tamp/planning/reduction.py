@@ -50,7 +50,7 @@ class Reduction:
 
     @cached_property
     def tokens_left_out(self) -> tuple[str, ...]:
-        """Names of the tokens that are not in the reduced task, sorted; all except places rest all the time."""
+        """Sorted names of the tokens outside the reduced task. Except for places, they rest during the whole plan."""
         return tuple(sorted(self.whole.token_by_name.keys() - self.tokens))
 
     def restore(self, plan: TaskPlan) -> TaskPlan:
@@ -73,7 +73,7 @@ def _resting(task: Task, block: Block, token: Token, name: str, end: float) -> B
 
 
 class Reducer:
-    """Reduces one task, with more and more tokens."""
+    """Reduces one task repeatedly, and keeps more tokens each time."""
 
     def __init__(self, task: Task) -> None:
         self._task = task
@@ -95,10 +95,10 @@ class Reducer:
     def reduce(self, brought: Collection[str] = (), among: Collection[Block] | None = None) -> Reduction:
         """Reduce the task to the blocks that the present tokens can fill together.
 
-        Present are the needed tokens, the capable ones, places, and those that are brought in. A block is left out if
+        The present tokens are the needed ones, the capable ones, places, and those brought in. A block is left out if
         the present tokens cannot fill its slots and targets, if no way leads into it, if no way leads out of it
         although its tokens must leave, or if no chain of shared tokens connects it with the needed tokens. A token is
-        left out if it fits no block that is left.
+        left out if it fits none of the remaining blocks.
 
         Args:
             brought: names of tokens that are brought in as tools.
@@ -117,7 +117,7 @@ class Reducer:
         return Reduction(self._task, tuple(brought), names, tuple(kept), tuple(fillable))
 
     def _relate(self, able: Mapping[str, Set[str]]) -> list[str]:
-        """Return the blocks that chains of shared tokens, places excepted, connect with the needed tokens."""
+        """Return the blocks that are connected to the needed tokens by chains of shared tokens. Places do not count."""
         tokens, related = set(self.needed - self._places), list[str]()
         waiting = dict(able)
         while found := [name for name, fit in waiting.items() if not tokens.isdisjoint(fit)]:

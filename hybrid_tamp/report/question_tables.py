@@ -59,7 +59,7 @@ def _implied(implications: Iterable[Implication]) -> Table:
     title = "What an agent seen acting implies for one with the same capability classes"
     table = new_table(title, "seen", "with", "in", "so", "can too?", "e.g. with")
     for each in implications:
-        answer = "yes" if each.holds else "by class, but a feasibility fact fails"
+        answer = "yes" if each.holds else "allowed by class, but ruled out by a feasibility fact"
         seen = each.affordance
         witness = _witness(each.witness, seen.slot)
         table.add_row(*map(Text, (each.seen, seen.object, seen.block, each.observer, answer, witness)))

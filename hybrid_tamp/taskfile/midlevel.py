@@ -60,7 +60,7 @@ def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
         ranges = list(map(own.within, islice(bindings, MOST_BINDINGS)))
         if ranges and all(high < own.lower or low > own.upper for low, high in ranges):
             allowed = ", ".join(list(dict.fromkeys(f"{low:g} to {high:g}" for low, high in ranges))[:MOST_SHOWN])
-            wanted = f"{path[-1]} is within what some tokens of the task allow: {allowed}"
+            wanted = f"{path[-1]} must be within what some tokens of the task allow: {allowed}"
             faults.at(path, wanted, f"{own.lower:g} to {own.upper:g}")
 
 

@@ -123,7 +123,7 @@ def _block(block: Block) -> str:
             for h in block.hyperparameters
         ),
         *(f"- measure `{m.name}` [{m.unit}]: weight {m.weight:g}. {m.description}".rstrip() for m in block.performance),
-        "- a task may begin with it: `assignment` can name it" if can_start(block) else "",
+        "- a task may start in this block: `assignment` can name it" if can_start(block) else "",
     ]
     return "\n".join(line for line in lines if line) + "\n"
 

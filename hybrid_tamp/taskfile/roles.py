@@ -28,7 +28,7 @@ def read_agents(data: dict[str, Any], faults: Faults, scene: Scene) -> dict[str,
                 faults.at(path, wanted, f"{shown(name)}, a member of {members}", capable)
             elif name in owners:
                 wanted = "a capability token belongs to one agent"
-                came = f"{shown(name)}, which agent {shown(owners[name])} names already"
+                came = f"{shown(name)}, which agent {shown(owners[name])} already names"
                 faults.at(path, wanted, came, remedy="remove one")
             owners.setdefault(name, agent)
     return {agent: tuple(names) for agent, names in agents.items()} if faults.sound(("agents",)) else {}

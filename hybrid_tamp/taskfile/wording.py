@@ -72,7 +72,7 @@ def add_validation_faults(
         elif details["type"] == "union_tag_invalid":
             tags = [tag.strip(" '") for tag in details["ctx"]["expected_tags"].split(",")]
             path = (*path, details["ctx"]["discriminator"].strip("'"))
-            faults.at(path, f"{subject(path)} is none of those known", shown(details["ctx"]["tag"]), tags)
+            faults.at(path, f"{subject(path)} is not a known one", shown(details["ctx"]["tag"]), tags)
         else:
             wanted = _wanted(details, way.unit)
             # The message lists all choices; one is suggested only if it is close.

@@ -129,7 +129,7 @@ FAULTS = [
           "available: hand"),
     fault("agent with nothing", "[hand]", "«[]", "agents.robot must have at least 1 entry"),
     fault("hand of two agents", "robot: [hand]", "robot: [hand]\n  other: [«hand]", "belongs to one agent",
-          "agent 'robot' names already"),
+          "agent 'robot' already names"),
     fault("hand that stands twice", "[hand]", "[hand, «hand]", "belongs to one agent"),
     fault("start of no token", "{hand: GUARDING}", "{«hadn: GUARDING}", "the assignment names a token",
           "did you mean 'hand'"),

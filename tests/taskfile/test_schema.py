@@ -125,7 +125,7 @@ def test_the_reference_page_names_everything(toy: Domain) -> None:
         "- slot `object`: ROLLABLE (anchor)",
         "- target `region`: REGION",
         "- exit: `not within(object, *)`, `within(object, region)`",
-        "a task may begin with it",
+        "a task may start in this block",
     ):
         assert words in page
     assert page == reference_page([toy])

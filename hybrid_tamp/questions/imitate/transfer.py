@@ -54,7 +54,8 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
         NoPlan: the task has no such plan; the message says why.
     """
     if shown.domain.name != task.domain.name:
-        raise _refused(f"the demonstration is of the domain {shown.domain.name}, but {task.name} of {task.domain.name}")
+        belongs = f"the demonstration belongs to domain {shown.domain.name}, but {task.name} to {task.domain.name}"
+        raise _refused(belongs)
     seen = _acting(shown, plan)
     wanted = _classes(shown, seen)
     able = {

@@ -109,7 +109,7 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
         chains: whether blocks in series are compiled as one step.
 
     Raises:
-        InputError: the goal has a negative atom or leaves a choice, which STRIPS goals cannot.
+        InputError: the goal has a negative atom or leaves a choice; STRIPS goals allow neither.
     """
     task = settle_goal(task)
     encoded = whole.encoded if whole else encode_task(task) if chains else encode_domain(task.domain)
@@ -123,7 +123,7 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
 
 
 def _counts(task: Task) -> int:
-    """Return the largest number of instances that can read one token at once: that of their possible anchors."""
+    """Return the largest number of instances that can read one token at once: the number of possible anchors."""
     anchors = {
         token
         for block in task.domain.blocks
@@ -147,7 +147,7 @@ class _Writer:
         return (self.vocabulary.predicate(atom.predicate), *map(self.words.name, atom.arguments))
 
     def changing(self) -> Iterator[Fact]:
-        """Yield the initial facts but those of feasibility and difference, of those predicates that the domain has."""
+        """Yield the initial facts of the domain's predicates, except facts of feasibility and difference."""
         changing = facts(self.task)
         yield from map(self.fact, changing)
         yield from self.words.guards()
@@ -188,7 +188,7 @@ class _Writer:
         yield from (("next", one, more) for one, more in pairwise(steps))
 
     def goal(self) -> Iterator[Fact]:
-        """Yield the goal: the atoms of the user, and that no reassignment and no block without a hold is unfinished."""
+        """Yield the goal: the user's atoms, and that every reassignment and every block without a hold is finished."""
         yield from map(self.fact, self.task.goal)
         yield ("idle",)
         for token in self.task.assigned:

@@ -6,14 +6,17 @@ enforce the law of assignment:
 
 | fluent | says |
 |---|---|
-| `place(token)` | the slot in which it holds or held last; `passes(slot, slot)` are the network's edges |
-| `partner(token)` | the anchor of the instance in which it holds, if that has several slots |
-| `let-go(anchor)` | it has left its last instance, so the other tokens may leave, too |
-| `crew(anchor)` | number of tokens in its instances; the last one must be empty when the next one reaches its exit |
-| `reads(token)`, `readers(token)` | tokens that its instance reads; number of readers, zero while a block changes it |
-| `completed(token)` | it is in no block without a hold; the goal requires it |
+| `place(token)` | the slot of the token's present or last hold |
+| `passes(slot, slot)` | an edge of the network |
+| `partner(token)` | the anchor of the token's instance, if the instance has several slots |
+| `let-go(anchor)` | the anchor has left its last instance, so the other tokens may leave, too |
+| `crew(anchor)` | number of tokens in the anchor's instances; one must be empty before the next reaches its exit |
+| `reads(token)` | the tokens that the token's instance reads |
+| `readers(token)` | number of instances that read the token; zero while a block changes it |
+| `completed(token)` | the block that the token is in has a hold; the goal requires this |
 
-A predicate with one value at a time is a fluent of its other arguments. A maintained predicate is a fluent of the token
+A functional predicate becomes a fluent: its one value is the fluent's value, and its other arguments are the fluent's
+parameters. A maintained predicate is a fluent of the token
 that carries it (`assignment.keeper`), because a token is in one instance at a time. If the token of a slot may come
 together with the anchor or on its own, there is an action for each case.
 
@@ -39,7 +42,7 @@ from hybrid_tamp.symbolic.temporal.words import NOBODY, Words
 
 @dataclass(frozen=True, eq=False)
 class TemporalEncoding:
-    """The temporal planning domain of a domain, with the block that each action runs by the name of the action."""
+    """The temporal planning domain of a domain, and a map from the name of each action to the block that it runs."""
 
     vocabulary: Vocabulary
     names: Words
@@ -73,7 +76,7 @@ class _Encoder:
     # -- declarations -------------------------------------------------------------------------------------------
 
     def constants(self) -> Iterator[Typed]:
-        """Yield the symbols, the slots, and the values that stand for none."""
+        """Yield the symbols, the slots, and the values that mean 'no value'."""
         token, slot = self.vocabulary.type_of(TOKEN), self.words("slot")
         own = {constant for constant, _ in self.vocabulary.constants[-1:]}  # The count is not used here.
         yield from (each for each in self.vocabulary.constants if each[0] not in own)
