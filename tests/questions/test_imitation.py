@@ -135,7 +135,9 @@ def test_a_missing_class_is_named() -> None:
     task, plan, _ = rolled()
     other = load_task_text(OTHER, "other")
     handless = replace(other, tokens=tuple(t for t in other.tokens if t.name != "paddle"))
-    with pytest.raises(NoPlan, match="no token of other is a member of STATIC END-EFFECTOR, as hand is"):
+    with pytest.raises(
+        NoPlan, match="no token of other is a member of STATIC END-EFFECTOR, unlike hand in the demonstration"
+    ):
         transfer(task, plan, handless)
 
 

@@ -162,7 +162,7 @@ def test_it_goes_on_while_the_verdict_is_unsure(
     task: Task, monkeypatch: pytest.MonkeyPatch, drawn: str, verdict: str, trials: int
 ) -> None:
     won = iter(drawn * 10)
-    monkeypatch.setattr(Prober, "trial", lambda *_: Trial(next(won) == "1", "", {}))
+    monkeypatch.setattr(Prober, "run_trial", lambda *_: Trial(next(won) == "1", "", {}))
     (found,) = probe(task, "P5", ["TUMBLABLE"], most_starts=10).verdicts
     assert (found.verdict, len(found.trials)) == (verdict, trials)
 
