@@ -14,6 +14,7 @@ from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 
 import hybrid_tamp
 from hybrid_tamp.errors import InputError
+from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Parameters
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
@@ -198,7 +199,7 @@ def test_a_mode_counts_more_than_its_action(tmp_path: Path) -> None:
     hand, drum, goal = (task.token_by_name[name] for name in ("hand", "drum", "goal"))
     binding = {"hand": hand, "object": drum, "region": goal}
 
-    def early(block: hybrid_tamp.Block) -> np.ndarray:
+    def early(block: Block) -> np.ndarray:
         assert block.policy is not None
         policy = block.policy(binding, task.state, Parameters(block.initial_values(binding, task.state)))
         return policy(np.array(0.3), task.state)["hand", "force"]
