@@ -1,4 +1,4 @@
-"""A task as a ground planning problem: objects, facts of its continuous state, and goal."""
+"""Compilation of a task to a ground planning problem with objects, initial facts and a goal."""
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -19,15 +19,15 @@ from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem, ground
 
 @dataclass(frozen=True, eq=False)
 class Compilation:
-    """A compiled task, with the way back to the names of the user. Slow parts are computed on first use.
+    """A task compiled to STRIPS. Slow parts are computed on first use.
 
     Attributes:
-        task: the task.
-        encoded: its domain, encoded.
-        words: names of its tokens and symbols.
-        counts: largest number of instances that can read one token at once.
-        goal: the facts that hold in the end.
-        feasible: its facts of feasibility, or those of a larger task that contains it.
+        task: Task that is compiled, with a ground goal.
+        encoded: Encoded domain of the task.
+        words: PDDL names of the task's tokens and symbols, in both directions.
+        counts: Largest number of instances that can read one token at the same time.
+        goal: Facts that must hold at the end of a plan.
+        feasible: Feasibility facts of the task, or of a larger task that contains the task.
     """
 
     task: Task
@@ -39,7 +39,7 @@ class Compilation:
 
     @cached_property
     def problem(self) -> PlanningProblem:
-        """The planning problem, which has very many facts of feasibility if there are many tokens."""
+        """The planning problem. Its number of feasibility facts grows fast with the number of tokens."""
         vocabulary, writer = self.encoded.vocabulary, _Writer(self.encoded, self.words, self.counts)
         tokens = sorted(self.task.tokens, key=lambda token: token.name)
         return PlanningProblem(
@@ -56,11 +56,11 @@ class Compilation:
 
     @cached_property
     def changing(self) -> frozenset[Fact]:
-        """The initial facts except those of feasibility and difference, which `always` decides."""
+        """The initial facts, without the feasibility and inequality facts. `always` decides the latter."""
         return frozenset(_Writer(self.encoded, self.words, self.counts).changing())
 
     def always(self, fact: Fact) -> bool:
-        """Say whether a fact of feasibility or difference holds; no action changes these."""
+        """Return whether a feasibility or inequality fact holds. No action changes these facts."""
         predicate, *names = fact
         if predicate == "distinct":
             return len(set(names)) > 1
@@ -70,10 +70,9 @@ class Compilation:
         return (Atom(known.name, tuple(map(self.words.user, names))) in self.feasible) == positive
 
     def reaches_goal(self, actions: Sequence[PlannedAction]) -> bool:
-        """Say whether each action can be applied after those before it and the goal holds in the end.
+        """Return whether the actions can be applied in this order and achieve the goal.
 
-        The effects follow STRIPS. Feasibility is decided fact by fact, because a large task has too many such facts
-        to list them all.
+        Each feasibility fact is decided when an action needs it. A large task has too many of them to list.
         """
         operators = {operator.name: operator for operator in self.encoded.planning.operators}
         facts: set[Fact] = set(self.changing)
@@ -93,7 +92,7 @@ class Compilation:
 
     @cached_property
     def _static(self) -> dict[str, tuple[Predicate, bool]]:
-        """Static predicates and their opposites by their names in the planning domain."""
+        """Maps each PDDL name of a static predicate or of its negation to (predicate, whether positive)."""
         vocabulary = self.encoded.vocabulary
         static = {vocabulary.predicate(p.name): (p, True) for p in self.task.domain.static_predicates}
         return static | {vocabulary.predicate(p.name, positive=False): (p, False) for p in vocabulary.denied}
@@ -103,13 +102,13 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
     """Compile a task to STRIPS.
 
     Args:
-        task: the task.
-        whole: a compiled task that contains this one, with the same tokens in the same state. Its encoded domain and
-            its facts of feasibility are used again.
-        chains: whether blocks in series are compiled as one step.
+        task: Task to compile.
+        whole: Compilation of a larger task with the same tokens in the same state. Its encoded domain and its
+            feasibility facts are reused.
+        chains: Whether blocks in series are compiled as one step.
 
     Raises:
-        InputError: the goal has a negative atom or leaves a choice; STRIPS goals allow neither.
+        InputError: If the goal has a negative atom, leaves a choice, or depends on an unknown class of a token.
     """
     task = settle_goal(task)
     encoded = whole.encoded if whole else encode_task(task) if chains else encode_domain(task.domain)
@@ -123,7 +122,10 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
 
 
 def _counts(task: Task) -> int:
-    """Return the largest number of instances that can read one token at once: the number of possible anchors."""
+    """Return the number of tokens that can anchor an instance with locked targets.
+
+    No more instances can read one token at the same time, because each instance has its own anchor.
+    """
     anchors = {
         token
         for block in task.domain.blocks
@@ -134,7 +136,7 @@ def _counts(task: Task) -> int:
 
 
 class _Writer:
-    """Writes the initial facts and the goal of one task in the words of its encoded domain."""
+    """Writes the initial facts and the goal of one task with the PDDL names of its encoded domain."""
 
     def __init__(self, encoded: EncodedDomain, words: TaskWords, counts: int) -> None:
         self.task = words.task
@@ -147,7 +149,7 @@ class _Writer:
         return (self.vocabulary.predicate(atom.predicate), *map(self.words.name, atom.arguments))
 
     def changing(self) -> Iterator[Fact]:
-        """Yield the initial facts of the domain's predicates, except facts of feasibility and difference."""
+        """Yield the initial facts, except the feasibility and inequality facts."""
         changing = facts(self.task)
         yield from map(self.fact, changing)
         yield from self.words.guards()
@@ -155,7 +157,7 @@ class _Writer:
         yield from (fact for fact in self._assignment() if fact[0] in self.used)
 
     def lasting(self, feasible: StaticFacts) -> Iterator[Fact]:
-        """Yield the facts of feasibility and difference."""
+        """Yield the feasibility and inequality facts."""
         static = static_facts(self.task, feasible)
         yield from map(self.fact, static)
         yield from self.words.denials(static)
@@ -163,7 +165,7 @@ class _Writer:
             yield from self.words.differences()
 
     def _no_values(self, changing: frozenset[Atom]) -> Iterator[Fact]:
-        """Yield the value 'none' for each functional predicate that has no value."""
+        """Yield a fact with the value 'none' for each functional predicate and arguments without a value."""
         for predicate in self.task.domain.predicates:
             index = predicate.functional_index
             if index is None:
@@ -188,7 +190,7 @@ class _Writer:
         yield from (("next", one, more) for one, more in pairwise(steps))
 
     def goal(self) -> Iterator[Fact]:
-        """Yield the goal: the user's atoms, and that every reassignment and every block without a hold is finished."""
+        """Yield the user's goal, and facts that hold once all reassignments and blocks without a hold are finished."""
         yield from map(self.fact, self.task.goal)
         yield ("idle",)
         for token in self.task.assigned:

@@ -1,4 +1,4 @@
-"""A task as a ground temporal problem: objects, facts of its continuous state, durations, and goal."""
+"""Compilation of a task to a ground temporal problem with objects, initial values, durations and a goal."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from hybrid_tamp.symbolic.temporal.words import NOBODY
 
 @dataclass(frozen=True, eq=False)
 class TemporalCompilation:
-    """A task compiled to durative actions, with the way back to the names of the user.
+    """A task compiled to durative actions.
 
     Attributes:
-        task: the task.
-        encoding: its domain, encoded.
-        words: names of its tokens and symbols.
-        problem: the temporal problem.
+        task: Task that is compiled, with a ground goal.
+        encoding: Encoded domain of the task.
+        words: PDDL names of the task's tokens and symbols, in both directions.
+        problem: Temporal planning problem.
     """
 
     task: Task
@@ -37,7 +37,7 @@ def compile_durative(task: Task) -> TemporalCompilation:
     """Compile a task to durative actions.
 
     Raises:
-        InputError: the goal has a negative atom or leaves a choice.
+        InputError: If the goal has a negative atom, leaves a choice, or depends on an unknown class of a token.
     """
     task = settle_goal(task)
     encoding = encode_durative(task.domain)
@@ -68,13 +68,13 @@ class _Writer:
         self.name = task_words.name
 
     def stated(self, atom: Atom) -> tuple[Fact, Value]:
-        """Return an atom as a fluent and its value."""
+        """Convert an atom to a pair of (fluent, value)."""
         predicate, word = self.task.domain.predicate_by_name[atom.predicate], self.vocabulary.predicate(atom.predicate)
         arguments = tuple(map(self.name, atom.arguments))
         return ((word, *arguments), True) if predicate.static else self.words.stated(predicate, word, arguments)
 
     def goal(self) -> Iterator[tuple[Fact, Value]]:
-        """Yield the goal of the user, and that every block without a hold has ended."""
+        """Yield the user's goal, and values that hold once all blocks without a hold have ended."""
         yield from map(self.stated, self.task.goal)
         for token in self.task.assigned:
             bounded = [s for b in self.task.domain.blocks if not b.hold for s in b.slots]
@@ -82,7 +82,7 @@ class _Writer:
                 yield (self.words("completed"), self.name(token.name)), True
 
     def init(self) -> Iterator[tuple[Fact, Value]]:
-        """Yield the initial values of the fluents that the domain has."""
+        """Yield the initial value of each fluent."""
         static, changing = static_facts(self.task), facts(self.task)
         yield from map(self.stated, static | changing)
         yield from self._nothing(changing)
@@ -96,7 +96,7 @@ class _Writer:
         yield from ((words, round(1e3 * seconds)) for words, seconds in lasts.items())
 
     def _nothing(self, changing: frozenset[Atom]) -> Iterator[tuple[Fact, Value]]:
-        """Yield the value 'none' for each fluent without a value."""
+        """Yield the value 'none' for each fluent without a value in the initial state."""
         for predicate in self.task.domain.changing_predicates:
             key = self.words.key(predicate)
             if len(key) == len(predicate.parameters):
