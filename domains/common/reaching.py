@@ -1,7 +1,8 @@
-"""REACHING (paper, D5): a hand's curved reach to a place beside an object.
+"""The block REACHING (paper, D5): a hand moves along a curve to a place beside an object.
 
-A domain says where its hands reach to (`ReachGoal`). The movement is a dynamic movement primitive learnt from a
-demonstrated reach (``reach.csv``): it lifts the hand, carries it over and sets it down. It can be taught another one.
+Each domain defines the goals of its reaches (`ReachGoal`). The movement is a dynamic movement primitive. By default it
+is learnt from a demonstrated reach (``reach.csv``), which lifts the hand, moves it across and lowers it. REACHING can
+be taught another primitive.
 """
 
 from collections.abc import Callable
@@ -43,14 +44,14 @@ _SETTLING = 0.15
 
 @dataclass(frozen=True)
 class ReachGoal:
-    """Where a domain's hands reach to.
+    """The goal of a reach.
 
     Attributes:
         targets: roles that determine the goal, e.g. an object and a region.
-        position: ``position(binding, state)`` of the hand's centre at the goal, ``(..., 3)`` [m].
-        entry: conditions at the start of the reach.
+        position: ``position(binding, state)`` returns the position ``(..., 3)`` [m] of the hand's centre at the goal.
+        entry: conditions that must hold at the start of the reach.
         arrived: conditions that hold at the goal.
-        hand_class: class of the hands that reach there.
+        hand_class: capability class of the hands that can do the reach.
         keeps: predicates that the reach leaves unchanged although they read the position of the hand.
     """
 
@@ -63,17 +64,17 @@ class ReachGoal:
 
 
 def estimate_duration(distance: FloatArray) -> FloatArray:
-    """Return the time [s] of a reach over a distance [m], ``(...)``, with which optimisation begins."""
+    """Return the initial value of a reach's duration [s] for a distance [m], both ``(...)``."""
     return np.asarray(1.2 + (distance + 2 * _LIFT) / (2 * _MEAN_SPEED))
 
 
 def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
-    """Return REACHING for one kind of goal.
+    """Return the block REACHING for one kind of goal.
 
     Args:
-        goal: where the hands reach to.
-        mode: name of the mode, or None for a single mode.
-        primitive: the movement, in three dimensions; the demonstrated reach by default.
+        goal: the goal of the reach.
+        mode: name of the mode, or None if REACHING has no modes.
+        primitive: three-dimensional motor primitive of the movement; the demonstrated reach by default.
     """
 
     def initial_duration(binding: Binding, state: State) -> FloatArray:
@@ -108,7 +109,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         exit=(*goal.arrived, AT_REST("hand")),
         writes={"hand": MOTION},
         keeps=goal.keeps,
-        hyperparameters=(Hyperparameter("duration", "s", 0.8, 8.0, initial_duration, "how long the reach takes"),),
+        hyperparameters=(Hyperparameter("duration", "s", 0.8, 8.0, initial_duration, "duration of the reach"),),
         duration=Duration(0.3, 12.0, expected),
         hold=True,
         policy=make_policy,
@@ -116,5 +117,5 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         taught=lambda other: reaching(goal, mode, other),
         movement=Movement("hand", "position", 3),
         outcome=outcome,
-        description="the hand moves on a curve to its place beside the object and holds there",
+        description="the hand moves along a curve to its place beside the object and stays there",
     )

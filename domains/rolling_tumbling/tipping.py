@@ -1,9 +1,12 @@
-"""TIPPING (paper, D2 and D4): two hands turn a box about one of its edges, in three modes; TILTING (D3): one holds it.
+"""The blocks TIPPING and TILTING, which tumble a box (paper, D2 to D4).
 
-``opposite``: with hands on opposite sides the box is tipped from lying flat to leaning over the edge (D2).
-``lower``: with hands below and above it comes down on its next face (D2 again, with another outcome).
-``adjacent``: with hands on the two faces beside the edge it is tilted back until it leans the other way (D4).
-In TILTING the hand on the face over which the box leans holds it while another one moves.
+In TIPPING, two hands turn a box about one of its edges. TIPPING has three modes:
+
+- ``opposite`` (D2): hands on opposite sides tip the flat box until it leans over the edge.
+- ``lower`` (D2 with another outcome): hands below and above the box lower it onto its next face.
+- ``adjacent`` (D4): hands on the two faces beside the edge tilt the box back until it leans the other way.
+
+In TILTING (D3), the box leans over one face and a single hand on that face holds it. Another hand can then move.
 """
 
 from functools import partial
@@ -68,10 +71,13 @@ def _light(binding: Binding, state: State) -> FloatArray:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
-    """Return the time [s] to close and to turn between the two postures within tolerance, from any initial pose."""
+    """Return the time [s] for the hands to close and to turn the box from its posture to within tolerance of the next.
+
+    The time is enough for every initial pose of the box.
+    """
     roles = Roles.of(binding)
     angle = roles.wanted - nominal_tilt(roles.thing, get_symbol(binding, "before"), *roles.edge)
-    # The hands move fastest; their distance from the edge is about the width of the box's section.
+    # The hands move faster than the box. Their distance from the edge is about the width of the box's section.
     one, other = (half_extent(roles.thing, face) for face in roles.edge)
     width = 2.0 * float(np.hypot(one, other))
     turn = turning_time(angle, float(hyperparameters["rate"]))
@@ -81,7 +87,7 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, 
 def _tipping(
     mode: str, relation: Predicate, squeeze: Hyperparameter, description: str, primitive: DMP | None = None
 ) -> Block:
-    """Return one mode; its primitive in one dimension moves the tilt, by default a straight movement."""
+    """Return one mode of TIPPING. A one-dimensional primitive drives the tilt; the default is a straight movement."""
     profile = profile_of(primitive)
     return Block(
         name=f"TIPPING:{mode}",
@@ -108,9 +114,9 @@ def _tipping(
             AT_REST("second"),
         ),
         writes={"first": MOTION, "second": MOTION, "object": BODY},
-        # A box turns about the axis of the hands only and moves by little more than its own size, so feasibility does
-        # not change. Boxes do not roll, so the facts of rolling do not change either. The hands' workspace is not
-        # measured in the blocks of tumbling yet.
+        # A box turns only about the axis of the hands and moves by little more than its own size, so its feasibility
+        # facts do not change. Boxes do not roll, so the facts of rolling do not change either. Tumbling blocks do not
+        # measure the hands' workspace yet.
         keeps=_KEPT,
         hyperparameters=(
             Hyperparameter("rate", "rad/s", 0.1, 1.0, lambda b, s: np.asarray(0.5), "mean rate of the turn"),
@@ -132,19 +138,19 @@ TIPPING = (
         "opposite",
         TIPS,
         Hyperparameter("squeeze", "N", 0.0, 500.0, _opposed, "force with which each hand squeezes the box"),
-        "two hands on opposite sides tip the box on its edge and hold it there",
+        "two hands on opposite sides tip the box onto its edge and hold it there",
     ),
     _tipping(
         "lower",
         LOWERS,
         Hyperparameter("squeeze", "N", 0.0, 500.0, _opposed, "force with which each hand squeezes the box"),
-        "two hands below and above lower the box on its next face and hold it",
+        "two hands below and above the box lower it onto its next face and hold it",
     ),
     _tipping(
         "adjacent",
         LEANS,
         Hyperparameter("squeeze", "N", 0.0, 500.0, _light, "force with which each hand pushes on its face"),
-        "two hands beside the edge tilt the box back until it leans on the other hand",
+        "two hands on the faces beside the edge tilt the box back until it leans on the other hand",
     ),
 )
 
@@ -161,11 +167,11 @@ TILTING = Block(
     ),
     exit=(AT_FACE("hand", "object", "face"), AT_REST("hand")),
     writes={"hand": MOTION},
-    # The hands' workspace is not measured in the blocks of tumbling yet.
+    # Tumbling blocks do not measure the hands' workspace yet.
     keeps=(IN_WORKSPACE,),
     duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
     policy=partial(stay, slot="hand"),
     system=hand_system,
-    description="one hand holds the tipped box, which leans on it",
+    description="one hand holds the tipped box, which leans on that hand",
 )

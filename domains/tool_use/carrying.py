@@ -162,7 +162,7 @@ def _carrying(
         writes={"hand": BODY, "tool": BODY},
         # These facts concern the place where the tool stood first.
         keeps=(HANDLE_WITHIN_REACH, HOME),
-        hyperparameters=(Hyperparameter("duration", "s", 1.2, 8.0, initial_duration, "how long the reach takes"),),
+        hyperparameters=(Hyperparameter("duration", "s", 1.2, 8.0, initial_duration, "duration of the reach"),),
         duration=Duration(0.3, 12.0, expected),
         hold=True,
         policy=_policy(goal),
