@@ -1,1 +1,1 @@
-"""Execution of a plan on a physics backend, which gives a `Recording` of the measured run."""
+"""Execution of plans on a physics backend. Each run is stored as a `Recording` of measured states and commands."""

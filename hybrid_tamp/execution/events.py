@@ -1,4 +1,4 @@
-"""The events of a run, one JSON document on each line."""
+"""Events of a run and their log file, which contains one JSON document per line."""
 
 import json
 import math
@@ -16,14 +16,15 @@ class Event:
     """One event of a run.
 
     Attributes:
-        time: simulated time [s].
+        time: simulated time of the event [s].
         event: kind of the event.
-        instance: the instance concerned; None if the event concerns the whole run.
-        ending: instances that end in a reassignment.
-        starting: instances that start in a reassignment.
-        hyperparameters: hyperparameters of the instance.
-        margins: entry conditions at the beginning, exit conditions at the end, unmet conditions at a failure.
-        reason: why a run failed; empty otherwise.
+        instance: block instance that begins, ends or fails; None if the event concerns the whole run.
+        ending: names of the instances that end in a reassignment.
+        starting: names of the instances that start in a reassignment.
+        hyperparameters: maps each hyperparameter of the instance to its value.
+        margins: measured margins of the instance's entry conditions ("begin"), of its exit conditions ("end"), of the
+            unmet conditions ("failure") or of the goal atoms ("goal").
+        reason: reason for the failure of the run; empty for other events.
     """
 
     time: float
@@ -36,7 +37,7 @@ class Event:
     reason: str = ""
 
     def to_document(self) -> dict[str, Any]:
-        """Return the event as JSON data; every event has the same keys."""
+        """Return the event as JSON data. Every event has the same keys."""
         instance = self.instance
         return {
             "time": self.time,
@@ -60,20 +61,20 @@ Observer = Callable[[Event], None]
 
 
 def _finite(value: float | None) -> float | None:
-    """Return the value, or None if it is not finite: JSON has no infinity."""
+    """Return the value, or None if the value is not finite, because JSON has no infinity."""
     return value if value is not None and math.isfinite(value) else None
 
 
 class EventLog:
-    """Appends events to a file and flushes each line, so that a run that dies leaves a log."""
+    """An observer that appends events to a file. Each line is flushed, so the log survives a crash of the run."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._file: TextIO | None = None
 
     def __call__(self, event: Event) -> None:
-        """Write one event; an `Observer`."""
-        assert self._file is not None, "an EventLog is used in a with statement"
+        """Append one event to the file."""
+        assert self._file is not None, "an EventLog must be used in a with statement"
         self._file.write(json.dumps(event.to_document(), allow_nan=False) + "\n")
         self._file.flush()
 

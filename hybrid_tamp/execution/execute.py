@@ -1,4 +1,4 @@
-"""Closed-loop execution of a plan, or of several plans with the same beginning."""
+"""Closed-loop execution of one plan, or of several plans that differ only in their hyperparameters."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -20,21 +20,22 @@ def execute(
     progress: Progress | None = None,
     observer: Observer | None = None,
 ) -> Recording:
-    """Run a lawful plan.
+    """Run a plan and return its recording.
 
     Args:
-        task: the task.
-        plan: the plan; any hyperparameter that it lacks is set to its initial value when its instance begins.
-        backend: moves the tokens; it is reset to the task's initial state.
-        progress: called every few steps.
-        observer: called with every event as it happens.
+        task: task that the plan solves.
+        plan: plan that obeys the law of assignment. A hyperparameter without a value in the plan takes its block's
+            initial value when the instance begins.
+        backend: physics backend, which is reset to the task's initial state.
+        progress: callback for the simulated time, called ten times per simulated second.
+        observer: callback for the events of the run.
 
     Returns:
-        The recording until the end of the plan or the first failure.
+        The recording up to the end of the plan or the first failure.
 
     Raises:
         InputError: the backend cannot simulate the task.
-        DomainError: a policy commands a token that its block does not hold.
+        DomainError: a policy commands an unknown action, or a token outside the slots of its block.
     """
     run = Run(task, plan, backend, observer)
     run.advance(progress=progress)
@@ -44,22 +45,24 @@ def execute(
 def execute_variants(
     task: Task, plans: Sequence[TaskPlan], backend: Backend, until: str | None = None
 ) -> Iterator[Recording]:
-    """Run plans that differ in hyperparameters only; the results are the same to the bit as those of `execute`.
+    """Run plans that differ only in their hyperparameters. Each recording equals that of `execute`, bit for bit.
 
-    The part before the first instance in which they differ is run once; each plan continues from a snapshot.
+    The plans share the run up to the first instance whose hyperparameters differ. From there on, each plan continues
+    from a snapshot.
 
     Args:
-        task: the task.
-        plans: one or more plans.
-        backend: moves the tokens.
-        until: name of an instance; the runs end when it ends, and the recording omits instances that still run then.
+        task: task that the plans solve.
+        plans: plans that differ only in their hyperparameters, at least one.
+        backend: physics backend, which is reset to the task's initial state.
+        until: name of an instance. Every run stops when this instance ends. Instances that are still running are not
+            recorded.
 
     Yields:
-        A recording for each plan, in their order.
+        The recording of each plan, in the order of `plans`.
 
     Raises:
         InputError: the backend cannot simulate the task.
-        DomainError: a policy commands a token that its block does not hold.
+        DomainError: a policy commands an unknown action, or a token outside the slots of its block.
     """
     trunk = Run(task, plans[0], backend)
     trunk.advance(before=_find_changed(plans), until=until)
@@ -72,7 +75,7 @@ def execute_variants(
 
 
 def _find_changed(plans: Sequence[TaskPlan]) -> frozenset[str]:
-    """Return the names of the instances whose hyperparameters are not the same in all plans."""
+    """Return the names of the instances whose hyperparameters differ between the plans."""
     first = plans[0]
     return frozenset(
         one.name
@@ -83,11 +86,12 @@ def _find_changed(plans: Sequence[TaskPlan]) -> frozenset[str]:
 
 
 def add_predictions(measured: Recording, expected: Mapping[tuple[str, Atom], float | None]) -> Recording:
-    """Return a recording with the predictions of the forward models beside its measured margins.
+    """Return a copy of a recording in which measured margins also have their predicted values.
 
     Args:
-        measured: the recording.
-        expected: maps (instance or `GOAL`, atom) to the predicted margin; other conditions get no prediction.
+        measured: recording of a run.
+        expected: maps each pair (instance name or `GOAL`, atom) to the margin that the forward models predict.
+            Conditions outside this mapping get no prediction.
     """
 
     def add(where: str, margins: tuple[AtomMargin, ...]) -> tuple[AtomMargin, ...]:

@@ -1,4 +1,4 @@
-"""The log of a run, which becomes its recording."""
+"""Log of a run. `Logbook.make_recording` turns the log into a recording."""
 
 import logging
 from collections import Counter
@@ -18,16 +18,16 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.physics.protocol import FLOOR, Backend
 
 NOTEWORTHY = 0.1
-"""Share of an instance's control steps with commands cut to their limit that causes a warning."""
+"""A warning is logged if a command is limited in at least this share of an instance's control steps."""
 
 _logger = logging.getLogger(__name__)
 
 
 class Logbook:
-    """Rows of states and commands, and when each instance ended.
+    """Log of states, commands, contacts and ended instances.
 
     Attributes:
-        last_event: instant of the last reassignment [s].
+        last_event: time of the last reassignment [s].
     """
 
     def __init__(self, task: Task, layout: CommandLayout, backend: Backend) -> None:
@@ -43,7 +43,7 @@ class Logbook:
         self._contacts: dict[tuple[tuple[str, str], tuple[str, str]], Contact] = {}
 
     def copy(self) -> "Logbook":
-        """Return a logbook that continues from here."""
+        """Return an independent copy with the entries so far."""
         other = copy(self)
         for name in ("_states", "_commands", "_instances", "_exits", "_cuts", "_contacts"):
             setattr(other, name, copy(getattr(self, name)))
@@ -51,34 +51,41 @@ class Logbook:
 
     @property
     def started(self) -> bool:
-        """Whether the start is recorded."""
+        """Whether the initial state is recorded."""
         return bool(self._states)
 
     def has_ended(self, instance: str) -> bool:
-        """Say whether the end of an instance is recorded."""
+        """Return whether the end of an instance is recorded."""
         return instance in self._exits
 
     @property
     def steps(self) -> int:
-        """Number of control periods that have passed."""
+        """Number of control periods recorded so far."""
         return len(self._commands)
 
     @property
     def time(self) -> float:
-        """Simulated time [s]; a product, so that rounding errors do not add up."""
+        """Simulated time [s]. It is computed as a product, so rounding errors do not accumulate."""
         return self.steps * self._backend.timestep
 
     @property
     def step_index(self) -> int:
-        """Index of the current step: one more than the number of past instants of reassignment."""
+        """Index of the current step: one plus the number of distinct times at which instances have ended."""
         return 1 + len({instance.end for instance in self._instances})
 
     def start(self, state: State) -> None:
-        """Record the start."""
+        """Record the initial state, shape ``(n,)``."""
         self._states.append(state.values)
 
     def record_step(self, state: State, row: FloatArray, cut: tuple[Key, ...], running: Iterable[Running]) -> float:
-        """Record one control period, in which these instances ran, and return the time after it [s]."""
+        """Record one control period and return the simulated time at its end [s].
+
+        Args:
+            state: state at the end of the control period. Shape ``(n,)``.
+            row: limited commands of all tokens. Shape ``(m,)``.
+            cut: pairs of (token, action) whose commands were limited.
+            running: instances that ran during the control period.
+        """
         self._states.append(state.values)
         self._commands.append(row)
         within = {token: one.instance.name for one in running for token in one.instance.slots.values()}
@@ -87,7 +94,7 @@ class Logbook:
         return self.time
 
     def _record_contacts(self, within: Mapping[str, str]) -> None:
-        """Keep the hardest contact of each pair of tokens in each pair of instances, except with the floor."""
+        """Record the largest contact force of each pair of tokens, except the floor, in each pair of instances."""
         for one, other, force in self._backend.contact_forces():
             if FLOOR in (one, other):
                 continue
@@ -97,7 +104,7 @@ class Logbook:
                 self._contacts[tokens, instances] = Contact(tokens, instances, force, self.time)
 
     def record_end(self, running: Running, time: float, exits: tuple[AtomMargin, ...]) -> None:
-        """Record the end of an instance, with its actual times and hyperparameters."""
+        """Record the end of an instance with its actual times, its hyperparameters and its exit margins."""
         done = replace(
             running.instance,
             start=running.begin,
@@ -109,7 +116,7 @@ class Logbook:
         self._exits[done.name] = exits
 
     def make_recording(self, goal: tuple[AtomMargin, ...], failure: Failure | None) -> Recording:
-        """Return everything that was recorded."""
+        """Return the recording of all entries, with the margins of the goal and the failure, if any."""
         rows = len(self._states)
         return Recording(
             layout=self._task.state.layout,
@@ -132,6 +139,6 @@ class Logbook:
         for (instance, (token, action)), count in sorted(self._cuts.items()):
             if count < NOTEWORTHY * lengths[instance]:
                 continue
-            said = f"{instance}: the {action} on {token} was cut to its limit in {count} control steps"
+            said = f"{instance}: the {action} on {token} was limited in {count} control steps"
             _logger.warning("%s", said)
             yield said

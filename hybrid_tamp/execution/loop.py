@@ -1,11 +1,11 @@
-"""One run under way: its instances, its clock and its logbook.
+"""Closed-loop control of one run.
 
-The plan gives only the order of reassignments. A reassignment happens at the first control step at which the minimum
-durations of all ending instances are over, their exit conditions hold and the entry conditions of all starting
-instances hold. Until then the running blocks continue.
+The plan determines only the order of reassignments. A reassignment happens at the first control step at which three
+conditions are true: the minimum durations of all ending instances are over, their exit conditions hold, and the entry
+conditions of all starting instances hold. Until then the running instances continue.
 
-The wait is bounded: a reassignment must happen within `PATIENCE` after the preceding events and the maximum durations
-of the blocks that it waits for. So every run ends, at the end of its plan or with a failure.
+A reassignment is due once the preceding events have happened and the maximum durations of the instances that must
+finish first are over. The run fails if the reassignment has not happened `PATIENCE` seconds later, so every run ends.
 """
 
 import logging
@@ -32,19 +32,19 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
 
 Progress = Callable[[float, float], None]
-"""Called ten times a simulated second with the simulated time and the plan's expected end [s]."""
+"""Callback that receives the simulated time and the expected makespan [s], ten times per simulated second."""
 
 PATIENCE = 5.0
-"""Time that a reassignment may wait for its conditions once it is due [s]."""
+"""Time after which a run fails if a due reassignment has not happened [s]."""
 SETTLING = 0.5
-"""Minimum time of the last instances [s], so that the run measures rest instead of assuming it."""
+"""Minimum duration of the last instances [s], so that the run measures whether tokens stay at rest."""
 _PROGRESS_STEPS = 24
 
 _logger = logging.getLogger(__name__)
 
 
 class Run:
-    """The state of one execution."""
+    """One execution of a plan."""
 
     def __init__(self, task: Task, plan: TaskPlan, backend: Backend, observer: Observer | None = None) -> None:
         self._task = task
@@ -67,9 +67,9 @@ class Run:
         """Run until the end of the plan or a failure.
 
         Args:
-            before: names of instances; the run stops at the first control step at which one of them might begin.
-            until: name of an instance; the run stops as soon as this instance has ended.
-            progress: called every few steps.
+            before: names of instances. The run stops at the first control step at which such an instance might begin.
+            until: name of an instance. The run stops as soon as this instance has ended.
+            progress: callback for the simulated time.
         """
         try:
             if not self._log.started:
@@ -85,9 +85,9 @@ class Run:
             self._error = error
 
     def branch(self, plan: TaskPlan) -> "Run":
-        """Return a run that continues from here with other hyperparameters of the instances that have not begun.
+        """Return a copy of the run that continues with a plan whose later instances have other hyperparameters.
 
-        The caller restores the state of the backend.
+        The caller must restore the state of the backend.
         """
         other = copy(self)
         other._plan = plan
@@ -99,7 +99,7 @@ class Run:
         return other
 
     def make_recording(self) -> Recording:
-        """Return the recording so far; only a run that ended or failed measures the goal."""
+        """Return the recording so far. The goal is measured only if the run has ended or failed."""
         if self._error is not None:
             return self._record_failure(self._error)
         return self._record_end() if self._ended else self._log.make_recording((), None)
@@ -114,7 +114,7 @@ class Run:
         self._begin(initial(self._plan))
 
     def _might_begin(self, names: Collection[str]) -> bool:
-        """Say whether an event that starts one of these instances has all its ending instances ready."""
+        """Return whether one of the named instances might begin now, because all instances before it can end."""
         return any(
             any(instance.name in names for instance in self._pending[index].starting)
             and self._are_ready(self._pending[index].ending)
@@ -127,7 +127,7 @@ class Run:
     def _carry_out_events(self) -> None:
         """Carry out every event that can happen at this step."""
         for running in self._running.values():
-            if running.reached is None:  # `is_ready` records when it first reaches its exit
+            if running.reached is None:  # `is_ready` records when the exit conditions first hold
                 running.is_ready(self._time, self._state)
         for index in sorted(self._enabled_at):
             event = self._pending[index]
@@ -158,18 +158,18 @@ class Run:
         self._ended = event.final
         self._log.last_event = self._time
         del self._pending[index], self._enabled_at[index]
-        # Enabled from the next step on: events that the plan orders never happen at the same instant.
+        # Later events are enabled from the next step on, so ordered events never happen at the same time.
         for other, later in self._pending.items():
             if other not in self._enabled_at and not later.after & self._pending.keys():
                 self._enabled_at[other] = self._time
 
     def _check_wait(self, index: int, event: Reassignment) -> None:
-        """Check the time that an event has waited.
+        """Check that an event is not overdue.
 
         Raises:
-            RunError: the reassignment is overdue.
+            RunError: the reassignment has been due for more than `PATIENCE`.
         """
-        if self._time <= self._enabled_at[index] + PATIENCE:  # it is not due before that
+        if self._time <= self._enabled_at[index] + PATIENCE:
             return
         due = max(self._enabled_at[index], *(self._running[name].latest for name in self._awaited(event))) + PATIENCE
         if self._time <= due:
@@ -177,13 +177,13 @@ class Run:
         missing = [(name, m) for name in event.ending for m in self._running[name].measure_exits(self._state)]
         missing += [(instance.name, m) for instance in event.starting for m in self._entries(instance)]
         missing = [(name, margin) for name, margin in missing if not margin.holds]
-        said = "; ".join(f"{name}: {describe_shortfall(margin)}" for name, margin in missing) or "nothing is missing"
+        said = "; ".join(f"{name}: {describe_shortfall(margin)}" for name, margin in missing) or "all conditions hold"
         first = missing[0][0] if missing else event.ending[0]
-        reason = f"a reassignment was due at {due - PATIENCE:.3f} s and cannot happen: {said}"
+        reason = f"the reassignment due at {due - PATIENCE:.3f} s cannot happen: {said}"
         raise RunError(first, reason, (margin for _, margin in missing))
 
     def _awaited(self, event: Reassignment) -> list[str]:
-        """Return the ending instances and those that still change what a starting instance reads (law 5)."""
+        """Return the ending instances, and those that still change a target of a starting instance (law 5)."""
         changing = [
             name
             for name, running in self._running.items()
@@ -213,7 +213,7 @@ class Run:
         return measure_conditions(self._task, block.measured_entries, instance, self._state)
 
     def _step(self) -> None:
-        """Command the instances, advance one control period and measure.
+        """Apply the policies' commands for one control period and record the measured state.
 
         Raises:
             RunError: a command or the measured state is not finite.
@@ -241,7 +241,7 @@ class Run:
         self._observer(Event(self._time, "goal", margins=goal))
         for margin in goal:
             if not margin.holds:
-                _logger.warning("the goal is not reached: %s", describe_shortfall(margin))
+                _logger.warning("the run did not reach the goal: %s", describe_shortfall(margin))
         return self._log.make_recording(goal, None)
 
     def _measure_goal(self) -> tuple[AtomMargin, ...]:

@@ -1,4 +1,4 @@
-"""The stored form of everything in a recording except the arrays; atoms are stored as text."""
+"""JSON document of a recording. The document contains everything but the arrays, and stores atoms as text."""
 
 import math
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 _STRICT = ConfigDict(extra="forbid", strict=True, ser_json_inf_nan="constants")
 _Entry = tuple[str, str, PositiveInt]
 _COMMON = ("commands_layout", "instances", "backend", "timestep", "warnings", "contacts")
-"""Attributes with the same form in a recording and in its document."""
+"""Names of the attributes that a recording and its document have in common without conversion."""
 
 
 class _Margin(BaseModel):
@@ -59,7 +59,7 @@ class _Failure(BaseModel):
 
 
 class RecordingDocument(BaseModel):
-    """Everything in a recording except the arrays."""
+    """JSON document of a recording, without the arrays."""
 
     model_config = _STRICT
 
@@ -88,7 +88,7 @@ class RecordingDocument(BaseModel):
         )
 
     def read(self, arrays: Mapping[str, FloatArray]) -> Recording:
-        """Return the recording with these arrays."""
+        """Return the recording with arrays "times" ``(t,)``, "states" ``(t, n)`` and "commands" ``(t - 1, m)``."""
         return Recording(
             layout=StateLayout(self.layout),
             times=arrays["times"],
@@ -102,7 +102,7 @@ class RecordingDocument(BaseModel):
 
 
 def find_fault(recording: Recording) -> str:
-    """Return a description of the first contradiction in a recording, or an empty text."""
+    """Return a description of the first inconsistency in a recording, or an empty string."""
     rows = len(recording.times)
     width = sum(size for _, _, size in recording.commands_layout)
     shapes = {
@@ -110,35 +110,36 @@ def find_fault(recording: Recording) -> str:
         "commands": (recording.commands.shape, (rows - 1, width)),
     }
     if rows == 0:
-        return "it has no rows"
+        return "the recording must have at least one row, got none"
     for name, (shape, wanted) in shapes.items():
         if shape != wanted:
-            return f"its {name} have the shape {shape}, not {wanted}"
+            return f"{name} must have the shape {wanted}, got {shape}"
     for name in ("times", "states", "commands"):
         if not np.isfinite(getattr(recording, name)).all():
-            return f"its {name} are not all finite"
+            return f"{name} must be finite"
     if not np.allclose(recording.times, np.arange(rows) * recording.timestep, rtol=1e-9, atol=TIME_TOLERANCE):
-        return "its times are not multiples of its control period"
+        return f"times must be successive multiples of the control period of {recording.timestep:g} s"
     return _find_instances_fault(recording)
 
 
 def _find_instances_fault(recording: Recording) -> str:
     names = [instance.name for instance in recording.instances]
     if len(set(names)) < len(names):
-        return "two of its instances have one name"
-    if set(recording.exits) - set(names):
-        return "it has exit conditions of an instance that did not run"
+        return "names of instances must be unique"
+    strange = sorted(set(recording.exits) - set(names))
+    if strange:
+        return f"exit conditions must belong to instances that ran, got {', '.join(strange)}"
     for contact in recording.contacts:
         if not (math.isfinite(contact.force) and math.isfinite(contact.time)):
-            return f"the contact of {' and '.join(contact.tokens)} has numbers that are not finite"
+            return f"force and time of the contact between {' and '.join(contact.tokens)} must be finite"
     for instance in recording.instances:
         numbers = (instance.start, instance.end, *instance.hyperparameters.values())
         if not all(map(math.isfinite, numbers)):
-            return f"{instance.name} has times or hyperparameters that are not finite"
+            return f"times and hyperparameters of {instance.name} must be finite"
         if not -TIME_TOLERANCE <= instance.start <= instance.end <= recording.duration + TIME_TOLERANCE:
-            return f"{instance.name} runs from {instance.start} s to {instance.end} s, outside the run"
+            return f"{instance.name} must run within the recording, got {instance.start} s to {instance.end} s"
     failure = () if recording.failure is None else recording.failure.margins
     for margin in (*recording.goal, *failure, *(m for ms in recording.exits.values() for m in ms)):
         if any(value is not None and math.isnan(value) for value in (margin.measured, margin.predicted)):
-            return f"the margin of {margin.atom.text} is not a number"
+            return f"the margin of {margin.atom.text} must be a number, got NaN"
     return ""

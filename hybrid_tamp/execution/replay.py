@@ -1,4 +1,4 @@
-"""Replay: simulate the logged commands again and compare the states bit by bit."""
+"""Replay of a recording: the recorded commands are simulated again, and the states are compared bit by bit."""
 
 import math
 from collections.abc import Iterable
@@ -16,15 +16,15 @@ from hybrid_tamp.physics.protocol import Backend
 
 
 def replay(task: Task, recording: Recording, backend: Backend) -> ReplayResult:
-    """Simulate the recorded commands from the recorded start.
+    """Simulate the recorded commands from the recorded initial state, and compare the states.
 
     Args:
-        task: the recorded task.
-        recording: the recording.
-        backend: a backend of the kind that recorded it.
+        task: task of the recorded run.
+        recording: recording to repeat.
+        backend: backend with the same name and time step as that of the recorded run.
 
     Raises:
-        InputError: the recording belongs to another task or backend, or the backend cannot simulate the task.
+        InputError: the recording was made with another task or backend, or the backend cannot simulate the task.
     """
     layout = CommandLayout.of(task)
     _check_origin(task, recording, backend, layout)
@@ -43,18 +43,18 @@ def replay(task: Task, recording: Recording, backend: Backend) -> ReplayResult:
             state = backend.step(layout.commands(recording.commands[index]))
         except CommandError as error:
             return ReplayResult(False, index, None, f"at {recording.times[index]:.3f} s: {error}")
-    raise AssertionError("the loop returns at its last row")
+    raise AssertionError("the loop must return at the last row")
 
 
 def _check_origin(task: Task, recording: Recording, backend: Backend, layout: CommandLayout) -> None:
     same = recording.layout == StateLayout.of(task.tokens) and recording.commands_layout == layout.entries
     if not same:
-        wanted = f"a recording of the task {task.name}"
-        raise InputError([Issue("recording", wanted, "one with other tokens or other properties")])
+        wanted = f"expected the tokens and properties of task {task.name}"
+        raise InputError([Issue("recording", wanted, "other tokens or properties", remedy="replay the recorded task")])
     mine, theirs = (backend.name, backend.timestep), (recording.backend, recording.timestep)
     if mine != theirs:
-        wanted = f"a recording by the backend {mine[0]} at {mine[1]:.6f} s"
-        raise InputError([Issue("recording", wanted, f"one by {theirs[0]} at {theirs[1]:.6f} s")])
+        wanted = f"expected the backend {mine[0]} with a time step of {mine[1]:.6f} s"
+        raise InputError([Issue("recording", wanted, f"{theirs[0]} with a time step of {theirs[1]:.6f} s")])
 
 
 def _find_running(recording: Recording, time: float) -> Iterable[BlockInstance]:
@@ -64,7 +64,7 @@ def _find_running(recording: Recording, time: float) -> Iterable[BlockInstance]:
 
 
 def _compare(mine: State, theirs: State, time: float) -> StateDifference | None:
-    # Bytes, because numbers that differ in a bit can compare as equal: 0.0 and -0.0.
+    # Bytes are compared, because 0.0 and -0.0 are equal as numbers.
     if mine.values.tobytes() == theirs.values.tobytes():
         return None
     sizes = {

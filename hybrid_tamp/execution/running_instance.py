@@ -1,4 +1,4 @@
-"""Running instances: their policies and commands, measured conditions and bounds."""
+"""Running block instances: policies, commands, measured conditions and time bounds."""
 
 import math
 from collections.abc import Collection, Iterable
@@ -18,12 +18,12 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 class RunError(Exception):
-    """Ends a run as the failure of one instance; it never leaves the package.
+    """Failure of an instance, which ends the run. `Run` catches it, so no caller of this package sees it.
 
     Attributes:
-        instance: name of the instance.
-        reason: what went wrong.
-        margins: the conditions that do not hold.
+        instance: name of the instance that failed; empty if no single instance failed.
+        reason: reason for the failure.
+        margins: margins of the conditions that do not hold.
     """
 
     def __init__(self, instance: str, reason: str, margins: Iterable[AtomMargin] = ()) -> None:
@@ -36,7 +36,7 @@ class RunError(Exception):
 def measure_conditions(
     task: Task, literals: Iterable[Literal], instance: BlockInstance, state: State
 ) -> list[AtomMargin]:
-    """Measure the margins of an instance's conditions; a margin that is not a number counts as not measured."""
+    """Return the margin of each condition of an instance. A margin that is NaN becomes None (not measured)."""
     binding = task.bind(instance.roles)
     found = []
     for literal in literals:
@@ -46,7 +46,7 @@ def measure_conditions(
 
 
 class Running:
-    """One instance that has begun.
+    """A block instance that begins at a time [s], in a state of shape ``(n,)``.
 
     Raises:
         RunError: a hyperparameter is not finite.
@@ -62,7 +62,7 @@ class Running:
         self._held = frozenset(instance.slots.values())
         self._binding = task.bind(instance.roles)
         self._exits = self.block.measured_exits
-        # Conditions over fewer roles are measured faster, e.g. whether the hand is at rest.
+        # Conditions with fewer arguments come first, because their margins are computed faster.
         self._in_turn = tuple(sorted(self._exits, key=lambda literal: len(literal.arguments)))
         self.hyperparameters = self._choose_hyperparameters(state)
         arrays = {name: np.asarray(value) for name, value in self.hyperparameters.items()}
@@ -74,18 +74,18 @@ class Running:
 
     @property
     def latest(self) -> float:
-        """Latest time at which its exit conditions must hold [s]; without conditions, its minimum duration."""
+        """End of the maximum duration [s], or of the minimum duration for a hold without exit conditions."""
         bounds = self.block.duration
         return self.begin + (bounds.maximum if self._exits or not self.block.hold else bounds.minimum)
 
     def measure_exits(self, state: State) -> list[AtomMargin]:
-        """Measure its exit conditions."""
+        """Return the margins of the exit conditions in a state of shape ``(n,)``."""
         return measure_conditions(self._task, self._exits, self.instance, state)
 
     def is_ready(self, time: float, state: State) -> bool:
-        """Say whether it may end now: its minimum duration is over and all its exit conditions hold.
+        """Return whether the minimum duration is over and all exit conditions hold.
 
-        The result of each instant is cached.
+        The result is cached. `reached` stores the first time at which the result is True.
         """
         if time - self.begin < self.block.duration.minimum - TIME_TOLERANCE:
             return False
@@ -99,14 +99,14 @@ class Running:
     def _all_hold(self, state: State) -> bool:
         for literal in self._in_turn:
             if not float(literal.margin(state, self._binding)) >= 0:
-                # It probably does not hold at the next step either, so it is measured first.
+                # A condition that fails now probably fails at the next step too, so it is moved to the front.
                 if literal is not self._in_turn[0]:
                     self._in_turn = (literal, *(other for other in self._in_turn if other is not literal))
                 return False
         return True
 
     def changes(self, reader: BlockInstance) -> bool:
-        """Say whether it writes a property that another instance reads of its targets."""
+        """Return whether this instance writes a property that another instance reads of its targets."""
         return any(
             reader.targets[target.name] == token and set(target.reads) & set(self.block.writes.get(slot, ()))
             for target in self._task.domain.block_by_name[reader.block].targets
@@ -114,51 +114,52 @@ class Running:
         )
 
     def check_overdue(self, time: float, state: State) -> None:
-        """Check its maximum duration.
+        """Check the maximum duration.
 
         Raises:
-            RunError: the maximum is over, and the block does not hold or its exit conditions have never held.
+            RunError: the maximum duration is exceeded. A hold may exceed it once its exit conditions have held.
         """
         maximum = self.block.duration.maximum
         if time - self.begin <= maximum + TIME_TOLERANCE or (self.block.hold and self.reached is not None):
             return
         missing = [margin for margin in self.measure_exits(state) if not margin.holds]
-        said = "; ".join(map(describe_shortfall, missing)) or "its exit conditions hold, but its tokens cannot leave it"
+        said = "; ".join(map(describe_shortfall, missing)) or "its exit conditions hold, but its tokens cannot leave"
         elapsed = time - self.begin
         raise RunError(
             self.instance.name,
-            f"{self.instance.name} has lasted {elapsed:.3f} s, longer than its bound of {maximum:g} s: {said}",
+            f"{self.instance.name} ran for {elapsed:.3f} s and exceeded its maximum duration of {maximum:g} s: {said}",
             missing,
         )
 
     def command(self, time: float, state: State) -> Commands:
-        """Return the commands of its policy.
+        """Return the commands of the policy at a time [s] and in a state of shape ``(n,)``.
 
         Raises:
-            DomainError: the policy commands a token that the block does not hold.
+            DomainError: the policy commands a token outside the slots of its block.
         """
         if self._policy is None:
             return {}
         commands = self._policy(np.float64(time - self.begin), state)
         if not self._held.issuperset(token for token, _ in commands):
             strange = [f"{action} on {token}" for token, action in commands if token not in self._held]
-            wanted = "a policy commands only tokens in its block's slots"
+            wanted = "a policy must command only the tokens in its block's slots"
             raise DomainError([Issue(f"{self.block.name}.policy", wanted, ", ".join(strange))])
         return commands
 
     def check_finite(self, commands: Commands) -> None:
-        """Check the commands on its tokens.
+        """Check that the commands on the instance's tokens are finite.
 
         Raises:
             RunError: a command is not finite.
         """
         for (token, action), command in commands.items():
             if token in self._held and not np.isfinite(command).all():
-                said = f"the policy of {self.block.name} commands {action} {np.asarray(command).tolist()} on {token}"
-                raise RunError(self.instance.name, f"{said}, which is not finite")
+                said = f"{action} {np.asarray(command).tolist()} on {token}"
+                reason = f"the policy of {self.block.name} must command finite values, got {said}"
+                raise RunError(self.instance.name, reason)
 
     def _choose_hyperparameters(self, state: State) -> dict[str, float]:
-        """Return the hyperparameters in the plan, and the block's initial values for the others."""
+        """Return the value of each hyperparameter: the planned value if given, otherwise the initial value."""
         given = self.instance.hyperparameters
         chosen = {
             h.name: float(given[h.name] if h.name in given else h.initial_value(self._binding, state))
@@ -166,23 +167,23 @@ class Running:
         }
         for name, value in chosen.items():
             if not math.isfinite(value):
-                said = f"hyperparameter {name} of {self.instance.name} is {value}"
+                said = f"hyperparameter {name} of {self.instance.name} must be finite, got {value}"
                 raise RunError(self.instance.name, said)
         return chosen
 
 
 def describe_shortfall(margin: AtomMargin) -> str:
-    """Return a message with the margin of a condition that does not hold."""
+    """Return a message about a condition that does not hold, with its margin."""
     if margin.measured is None:
-        return f"{margin.atom.text} has no margin: it is not a number"
-    return f"{margin.atom.text} does not hold, its margin is {margin.measured:.4g}"
+        return f"the margin of {margin.atom.text} is not a number"
+    return f"{margin.atom.text} does not hold (margin {margin.measured:.4g})"
 
 
 def command_instances(layout: CommandLayout, running: Collection[Running], time: float, state: State) -> FloatArray:
-    """Return the commands of all policies as a row.
+    """Return the commands of all policies at a time [s] in a state of shape ``(n,)``, as a row of shape ``(m,)``.
 
     Raises:
-        DomainError: a policy commands an unknown action, or a token that its block does not hold.
+        DomainError: a policy commands an unknown action, or a token outside the slots of its block.
         RunError: a command is not finite.
     """
     commands: Commands = {}
@@ -200,17 +201,17 @@ def command_instances(layout: CommandLayout, running: Collection[Running], time:
 
 
 def blame_state(state: State, running: Collection[Running], time: float) -> RunError:
-    """Return the failure of the first instance that holds a token with a state that is not finite.
+    """Return a failure of the first instance with a token whose state is not finite.
 
     Args:
-        state: a state that is not finite.
-        running: the instances.
-        time: last instant at which the state was finite [s].
+        state: state with a value that is not finite. Shape ``(n,)``.
+        running: instances that are running.
+        time: last time at which the state was finite [s].
     """
     for each in running:
         for token in each.instance.slots.values():
             for name in (name for owner, name, _ in state.layout.entries if owner == token):
                 if not np.isfinite(state[token, name]).all():
-                    said = f"the {name} of {token} is no longer finite after {time:.3f} s"
+                    said = f"the {name} of {token} is not finite after {time:.3f} s"
                     return RunError(each.instance.name, said)
-    return RunError("", f"the state is no longer finite after {time:.3f} s")
+    return RunError("", f"the state is not finite after {time:.3f} s")

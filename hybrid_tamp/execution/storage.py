@@ -1,7 +1,7 @@
-"""Recordings as files: three arrays and one JSON document in an npz archive, without pickle.
+"""Storage of recordings as npz archives. An archive contains three arrays and one JSON document, without pickle.
 
-For any bytes, `load_recording` either returns a recording or says what is wrong with the file. It checks every claim
-of the file, such as the shape of an array, against the data.
+`load_recording` accepts files from untrusted sources. It checks every statement in a file, such as the shape of an
+array, against the data, and raises an `InputError` that names the fault.
 """
 
 import lzma
@@ -23,11 +23,11 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.motion.arrays import FloatArray
 
 MAXIMAL_SIZE = 512 * 2**20
-"""Largest uncompressed member that `load_recording` reads [bytes]: days of simulated time."""
+"""Largest uncompressed array that `load_recording` reads [bytes]. The size suffices for days of simulated time."""
 
 _MEMBERS = {"times": (1, "<f8"), "states": (2, "<f8"), "commands": (2, "<f8"), "document": (1, "|u1")}
-# The header that numpy writes before an array. numpy's own reader evaluates the header as Python and can raise any
-# error of Python's tokenizer and parser; a pattern is enough for the few headers that we write.
+# Header that numpy writes before an array. numpy evaluates such a header as Python code when it reads an array, which
+# can raise any error of Python's tokenizer and parser. This pattern matches every header that `save` writes.
 _HEADER = re.compile(
     rb"\x93NUMPY\x01\x00..\{'descr': '([^']*)', 'fortran_order': (False|True), 'shape': \(([0-9, ]*)\), \} *\n",
     re.DOTALL,
@@ -39,7 +39,7 @@ _UNREADABLE = (
     KeyError,
     OSError,
     OverflowError,
-    RuntimeError,  # encrypted, or (NotImplementedError) an unknown compression
+    RuntimeError,  # raised for encrypted files and, as NotImplementedError, for unknown compression methods
     ValueError,
     lzma.LZMAError,
     struct.error,
@@ -47,10 +47,10 @@ _UNREADABLE = (
 
 
 def save(recording: Recording, path: Path) -> None:
-    """Write a recording under a temporary name and rename it.
+    """Write a recording to a file. The file is written under a temporary name first, so it is never incomplete.
 
     Raises:
-        OSError: the folder cannot be written to.
+        OSError: the file cannot be written.
     """
     document = RecordingDocument.of(recording)
     arrays = {
@@ -69,10 +69,10 @@ def save(recording: Recording, path: Path) -> None:
 
 
 def load_recording(path: Path | str) -> Recording:
-    """Read a recording.
+    """Read a recording from a file.
 
     Raises:
-        InputError: the file does not exist, or is not a complete and consistent recording; it names the fault.
+        InputError: the file does not exist, or does not contain a complete and consistent recording.
     """
     path = Path(path)
     try:
@@ -82,7 +82,7 @@ def load_recording(path: Path | str) -> Recording:
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"])) or "the document"
-        raise _refuse(path, f"its document is wrong at {place}: {first['msg']}") from error
+        raise _refuse(path, f"invalid JSON document at {place}: {first['msg']}") from error
     except _UNREADABLE as error:
         raise _refuse(path, str(error) or type(error).__name__) from error
     fault = find_fault(recording)
@@ -92,7 +92,7 @@ def load_recording(path: Path | str) -> Recording:
 
 
 def _refuse(path: Path, what: str) -> InputError:
-    return InputError([Issue(str(path), "a recording of a run", what, remedy="run the task again")])
+    return InputError([Issue(str(path), f"not a recording of a run: {what}", remedy="run the task again")])
 
 
 def _read_arrays(path: Path) -> Mapping[str, FloatArray]:
@@ -101,7 +101,7 @@ def _read_arrays(path: Path) -> Mapping[str, FloatArray]:
         wanted = {f"{name}.npy" for name in _MEMBERS}
         if names != wanted:
             missing, strange = sorted(wanted - names), sorted(names - wanted)
-            raise ValueError(f"it lacks {missing}" if missing else f"it holds {strange}, which it should not")
+            raise ValueError(f"members missing: {missing}" if missing else f"unexpected members: {strange}")
         return {name: _read_array(archive, name) for name in _MEMBERS}
 
 
@@ -110,17 +110,18 @@ def _read_array(archive: zipfile.ZipFile, name: str) -> FloatArray:
     member = f"{name}.npy"
     claimed = archive.getinfo(member).file_size
     if claimed > MAXIMAL_SIZE:
-        raise ValueError(f"its {name} claim {claimed} bytes, more than the {MAXIMAL_SIZE} that are read")
+        raise ValueError(f"{name} must not exceed {MAXIMAL_SIZE} bytes, got {claimed}")
     with archive.open(member) as stream:
         data = stream.read(MAXIMAL_SIZE)
     header = _HEADER.match(data)
     if header is None:
-        raise ValueError(f"its {name} do not begin like an array")
+        raise ValueError(f"{name} must begin with the header of a numpy array")
     found, fortran, sizes = (group.decode("latin-1") for group in header.groups())
     if found != dtype or fortran == "True":
-        raise ValueError(f"its {name} should be of type {np.dtype(dtype)}, in C order, got {found}")
+        order = "Fortran" if fortran == "True" else "C"
+        raise ValueError(f"{name} must have type {np.dtype(dtype)} in C order, got type {found} in {order} order")
     shape = tuple(int(size) for size in sizes.replace(" ", "").split(",") if size)
     size = len(data) - header.end()
     if len(shape) != dimensions or math.prod(shape) * np.dtype(dtype).itemsize != size:
-        raise ValueError(f"its {name} claim the shape {shape}, which {size} bytes do not fill")
+        raise ValueError(f"{name} must have {dimensions} dimensions that match its {size} bytes, got shape {shape}")
     return np.frombuffer(data, dtype=dtype, offset=header.end()).reshape(shape)

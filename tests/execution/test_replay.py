@@ -76,5 +76,5 @@ def test_recording_of_another_task_or_backend_is_refused(toys: Any) -> None:
     other = toys.world.pusher("somebody else").spot().task()
     with pytest.raises(InputError, match="other tokens"):
         again(other, recording)
-    with open_backend("analytic") as backend, pytest.raises(InputError, match="one by pybullet"):
+    with open_backend("analytic") as backend, pytest.raises(InputError, match="got pybullet"):
         replay(task, recording, backend)
