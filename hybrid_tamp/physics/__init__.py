@@ -1,5 +1,5 @@
-"""Physics backends, which move the tokens, behind one protocol.
+"""Physics backends, which simulate the tokens.
 
-`protocol` defines a backend and finds one by name; `scene` holds the physical properties of each token. `analytic` runs
-the blocks' own forward models; `bullet` is PyBullet; `pictures` draws recordings.
+`protocol` defines the interface of a backend and opens a backend by name. `scene` reads the physical properties of
+tokens. `analytic` simulates with the blocks' forward models, and `bullet` with PyBullet. `pictures` draws recordings.
 """

@@ -1,4 +1,4 @@
-"""The analytic backend: the blocks' own continuous systems. It needs no simulator and has no contacts."""
+"""The analytic backend, which simulates with the blocks' continuous systems. It does not model contacts."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,11 +15,11 @@ from hybrid_tamp.physics.protocol import ContactForce, Resource
 
 IntArray = NDArray[np.intp]
 _Moving = tuple[ContinuousSystem, IntArray]
-"""The system of an instance, and the indices of the state of the tokens in its slots."""
+"""Pair of (continuous system of an instance, indices of its tokens' values in the state)."""
 
 
 class AnalyticBackend(Resource):
-    """Moves the tokens of each running instance by its block's continuous system, all at once."""
+    """A backend that moves the tokens of each running instance by the continuous system of its block."""
 
     name = "analytic"
     timestep = CONTROL_PERIOD
@@ -28,7 +28,7 @@ class AnalyticBackend(Resource):
         self._moving: Mapping[str, _Moving] = {}
 
     def reset(self, task: Task, state: State) -> State:
-        """Start in the given state."""
+        """Set the state, of shape ``(n,)``, and return a copy."""
         self._task = task
         self._commands = CommandLayout.of(task)
         self._state = State(state.layout, np.array(state.values, dtype=float))
@@ -36,32 +36,32 @@ class AnalyticBackend(Resource):
         return self._state
 
     def assign(self, running: Sequence[BlockInstance]) -> None:
-        """Run the systems of these instances from now on; each is made when its instance begins."""
+        """Set the running instances. The system of an instance is made when the instance begins."""
         self._moving = {each.name: self._moving.get(each.name) or self._begin(each) for each in running}
 
     def step(self, commands: Commands) -> State:
-        """Take one step of every system, all from the same state.
+        """Advance every system by one step, starting from the same state.
 
         Raises:
-            CommandError: a command is unknown, of a wrong size, not finite or above its limit.
+            CommandError: a command is unknown, not finite, above its limit, or has the wrong size.
         """
         filled = self._commands.commands(self._commands.checked(commands))
         before = self._state
         values = before.values.copy()
         for system, mine in self._moving.values():
             after = system(before, filled, self.timestep)
-            # A system determines only the state of the tokens in its slots, whatever else it returns.
+            # Only the values of tokens in the slots are used, even if the system changes others.
             values[mine] = after.values[mine]
         self._state = State(before.layout, values)
         return self._state
 
     def contact_forces(self) -> list[ContactForce]:
-        """Return nothing: continuous systems do not report contacts."""
+        """Return an empty list, because continuous systems do not report contacts."""
         return []
 
     @contextmanager
     def snapshot(self) -> Iterator[Callable[[], None]]:
-        """Save the state and the systems; states are immutable."""
+        """Save the current state and systems. The context provides a function that restores them."""
         state, moving = self._state, self._moving
 
         def go_back() -> None:
@@ -70,7 +70,7 @@ class AnalyticBackend(Resource):
         yield go_back
 
     def close(self) -> None:
-        """Do nothing: there are no resources to free."""
+        """Do nothing, because this backend has no resources to release."""
 
     def _begin(self, instance: BlockInstance) -> _Moving:
         held = set(instance.slots.values())

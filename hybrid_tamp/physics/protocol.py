@@ -1,4 +1,4 @@
-"""The backend protocol: a backend moves the tokens, one control period at a time, and is found by its name."""
+"""Interface of physics backends, and functions that open a backend by name."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
@@ -15,15 +15,15 @@ from hybrid_tamp.model.task import Task
 _Self = TypeVar("_Self")
 
 GROUP = "hybrid_tamp.physics"
-"""Entry-point group for backends of other packages; each entry is a callable without arguments."""
+"""Entry-point group for the backends of other packages. Each entry is a callable without arguments."""
 
 FLOOR = "(floor)"
-"""Name of the floor in contacts; no token can have this name."""
+"""Name of the floor in contacts. No token can have this name."""
 
 ContactForce = tuple[str, str, float]
-"""Two tokens in contact, or a token and `FLOOR`, sorted, and the normal force between them [N]."""
+"""Names of two tokens in contact (or a token and `FLOOR`), sorted, and the normal force between them [N]."""
 
-# Listed here as well, so that a source tree runs without an installed distribution.
+# The built-in backends are listed here too, so that they work without an installed distribution.
 _BUILT_IN = {
     "analytic": "hybrid_tamp.physics.analytic:AnalyticBackend",
     "pybullet": "hybrid_tamp.physics.bullet.backend:BulletBackend",
@@ -31,10 +31,10 @@ _BUILT_IN = {
 
 
 class Resource(Protocol):
-    """A context manager that closes itself on exit."""
+    """A context manager that releases its resources on exit."""
 
     def close(self) -> None:
-        """Free the resources; the object cannot be used afterwards."""
+        """Release the resources. The object must not be used afterwards."""
         ...
 
     def __enter__(self: _Self) -> _Self:
@@ -45,11 +45,11 @@ class Resource(Protocol):
 
 
 class Backend(Resource, Protocol):
-    """A simulated world that takes commands and is measured."""
+    """A simulator that receives commands and returns measured states."""
 
     @property
     def name(self) -> str:
-        """Name of the backend, as in `open_backend`."""
+        """Name under which `open_backend` opens the backend."""
         ...
 
     @property
@@ -58,9 +58,9 @@ class Backend(Resource, Protocol):
         ...
 
     def reset(self, task: Task, state: State) -> State:
-        """Build the task's scene in a state of shape ``(n,)`` and return the initial state of the simulation.
+        """Build the scene of a task in a given state ``(n,)`` and return the initial state of the simulation ``(n,)``.
 
-        A reset to a returned state starts the same run again, bit for bit.
+        A reset to the returned state must give the same run again, bit for bit.
 
         Raises:
             InputError: the backend cannot simulate the task.
@@ -68,25 +68,25 @@ class Backend(Resource, Protocol):
         ...
 
     def assign(self, running: Sequence[BlockInstance]) -> None:
-        """Tell the backend which instances run from now on; a full simulator may ignore this."""
+        """Set the running instances. A simulator that does not depend on them may ignore this call."""
         ...
 
     def step(self, commands: Commands) -> State:
-        """Hold the commands for one control period and return the state measured after it.
+        """Apply constant commands for one control period and return the state measured at its end.
 
-        Tokens without a command get zero.
+        Missing commands are zero.
 
         Raises:
-            CommandError: a command is unknown, of a wrong size, not finite or above its token's limit.
+            CommandError: a command is unknown, not finite, above its token's limit, or has the wrong size.
         """
         ...
 
     def contact_forces(self) -> list[ContactForce]:
-        """Return the tokens that were in contact within the last period, with the largest force of each pair."""
+        """Return every pair of tokens in contact during the last control period, with its largest normal force."""
         ...
 
     def snapshot(self) -> AbstractContextManager[Callable[[], None]]:
-        """Save the current state; the context gives a function that restores it, bit for bit."""
+        """Save the current state. The context provides a function that restores this state, bit for bit."""
         ...
 
 
@@ -99,13 +99,13 @@ def open_backend(name: str) -> Backend:
     others: list[EntryPoint] = sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
     offers = {entry.name: entry.value for entry in others} | _BUILT_IN
     if name not in offers:
-        raise InputError([Issue("", "the name of a physics backend", repr(name), tuple(sorted(offers)))])
+        raise InputError([Issue("", "expected the name of a physics backend", repr(name), tuple(sorted(offers)))])
     backend: Backend = load(offers[name])()
     return backend
 
 
 def load(reference: str) -> Any:
-    """Import ``"module:attribute"``.
+    """Import and return an object named ``"module:attribute"``.
 
     Raises:
         InputError: a package that the module needs is not installed.
@@ -115,5 +115,5 @@ def load(reference: str) -> Any:
         return getattr(import_module(module), attribute)
     except ModuleNotFoundError as missing:
         remedy = f"install {missing.name}, or choose another physics backend"
-        wanted = f"the package {missing.name}, which is not installed"
+        wanted = f"requires the package {missing.name}, which is not installed"
         raise InputError([Issue(module, wanted, remedy=remedy)]) from missing

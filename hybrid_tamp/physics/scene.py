@@ -1,4 +1,4 @@
-"""The physical properties of each token, for any simulator: body, mass, inertia, friction."""
+"""Physical properties of tokens for simulators: shape, mass, inertia and friction."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -15,35 +15,35 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 
 FORCE = "force"
-"""The basic action that moves a body: a force on its centre in the world frame [N]."""
+"""Name of the basic action that applies a force at a body's centre, in the world frame [N]."""
 TORQUE = "torque"
-"""The basic action that turns a body: a torque in the world frame [N m]."""
+"""Name of the basic action that applies a torque to a body, in the world frame [N m]."""
 
 MASS = 1.0
 """Default mass of a token [kg]."""
 FRICTION = 0.5
-"""Default friction coefficient of a token; Bullet multiplies the coefficients of two bodies in contact."""
+"""Default friction coefficient of a token. Bullet multiplies the coefficients of two bodies in contact."""
 ROLLING_FRICTION = 0.005
-"""Default rolling friction of a round thing [m]; with zero it would never stop."""
+"""Default rolling friction of a round body [m]. With zero rolling friction the body would never stop."""
 FLOOR_FRICTION = 1.0
 
 _ACTIONS = {FORCE: 3, TORQUE: 3, GRIP: 1}
-# Fixed and varying properties that the simulation of an action needs.
+# Maps each basic action to the fixed and the varying properties that its simulation requires.
 _NEEDS = {FORCE: ((), ()), TORQUE: (("wrist_inertia",), ()), GRIP: (("maximal_aperture",), (APERTURE,))}
 
 
 @dataclass(frozen=True)
 class Body:
-    """One simulated token.
+    """Physical properties of a simulated token.
 
     Attributes:
-        token: its name.
-        shape: its geometry.
-        mass: [kg].
-        inertia: principal moments about the body axes [kg m^2]; zero stands for infinite.
+        token: name of the token.
+        shape: geometry of the body.
+        mass: mass of the body [kg].
+        inertia: principal moments of inertia about the body axes [kg m^2]; zero means infinite inertia.
         friction: Coulomb friction coefficient.
-        rolling_friction: torque per normal force [m].
-        driven: whether the robot commands a force on it, which also compensates its weight.
+        rolling_friction: rolling friction, as torque per normal force [m].
+        driven: whether the robot commands the force on the body. The weight of a driven body is compensated.
     """
 
     token: str
@@ -59,7 +59,7 @@ def make_bodies(task: Task) -> tuple[Body, ...]:
     """Make a body for every token that is not a place.
 
     Raises:
-        InputError: a token has no shape or no body state, or has a basic action that physics does not know.
+        InputError: a token lacks a shape or a property that its simulation requires, or has an unknown basic action.
     """
     issues = [issue for token in task.assigned for issue in _find_faults(token)]
     if issues:
@@ -71,10 +71,10 @@ def _find_faults(token: Token) -> list[Issue]:
     where = f"token {token.name}"
     found = []
     if token.shape is None:
-        found.append(Issue(where, "a shape, to be simulated", remedy="give it a shape, e.g. a cylinder"))
+        found.append(Issue(where, "a simulated token must have a shape", remedy="add a shape, e.g. a cylinder"))
     missing = [varying.name for varying in BODY_STATE if varying not in token.varying]
     if missing:
-        found.append(Issue(where, f"the varying properties {', '.join(missing)}, to be simulated"))
+        found.append(Issue(where, f"a simulated token must have the varying properties {', '.join(missing)}"))
     return found + _find_action_faults(token, where)
 
 
@@ -85,21 +85,22 @@ def _find_action_faults(token: Token, where: str) -> list[Issue]:
     for action in token.basic_actions:
         if _ACTIONS.get(action.name) != action.size:
             said = f"{action.name} of size {action.size}"
-            found.append(Issue(where, "a basic action that physics knows", said, known))
+            found.append(Issue(where, "expected a basic action that can be simulated", said, known))
             continue
         fixed, changing = _NEEDS[action.name]
         missing = [name for name in fixed if name not in token.properties]
         if missing:
-            found.append(Issue(where, f"the property {', '.join(missing)}, to be moved by {action.name}"))
+            found.append(Issue(where, f"the basic action {action.name} requires the property {', '.join(missing)}"))
         if not varying.issuperset(changing):
-            found.append(Issue(where, f"the varying property {', '.join(changing)}, to be moved by {action.name}"))
+            wanted = f"the basic action {action.name} requires the varying property {', '.join(changing)}"
+            found.append(Issue(where, wanted))
     if token.basic_actions and all(action.name != FORCE for action in token.basic_actions):
-        found.append(Issue(where, f"the basic action {FORCE} of size 3, to be moved by the robot"))
+        found.append(Issue(where, f"a token with basic actions must have the basic action {FORCE} of size 3"))
     return found
 
 
 def _make_body(token: Token) -> Body:
-    assert token.shape is not None, "refused before"
+    assert token.shape is not None, "make_bodies must reject tokens without a shape"
     driven = bool(token.basic_actions)
     mass = _number(token, "mass", MASS)
     round_thing = not driven and isinstance(token.shape, Cylinder | Sphere)
@@ -119,9 +120,9 @@ def _find_inertia(token: Token, mass: float) -> tuple[float, float, float]:
         moment = _number(token, "wrist_inertia", 0.0)
         return (moment, moment, moment)
     if token.basic_actions:
-        # The simulation has no arm, so infinite inertia keeps the orientation of the hand.
+        # The simulation has no arm, so the hand gets infinite inertia to keep its orientation.
         return (0.0, 0.0, 0.0)
-    assert token.shape is not None, "refused before"
+    assert token.shape is not None, "make_bodies must reject tokens without a shape"
     given: Any = token.properties.get("inertia")
     return compute_inertia(token.shape, mass) if given is None else (float(given[0]), float(given[1]), float(given[2]))
 
@@ -132,10 +133,10 @@ def _number(token: Token, name: str, default: float) -> float:
 
 
 def compute_inertia(shape: Shape, mass: float) -> tuple[float, float, float]:
-    """Return the moments of inertia of a solid body about the axes of its frame [kg m^2].
+    """Return the principal moments of inertia of a solid body [kg m^2].
 
-    The mass of a compound is distributed evenly over the volume of its parts. The origin of its frame is assumed to be
-    its centre of mass, and the axes of its frame to be its principal axes.
+    The mass of a compound is distributed evenly over the volume of its parts. The frame of a compound is assumed to be
+    at its centre of mass and aligned with its principal axes.
     """
     if isinstance(shape, MeshShape):
         x, y, z = (mass * moment for moment in shape.moments)
@@ -147,7 +148,7 @@ def compute_inertia(shape: Shape, mass: float) -> tuple[float, float, float]:
     for part, share in zip(shape.parts, mass * volumes / volumes.sum(), strict=True):
         axes = rotate(quaternion_from_rpy(part.rpy), np.eye(3))
         offset = np.square(part.position)
-        # The part's own tensor in the body's axes, plus the parallel-axis term (Steiner).
+        # The inertia of the part in the body's axes, plus the term of the parallel-axis theorem.
         total += np.square(axes).T @ _moments(part, share) + share * (offset.sum() - offset)
     return (float(total[0]), float(total[1]), float(total[2]))
 

@@ -180,7 +180,7 @@ def test_tokens_that_cannot_be_simulated_are_refused_all_at_once(toys: Any) -> N
     said = str(refused.value)
     assert "token twister" in said
     assert "torque of size 1" in said
-    assert "token ghost: a shape" in said
+    assert "token ghost: a simulated token must have a shape" in said
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The PyBullet backend and its software renderer: the only package that imports PyBullet."""
+"""The PyBullet backend and the software renderer. No other package imports PyBullet."""
 
 import ctypes
 import os
@@ -9,14 +9,14 @@ from importlib import import_module
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Redirect the process's standard streams to the null device.
+    """Redirect the standard output and error of the process to the null device.
 
-    On import PyBullet prints its build time from C, past `sys.stdout`, to standard output or error depending on the
-    build, but standard output belongs to ``--json``. The flush discards what C still buffers.
+    PyBullet prints its build time when it is imported. C code writes this line, so redirecting `sys.stdout` has no
+    effect, and the line would corrupt the output of ``--json``. The flush empties C's own buffers.
     """
     saved = {}
     for descriptor in (1, 2):
-        with suppress(OSError):  # the process may have no such stream
+        with suppress(OSError):  # the stream may be closed
             saved[descriptor] = os.dup(descriptor)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
@@ -32,6 +32,6 @@ def _silence() -> Iterator[None]:
         os.close(nowhere)
 
 
-# Before any module of this package imports it.
+# This import must come before any other import of PyBullet, because only this one is silent.
 with _silence():
     import_module("pybullet")

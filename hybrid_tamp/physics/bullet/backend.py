@@ -1,7 +1,7 @@
 """The PyBullet backend.
 
-The backend takes substeps one by one, because Bullet reports only the contact forces of the last substep, and an
-impact lasts no longer than one.
+The backend simulates the substeps one by one. Bullet reports only the contact forces of the last substep, and an impact
+may last for a single substep.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -30,10 +30,12 @@ _BODY = tuple(varying.name for varying in BODY_STATE)
 
 
 class BulletBackend(Client):
-    """Rigid bodies on a floor; the robot applies bounded forces and torques and holds things by friction only.
+    """A simulation of rigid bodies on a floor.
+
+    The robot applies bounded forces and torques to its hands. Hands hold objects by friction only.
 
     Args:
-        gravity: acceleration of free fall ``(3,)`` [m/s^2]; an inclined vector represents an inclined floor.
+        gravity: acceleration of free fall, shape ``(3,)`` [m/s^2]. An inclined vector represents an inclined floor.
     """
 
     name = "pybullet"
@@ -46,13 +48,14 @@ class BulletBackend(Client):
         self._forces: dict[tuple[str, str], float] = {}
 
     def reset(self, task: Task, state: State) -> State:
-        """Build the scene anew and return the given state.
+        """Build the scene in a given state, shape ``(n,)``, and return this state.
 
-        The state is not read back: Bullet converts quaternions to matrices and back, so a run from a state that was
-        read back would differ in the last bit.
+        The state is not read back from Bullet. Bullet converts quaternions to matrices and back, so a run that starts
+        from a state read back would differ in the last bit.
 
         Raises:
-            InputError: a token has no shape, or has a basic action that physics does not know.
+            InputError: a token lacks a shape or a property that its simulation requires, or has an unknown basic
+                action.
         """
         scene = make_bodies(task)
         self._commands = CommandLayout.of(task)
@@ -80,13 +83,13 @@ class BulletBackend(Client):
         return self._state
 
     def assign(self, running: Sequence[BlockInstance]) -> None:
-        """Do nothing: physics does not depend on the running instances."""
+        """Do nothing, because the simulation does not depend on the running instances."""
 
     def step(self, commands: Commands) -> State:
-        """Apply the forces and torques on the hands for one control period, move the fingers, and measure.
+        """Apply constant commands to the hands for one control period and return the measured state, shape ``(n,)``.
 
         Raises:
-            CommandError: a command is unknown, of a wrong size, not finite or above its limit.
+            CommandError: a command is unknown, not finite, above its limit, or has the wrong size.
         """
         return self._advance(self._commands.checked(commands))
 
@@ -103,15 +106,18 @@ class BulletBackend(Client):
         return state
 
     def contact_forces(self) -> list[ContactForce]:
-        """Return the largest normal force of each pair within the last period, summed over its contact points."""
+        """Return each pair of tokens in contact with its largest normal force during the last control period [N].
+
+        The normal force of a pair is the sum over its contact points.
+        """
         return [(one, other, force) for (one, other), force in sorted(self._forces.items())]
 
     @contextmanager
     def snapshot(self) -> Iterator[Callable[[], None]]:
-        """Save the current state; the context gives a function that restores it.
+        """Save the current state. The context provides a function that restores this state, bit for bit.
 
-        Bullet restores its state to the bit, except for the contacts of compound shapes. If the scene has such a
-        shape, the commands since the reset are repeated instead, which takes as long as the original steps.
+        Bullet cannot restore the contacts of compound shapes exactly. If the scene contains such a shape, the function
+        resets the scene and repeats all commands since the reset.
         """
         if any(isinstance(token.shape, Compound | MeshShape) for token in self._task.assigned):
             start, rows = self._start, tuple(self._rows)
@@ -151,7 +157,7 @@ class BulletBackend(Client):
                 self._forces[pair] = max(force, self._forces.get(pair, 0.0))
 
     def _sum_contacts(self) -> dict[tuple[str, str], float]:
-        """Return the total normal force [N] of each pair in the last substep."""
+        """Return the total normal force of each pair of tokens in the last substep [N]."""
         sums: dict[tuple[str, str], float] = {}
         for point in pybullet.getContactPoints(physicsClientId=self._client):
             one, other = self._names[point[1]], self._names[point[2]]

@@ -1,9 +1,11 @@
-"""PyBullet without a display: the client and the construction of a scene.
+"""Connection to PyBullet without a display, and construction of a scene.
 
-The numbers come from measurements (closed forms within 1 %, see the tests): four substeps of 1/960 s in each control
-period, because a rolling cylinder gains energy from contact points that are one substep old (1.2 % of a rolling
-acceleration with one substep, 0.4 % with four); contact ERP 0.2, which takes up penetration without throwing a body
-that starts a millimetre too low; no damping, so that only the modelled friction brakes.
+The parameters below reproduce closed-form solutions within 1 % (see the tests):
+
+- A control period has four substeps of 1/960 s. Contact points are one substep old, so a rolling cylinder gains energy.
+  The error of its acceleration is 1.2 % with one substep and 0.4 % with four.
+- The contact ERP (error reduction parameter) is 0.2. Bodies that start 1 mm too low are not thrown up.
+- Damping is zero, so only the modelled friction decelerates bodies.
 """
 
 import os
@@ -22,37 +24,37 @@ from hybrid_tamp.physics.protocol import Resource
 from hybrid_tamp.physics.scene import FLOOR_FRICTION, Body
 
 SUBSTEPS = 4
-"""Number of substeps in a control period."""
+"""Number of substeps per control period."""
 SUBSTEP = CONTROL_PERIOD / SUBSTEPS
-"""Length of a substep [s]."""
+"""Duration of a substep [s]."""
 SOLVER_ITERATIONS = 50
 CONTACT_ERP = 0.2
 HULL_MARGIN = 0.001
-"""Thickness of the layer about a convex hull [m]."""
+"""Thickness of the layer that Bullet adds around a convex hull [m]."""
 
 
 class Client(Resource):
-    """A connection to Bullet with a world of its own."""
+    """A connection to Bullet that has its own simulated world."""
 
     def __init__(self) -> None:
         self._client: int = pybullet.connect(pybullet.DIRECT)
 
     def close(self) -> None:
-        """Disconnect from Bullet; a second call does nothing."""
+        """Disconnect from Bullet. Further calls have no effect."""
         if self._client >= 0:
             pybullet.disconnect(self._client)
             self._client = -1
 
 
 def prepare_world(client: int, gravity: Sequence[float]) -> int:
-    """Empty a client's world, set its parameters and return the handle of the floor.
+    """Clear the world, set its parameters, add a floor and return the handle of the floor.
 
     Args:
-        client: PyBullet's client.
-        gravity: acceleration of free fall ``(3,)`` [m/s^2].
+        client: PyBullet's identifier of the client.
+        gravity: acceleration of free fall, shape ``(3,)`` [m/s^2].
     """
     pybullet.resetSimulation(physicsClientId=client)
-    # A reset keeps the engine's parameters, so all that matter are set every time.
+    # A reset keeps the parameters of the engine, so all relevant parameters are set explicitly.
     pybullet.setPhysicsEngineParameter(
         fixedTimeStep=SUBSTEP,
         numSolverIterations=SOLVER_ITERATIONS,
@@ -68,7 +70,7 @@ def prepare_world(client: int, gravity: Sequence[float]) -> int:
 
 
 def create_body(client: int, body: Body) -> int:
-    """Create a body with its frame at its centre of mass and return its handle."""
+    """Create a body whose frame is at its centre of mass, and return its handle."""
     collision = _create_shape(client, body.shape)
     handle: int = pybullet.createMultiBody(body.mass, collision, physicsClientId=client)
     pybullet.changeDynamics(
@@ -92,7 +94,7 @@ def _create_shape(client: int, shape: Shape) -> int:
     if isinstance(shape, Compound):
         solids = [_geometry(part) for part in shape.parts]
         handle: int = pybullet.createCollisionShapeArray(
-            # Each list needs an entry for every part of any kind.
+            # Every list must have one entry per part, even if the part's kind ignores the entry.
             shapeTypes=[solid["shapeType"] for solid in solids],
             halfExtents=[solid.get("halfExtents", (0.0, 0.0, 0.0)) for solid in solids],
             radii=[solid.get("radius", 0.0) for solid in solids],
@@ -107,11 +109,11 @@ def _create_shape(client: int, shape: Shape) -> int:
 
 
 def _create_hulls(client: int, shape: MeshShape) -> int:
-    """Create a compound of convex hulls; Bullet reads several hulls only from a file with one object for each."""
+    """Create a compound of convex hulls. Bullet reads several hulls only from a file with one object per hull."""
     half = np.ptp(shape.corners, axis=0) / 2.0
-    # Bullet wraps each hull in a layer, so the hulls are scaled down to give the body its true size.
+    # Bullet adds a layer around each hull, so the hulls are scaled down to give the body its true size.
     kept = 1.0 - HULL_MARGIN / np.maximum(half, 2.0 * HULL_MARGIN)
-    # Bullet caches files by name, so each name is used once.
+    # Bullet caches files by name, so each file name must be unique.
     descriptor, name = tempfile.mkstemp(prefix="hulls-", suffix=".obj")
     try:
         with os.fdopen(descriptor, "w", encoding="ascii") as file:

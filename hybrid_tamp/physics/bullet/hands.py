@@ -1,8 +1,8 @@
-"""Simulated hands: the force and the torque on them, and two virtual fingers that hold a thing by friction.
+"""Simulated hands. Forces and torques move a hand, and two virtual fingers grip an object by friction.
 
-A grasp is a joint with a limited force, created with the relative pose in which the fingers meet the handle. If the
-load exceeds the limit, the joint gives way and is replaced by one with the new relative pose; the old joint would pull
-a thing that has slipped back to its first pose.
+A grasp is simulated by a joint with a limited force, which keeps the relative pose of hand and object. If the load
+exceeds the limit, the object slips. The joint is then replaced by a joint with the new relative pose, because the old
+joint would pull the object back.
 """
 
 from collections.abc import Mapping, Sequence
@@ -38,14 +38,14 @@ TWIST = 0.02
 
 @dataclass
 class Drive:
-    """Force and torque on one hand, constant for a control period.
+    """Force and torque on one hand, constant during a control period.
 
     Attributes:
-        client: PyBullet's client.
+        client: PyBullet's identifier of the client.
         handle: PyBullet's handle of the hand.
         force: columns of the force in a row of commands.
-        torque: columns of the torque, or None if the hand cannot be turned.
-        support: force that bears the hand's own weight, without what it holds ``(3,)`` [N].
+        torque: columns of the torque in a row of commands, or None if the hand has no torque action.
+        support: force that compensates the weight of the hand without its load, shape ``(3,)`` [N].
     """
 
     client: int
@@ -58,17 +58,17 @@ class Drive:
 
     @classmethod
     def of(cls, body: Body, client: int, handle: int, commands: CommandLayout, gravity: Sequence[float]) -> "Drive":
-        """Return the drive of a driven body."""
+        """Return the drive of a hand under gravity ``(3,)`` [m/s^2]."""
         torque = commands.slices.get((body.token, TORQUE))
         return cls(client, handle, commands.slices[body.token, FORCE], torque, -body.mass * np.array(gravity))
 
     def command(self, row: FloatArray) -> None:
-        """Set the commands of a control period from a row of all commands."""
+        """Set the force and the torque of the next control period from a row of all commands, shape ``(m,)``."""
         self._force = (row[self.force] + self.support).tolist()
         self._torque = [] if self.torque is None else row[self.torque].tolist()
 
     def apply(self) -> None:
-        """Apply both for the next substep; the force acts at the current centre, so it does not turn the hand."""
+        """Apply the force and the torque for one substep. The force acts at the centre, so it causes no rotation."""
         centre, _ = pybullet.getBasePositionAndOrientation(self.handle, physicsClientId=self.client)
         frame = pybullet.WORLD_FRAME
         pybullet.applyExternalForce(self.handle, -1, self._force, centre, frame, physicsClientId=self.client)
@@ -78,7 +78,7 @@ class Drive:
 
 @dataclass
 class Grasp:
-    """A held thing, PyBullet's handle of the joint, and the pose of the hand in the frame of the thing."""
+    """A gripped object, PyBullet's handle of the joint, and the pose of the hand in the object's frame."""
 
     thing: Token
     joint: int
@@ -91,12 +91,12 @@ class Fingers:
     """The fingers of one hand.
 
     Attributes:
-        hand: the hand.
-        things: all things that it could grip.
-        client: PyBullet's client.
-        handles: PyBullet's handle of every token.
+        hand: hand that has the fingers.
+        things: objects that the hand can grip.
+        client: PyBullet's identifier of the client.
+        handles: maps each token to PyBullet's handle of its body.
         grip: column of the grip force in a row of commands.
-        held: the current grasp, or None.
+        held: current grasp, or None.
     """
 
     hand: Token
@@ -110,7 +110,7 @@ class Fingers:
     def make_all(
         cls, task: Task, client: int, handles: Mapping[str, int], commands: CommandLayout
     ) -> "tuple[Fingers, ...]":
-        """Make the fingers of every hand that has some, and switch off its collisions with graspable things."""
+        """Make the fingers of every hand that can grip, and disable its collisions with objects it can grip."""
         things = tuple(token for token in task.assigned if can_be_gripped(token))
         found = []
         for hand in filter(grips, task.assigned):
@@ -125,13 +125,13 @@ class Fingers:
         """Move the fingers for one control period.
 
         Args:
-            row: all commands of the period.
-            state: the state at its beginning, shape ``(n,)``; the aperture is updated in place.
+            row: commands of all tokens. Shape ``(m,)``.
+            state: state at the beginning of the period. Shape ``(n,)``. The aperture is updated in place.
         """
         grip, aperture = float(row[self.grip]), state[self.hand, APERTURE]
         way = FINGER_SPEED * CONTROL_PERIOD
         if self.held is not None and (grip <= 0 or self._has_slipped(self.held, state)):
-            # If the handle is still between the fingers, they grasp it again below.
+            # If the handle is still between the fingers, it is gripped again below.
             self.let_go()
         if grip <= 0:
             aperture[0] = min(aperture[0] + way, self.hand["maximal_aperture"])
@@ -146,17 +146,17 @@ class Fingers:
             pybullet.changeConstraint(self.held.joint, maxForce=limit, physicsClientId=self.client)
 
     def let_go(self) -> None:
-        """Release the held thing."""
+        """Release the gripped object, if any."""
         if self.held is not None:
             pybullet.removeConstraint(self.held.joint, physicsClientId=self.client)
             self.held = None
 
     def hold(self, grasp: Grasp | None) -> None:
-        """Restore a grasp with the same relative pose."""
+        """Restore a grasp by a new joint with the same relative pose."""
         self.held = grasp and replace(grasp, joint=self._create_joint(grasp.thing, grasp.position, grasp.orientation))
 
     def _find_between(self, state: State, narrower: float, wider: float) -> Token | None:
-        """Return the nearest thing that the fingers meet while they close from `wider` to `narrower` [m]."""
+        """Return the nearest object that the fingers touch while they close from `wider` to `narrower` [m]."""
         distances = [
             (self._measure_distance(state, thing), index)
             for index, thing in enumerate(self.things)
@@ -166,12 +166,12 @@ class Fingers:
         return self.things[index] if distance <= CAPTURE else None
 
     def _measure_distance(self, state: State, thing: Token) -> float:
-        """Return the distance [m] of the hand's centre from the axis of a thing's handle."""
+        """Return the distance from the hand's centre to the axis of an object's handle [m]."""
         centre, _ = self._pose_in(thing, state)
         return float(np.linalg.norm(nearest_on_segment(centre, thing["handle_from"], thing["handle_to"]) - centre))
 
     def _pose_in(self, thing: Token, state: State) -> tuple[FloatArray, FloatArray]:
-        """Return the hand's position ``(3,)`` [m] and orientation ``(4,)`` in the frame of a thing."""
+        """Return the hand's position ``(3,)`` [m] and orientation ``(4,)`` in the frame of an object."""
         thing_from_world = quaternion_conjugate(state[thing, "orientation"])
         offset = state[self.hand, "position"] - state[thing, "position"]
         orientation = quaternion_multiply(thing_from_world, state[self.hand, "orientation"])

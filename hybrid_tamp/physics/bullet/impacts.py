@@ -1,4 +1,4 @@
-"""The hardest impact that each token has taken, if its class asks for it."""
+"""Largest impact on each token that has the varying property `impulse`."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -10,16 +10,16 @@ from hybrid_tamp.physics.bullet.engine import SUBSTEP, SUBSTEPS
 from hybrid_tamp.physics.protocol import FLOOR
 
 IMPULSE = "impulse"
-"""The varying property with the hardest impact so far [N s]."""
+"""Name of the varying property that stores the largest impact so far [N s]."""
 
 _Pair = tuple[str, str]
 
 
 class Impacts:
-    """Measures the impulse between two tokens over a sliding window of one control period.
+    """Measurement of the impulse between two tokens over a sliding window of one control period.
 
-    The window slides by substeps, so an impact across the border of two periods counts as one. A steady push counts
-    only with its impulse within a period. Contacts with the floor do not count.
+    The window moves by one substep at a time, so an impact that extends over two control periods is measured as one
+    impact. A steady push is measured by its impulse during one control period. Contacts with the floor are ignored.
     """
 
     def __init__(self, task: Task) -> None:
@@ -34,7 +34,11 @@ class Impacts:
         return deepcopy(self)
 
     def record(self, forces: Mapping[_Pair, float]) -> None:
-        """Record the normal forces [N] of all pairs in contact in one substep."""
+        """Record the normal forces of one substep.
+
+        Args:
+            forces: maps each pair of tokens in contact to its normal force [N].
+        """
         if not self._tokens:
             return
         counted = {
@@ -48,6 +52,6 @@ class Impacts:
                 self._hardest[token] = max(sum(window), self._hardest.get(token, 0.0))
 
     def update(self, state: State) -> None:
-        """Write the hardest impact so far into a state, of shape ``(n,)``, in place."""
+        """Write the largest impacts so far into a state of shape ``(n,)``, in place."""
         for token, impulse in self._hardest.items():
             state[token, IMPULSE][0] = max(impulse, state[token, IMPULSE][0])

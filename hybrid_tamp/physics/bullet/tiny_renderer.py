@@ -1,6 +1,7 @@
-"""Pictures by PyBullet's software renderer: no display, no graphics card, the same pixels everywhere.
+"""Rendering with PyBullet's software renderer, which needs no display or graphics card.
 
-It has a client of its own with visible shapes only, so that drawing never disturbs a simulation.
+The pixels are the same on every machine. The renderer has its own client with visual shapes only, so drawing does not
+affect a simulation.
 """
 
 import numpy as np
@@ -15,7 +16,7 @@ from hybrid_tamp.physics.pictures.appearance import Colour, ColouredMesh, draw_t
 from hybrid_tamp.physics.pictures.camera import FIELD_OF_VIEW, Camera, Spheres, frame_camera
 
 Picture = NDArray[np.uint8]
-"""``(height, width, 3)``, red, green, blue."""
+"""RGB array of shape ``(height, width, 3)``."""
 
 _TILE = 0.25
 _TILES_ACROSS = 40
@@ -27,13 +28,13 @@ _AMBIENT, _DIFFUSE, _SPECULAR = 0.6, 0.45, 0.05
 
 
 class TinyRenderer(Client):
-    """Draws states of a task.
+    """A renderer of states of a task.
 
     Args:
-        task: the task with the tokens to draw.
-        seen: the spheres that the pictures must show.
-        width: of a picture [pixels].
-        height: of a picture [pixels].
+        task: task with the tokens to draw.
+        seen: spheres that every picture must show.
+        width: width of a picture [pixels].
+        height: height of a picture [pixels].
     """
 
     def __init__(self, task: Task, seen: Spheres, width: int, height: int) -> None:
@@ -45,7 +46,7 @@ class TinyRenderer(Client):
         self._view, self._projection = self._compute_matrices(self._camera)
 
     def picture(self, state: State) -> Picture:
-        """Return the picture of a state, of shape ``(n,)``."""
+        """Return the picture of a state of shape ``(n,)``."""
         for each, handle in self._drawn:
             self._place(each, handle, state)
         width, height = self._size
@@ -59,7 +60,7 @@ class TinyRenderer(Client):
             flags=pybullet.ER_NO_SEGMENTATION_MASK,
             lightDirection=_LIGHT,
             lightColor=(1.0, 1.0, 1.0),
-            # The shadow map has the camera's angle of view, so a more distant light covers more.
+            # The shadow map has the camera's angle of view, so it covers more if the light is farther away.
             lightDistance=_LIGHT_DISTANCE * self._camera.distance,
             lightAmbientCoeff=_AMBIENT,
             lightDiffuseCoeff=_DIFFUSE,
@@ -70,7 +71,7 @@ class TinyRenderer(Client):
         return np.ascontiguousarray(pixels[..., :3])
 
     def _compute_matrices(self, camera: Camera) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        # The renderer's light points at the origin, so the camera's target is moved there.
+        # The renderer's light points at the origin, so the scene is shifted until the target is at the origin.
         eye = (camera.eye - camera.target).tolist()
         width, height = self._size
         far = 3 * camera.distance
@@ -96,7 +97,7 @@ class TinyRenderer(Client):
             vertices=mesh.vertices.tolist(),
             normals=mesh.normals.tolist(),
             indices=mesh.triangles.ravel().tolist(),
-            # Without texture coordinates Bullet draws nothing.
+            # Bullet does not draw meshes without texture coordinates.
             uvs=[[0.0, 0.0]] * len(mesh.vertices),
             rgbaColor=(*colour, 1.0),
             specularColor=(0.1, 0.1, 0.1),

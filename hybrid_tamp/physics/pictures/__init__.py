@@ -1,1 +1,1 @@
-"""Pictures of a recording: camera, appearance of tokens and renderer."""
+"""Pictures of recordings: the camera, the appearance of tokens and the renderer."""

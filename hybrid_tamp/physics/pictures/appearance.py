@@ -1,4 +1,4 @@
-"""The appearance of tokens in pictures: coloured meshes, with marks that show a rotation."""
+"""Appearance of tokens in pictures: coloured meshes, with marks that make rotations visible."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from hybrid_tamp.motion.poses import quaternion_from_rpy
 from hybrid_tamp.physics.pictures.camera import disc_radius
 
 Colour = tuple[float, float, float]
-"""Red, green, blue, each from 0 to 1."""
+"""Components red, green and blue, each from 0 to 1."""
 
 HANDS: Sequence[Colour] = ((0.24, 0.44, 0.78), (0.13, 0.60, 0.72), (0.42, 0.38, 0.76), (0.30, 0.30, 0.45))
 THINGS: Sequence[Colour] = ((0.95, 0.65, 0.28), (0.88, 0.42, 0.36), (0.72, 0.50, 0.74), (0.80, 0.72, 0.38))
@@ -26,13 +26,13 @@ _SHADE = 0.7
 
 @dataclass(frozen=True, eq=False)
 class ColouredMesh:
-    """One coloured mesh of a token, in the token's body frame.
+    """A coloured mesh of a token, in the token's body frame.
 
     Attributes:
         token: name of the token.
-        mesh: its surface.
-        colour: its colour.
-        flat: whether it lies on the floor whatever the token's height and orientation.
+        mesh: surface to draw.
+        colour: colour of the surface.
+        flat: whether the mesh is drawn flat on the floor, regardless of the token's height and orientation.
     """
 
     token: str
@@ -42,7 +42,7 @@ class ColouredMesh:
 
 
 def draw_tokens(task: Task) -> list[ColouredMesh]:
-    """Return the meshes of every token: hands are blue, things warm and places green, each in its own shade."""
+    """Return the meshes of all tokens. Hands are blue, other objects have warm colours, and places are green."""
     found: list[ColouredMesh] = []
     counts: dict[int, int] = {}
     for token in task.tokens:
@@ -57,7 +57,7 @@ def _draw_token(token: Token, colour: Colour) -> list[ColouredMesh]:
     dark = _darker(colour, 0.5)
     if token.shape is None:
         radius = disc_radius(token)
-        # The rim lies slightly above the floor and the disc above the rim, so that neither flickers.
+        # The rim is slightly above the floor, and the disc is slightly above the rim, so that they do not flicker.
         rim = disc(radius).moved([0, 0, _THIN])
         inner = disc(radius * (1 - _RIM)).moved([0, 0, 2 * _THIN])
         green = _darker(colour, 0.6)
@@ -75,7 +75,7 @@ def _draw_token(token: Token, colour: Colour) -> list[ColouredMesh]:
 
 
 def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[ColouredMesh]:
-    """Return the convex solids in two alternating shades, which show the composition and the rotation."""
+    """Return the convex solids of a shape in two alternating shades, which make rotations visible."""
     solids = solids_of(shape)
     meshes = [solid(each).turned(quaternion_from_rpy(each.rpy)).moved(each.position) for each in solids]
     shades = (colour, _darker(colour, _SHADE))
@@ -83,13 +83,13 @@ def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[Co
 
 
 def _cross(radius: float) -> Mesh:
-    """Return hairlines through a place, which mark it even if something stands on it."""
+    """Return two crossed hairlines that show a place even if an object stands on it."""
     arm = radius + _HAIRLINE
     return joined(box((arm, _THIN, _THIN / 2)), box((_THIN, arm, _THIN / 2)))
 
 
 def _mark(shape: Solid) -> Mesh:
-    """Return a mark that stands out slightly from the surface and shows the rotation of the thing."""
+    """Return a mark slightly above the surface of a solid that makes its rotation visible."""
     if isinstance(shape, Cylinder):
         return box((shape.radius * 1.006, shape.radius * 0.1, shape.length / 2 + _THIN))
     if isinstance(shape, Box):

@@ -1,4 +1,4 @@
-"""A camera that shows the whole of a run."""
+"""Camera whose view contains all tokens during a whole run."""
 
 from dataclasses import dataclass
 
@@ -17,9 +17,9 @@ FIELD_OF_VIEW = np.radians(32.0)
 ELEVATION = np.radians(30.0)
 """Angle of the camera above the horizontal [rad]."""
 TURN = np.radians(18.0)
-"""Angle of the camera from the normal of the motion, which gives depth [rad]."""
+"""Horizontal angle between the view and the normal of the motion [rad]. It gives the picture depth."""
 SPARE = 1.08
-"""Room around the visible spheres, as a factor on the distance."""
+"""Factor on the camera's distance that leaves a margin around the visible spheres."""
 _DISC = 0.05
 _ROWS = 200
 _UP = np.array([0.0, 0.0, 1.0])
@@ -30,8 +30,8 @@ class Camera:
     """A perspective camera.
 
     Attributes:
-        eye: position of the camera, world frame ``(3,)`` [m].
-        target: point in the middle of the picture, world frame ``(3,)`` [m].
+        eye: position of the camera in the world frame, ``(3,)`` [m].
+        target: point at the centre of the picture in the world frame, ``(3,)`` [m].
     """
 
     eye: FloatArray
@@ -39,26 +39,26 @@ class Camera:
 
     @property
     def distance(self) -> float:
-        """Distance from eye to target [m]."""
+        """Distance from the eye to the target [m]."""
         return float(np.linalg.norm(self.eye - self.target))
 
 
 @dataclass(frozen=True, eq=False)
 class Spheres:
-    """The spheres that a picture must show, with centres ``(n, 3)`` and radii ``(n,)``, world frame [m]."""
+    """Spheres that a picture must show, with centres ``(n, 3)`` in the world frame and radii ``(n,)`` [m]."""
 
     centres: FloatArray
     radii: FloatArray
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Lower and upper corner of the box around them, each ``(3,)``."""
+        """Lower and upper corner of the axis-aligned box around all spheres, each ``(3,)`` [m]."""
         reach = self.radii[:, None]
         return (self.centres - reach).min(axis=0), (self.centres + reach).max(axis=0)
 
 
 def spheres_of(task: Task, recording: Recording) -> Spheres:
-    """Return bounding spheres of every token at instants spread over the run."""
+    """Return the bounding spheres of all tokens at up to 200 times of the run."""
     rows = np.unique(np.linspace(0, len(recording.times) - 1, _ROWS).astype(int))
     run = recording.trajectory
     centres = [run[token, "position"][rows] for token in task.tokens]
@@ -67,7 +67,7 @@ def spheres_of(task: Task, recording: Recording) -> Spheres:
 
 
 def bounding_radius(token: Token) -> float:
-    """Return the radius of the sphere about a token's origin that contains its drawing [m]."""
+    """Return the radius of the sphere about a token's origin that contains its meshes [m]."""
     if token.shape is None:
         return disc_radius(token)
     return max(float(np.linalg.norm(each.position)) + _radius(each) for each in solids_of(token.shape))
@@ -84,22 +84,22 @@ def _radius(shape: Solid | Hull) -> float:
 
 
 def disc_radius(token: Token) -> float:
-    """Return the radius of the disc that represents a token without a shape [m]."""
+    """Return the radius of the disc that is drawn for a token without a shape [m]."""
     radius = token.properties.get("radius", _DISC)
     return float(radius)
 
 
 def frame_camera(spheres: Spheres, aspect: float) -> Camera:
-    """Return the nearest camera that shows all spheres, their longest extent from left to right.
+    """Return the nearest camera that shows all spheres. Their longest extent is horizontal in the picture.
 
-    A sphere at (x, y, z) in the axes right, up and backward about the target lies right of the left edge of a picture
-    with half the angle of view h if ``D >= z + (radius - x cos h) / sin h``, where D is the camera's distance. The
-    other edges give similar bounds. Each bound is linear in D and in a shift of the target, so the best shift makes
-    opposite bounds equal.
+    Let (x, y, z) be the centre of a sphere relative to the target, along the axes right, up and backward. Let D be the
+    distance of the camera and h half its angle of view. The left edge of the picture does not cut the sphere if
+    ``D >= z + (radius - x cos h) / sin h``. The other edges give similar bounds. Each bound is linear in D and in a
+    shift of the target, so D is smallest if the target is shifted until opposite bounds are equal.
 
     Args:
-        spheres: the spheres to show.
-        aspect: width of the picture over its height.
+        spheres: spheres to show.
+        aspect: ratio of the picture's width to its height.
     """
     right, up, back = _axes(spheres.centres)
     vertical = FIELD_OF_VIEW / 2
@@ -119,11 +119,11 @@ def frame_camera(spheres: Spheres, aspect: float) -> Camera:
 
 
 def _axes(points: NDArray[np.float64]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return unit vectors to the right, up and backward, chosen so that the points spread from left to right."""
+    """Return unit vectors to the right, up and backward. The points ``(n, 3)`` spread most along the first."""
     level = points[:, :2] - points[:, :2].mean(axis=0)
     _, spreads, directions = np.linalg.svd(level, full_matrices=False)
     along = directions[0] if spreads[0] > 1e-9 else np.array([1.0, 0.0])
-    # Choose the direction that points to positive x, or else to positive y.
+    # The sign is chosen so that the direction points to positive x, or to positive y if x is zero.
     if (along[0], along[1]) < (-along[0], -along[1]):
         along = -along
     cos, sin = np.cos(TURN), np.sin(TURN)

@@ -1,4 +1,4 @@
-"""Pictures of a recording; the drawing library is imported when a renderer is first opened."""
+"""Rendering of recordings. The drawing library is imported when a renderer is first opened."""
 
 from typing import Protocol
 
@@ -12,21 +12,21 @@ from hybrid_tamp.physics.pictures.camera import spheres_of
 from hybrid_tamp.physics.protocol import Resource, load
 
 WIDTH, HEIGHT = 640, 352
-"""Size of a picture [pixels]: about 80 ms each, so that ten seconds at 20 pictures a second take 16 s."""
+"""Default size of a picture [pixels]. A picture takes about 80 ms, so a video of 10 s at 20 Hz takes 16 s."""
 
 _RENDERER = "hybrid_tamp.physics.bullet.tiny_renderer:TinyRenderer"
 
 
 class Renderer(Resource, Protocol):
-    """Draws states of one task with one camera."""
+    """A renderer that draws states of a task with a fixed camera."""
 
     def picture(self, state: State) -> NDArray[np.uint8]:
-        """Return the picture of a state, ``(height, width, 3)``, red, green, blue."""
+        """Return the picture of a state, as an RGB array of shape ``(height, width, 3)``."""
         ...
 
 
 def open_renderer(task: Task, recording: Recording, width: int = WIDTH, height: int = HEIGHT) -> Renderer:
-    """Open a renderer whose camera shows every token during the whole run, whatever backend recorded it.
+    """Open a renderer whose camera shows every token during the whole run. Recordings of any backend can be drawn.
 
     Raises:
         InputError: PyBullet is not installed.
