@@ -1,17 +1,20 @@
-"""The symbolic stage: from a task to a checked task plan.
+"""The symbolic stage, which turns a task into a checked task plan.
 
 ::
 
     find_plan       Task -> TaskPlan: runs the strategies and returns the best lawful plan
-      strategies/     goals planned apart, interchangeable tokens rebound, and the search that they share
-      encoding/       Task -> Compilation: operators with meanings, facts, goal (chaining/: series as one block)
-      engines/        PlanningProblem -> PlannedActions, in a process that imports unified_planning
-      decode          PlannedActions -> instances in order
-      schedule        instances in order -> TaskPlan with times (estimates: expected durations)
+      strategies/     plan goals apart, rebind interchangeable tokens; both share one search
+      encoding/       Task -> Compilation: operators with meanings, facts, goal
+      chaining/       composes blocks in series into one block before the encoding
+      engines/        PlanningProblem -> PlannedActions, in a worker process
+      decode          PlannedActions -> ordered instances
+      estimates       ordered instances -> expected durations
+      schedule        ordered instances -> TaskPlan with times
     reencode        TaskPlan -> PlannedActions of a compiled task
-    relaxation      a quick proof that a task has no plan
-    pddl/           problems and plans as PDDL text, joins over facts; plan_text reads plans of other planners
-    temporal/       the same for PDDL 2.1, with one durative action per block
+    relaxation      quick proof that a task has no plan
+    pddl/           problems and plans as PDDL text, joins over facts
+    plan_text       reads plans of other planners
+    temporal/       encoding and export as PDDL 2.1, with one durative action per block
 
-Only engines/ imports unified_planning, and only inside its worker process.
+Only the worker process of engines/ imports unified_planning.
 """

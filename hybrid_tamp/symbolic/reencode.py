@@ -49,7 +49,7 @@ def plan_actions(compilation: Compilation, plan: TaskPlan) -> Sequence[PlannedAc
 
 
 def _tiles(plan: TaskPlan, token: str) -> bool:
-    """Say whether the instances of a token cover the plan without gap or overlap."""
+    """Return whether the instances of a token cover the plan without gap or overlap."""
     spans = [(instance.start, instance.end) for instance, _ in plan.timeline(token)]
     joints = [0.0, *(end for _, end in spans)]
     starts = [*(start for start, _ in spans), plan.makespan]
@@ -96,14 +96,14 @@ def _in_order(domain: Domain, plan: TaskPlan, groups: list[list[BlockInstance]])
 
 
 def _needs(domain: Domain, first: list[BlockInstance], second: list[BlockInstance]) -> bool:
-    """Say whether `first` starts an instance whose entry conditions `second` may make false."""
+    """Return whether `first` starts an instance whose entry conditions `second` may make false."""
     entries = [e.ground(i.roles) for i in first for e in domain.block_by_name[i.block].entry]
     taken = [e.ground(i.roles) for i in second for e in list_deleted(domain.block_by_name[i.block])]
     return any(each.matches(entry) for each in taken for entry in entries)
 
 
 def _frees(plan: TaskPlan, first: list[BlockInstance], second: list[BlockInstance]) -> bool:
-    """Say whether `first` ends an instance in conflict with one that `second` starts."""
+    """Return whether `first` ends an instance in conflict with one that `second` starts."""
     ended = [b[0] for i in first for token in i.slots.values() if (b := plan.before(i, token))]
     return any(
         set(old.targets.values()) & set(new.slots.values()) or set(old.slots.values()) & set(new.targets.values())

@@ -8,7 +8,7 @@ from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningProblem,
 
 
 def may_be_solvable(problem: PlanningProblem) -> bool:
-    """Say whether the goal can be reached if nothing is ever deleted. If it cannot, there is no plan."""
+    """Return whether the goal can be reached if nothing is ever deleted. If it cannot, there is no plan."""
     return reachable(problem).issuperset(problem.goal)
 
 

@@ -225,7 +225,7 @@ def test_a_goal_that_speaks_of_it_waits_for_a_probe(command: Command, tmp_path: 
         "report.html",
         "task.yaml",
     ]
-    with pytest.raises(InputError, match="whether P5 is one is not known"):
+    with pytest.raises(InputError, match="unknown whether P5 is a member"):
         compile_task(load_task(TO_TUMBLE))
 
 

@@ -31,7 +31,7 @@ def begin_series(block: Block, taken: Iterable[str] = ()) -> Series:
 
 
 def _lasting(literal: Literal) -> bool:
-    """Say whether an entry condition still holds after the block if nothing undoes it."""
+    """Return whether an entry condition still holds after the block if nothing undoes it."""
     return literal.positive and literal.predicate.measured
 
 
@@ -70,7 +70,7 @@ def extend_series(series: Series, block: Block, slots: Mapping[str, str], taken:
 
 
 def _twice(link: Link) -> bool:
-    """Say whether one token would have two roles of the block."""
+    """Return whether one token would have two roles of the block."""
     tokens = [role for own, role in link.roles.items() if not isinstance(link.block.roles[own], SymbolSort)]
     return len(set(tokens)) < len(tokens)
 
@@ -125,7 +125,7 @@ def _narrowed(series: Series, link: Link, fresh: Iterable[str]) -> dict[str, Sor
 
 
 def within(one: Sort, other: Sort) -> bool:
-    """Say whether every member of one class or sort is a member of the other."""
+    """Return whether every member of one class or sort is a member of the other."""
     if isinstance(one, SymbolSort) or isinstance(other, SymbolSort):
         return one is other
     return issubclass(one, other) or (other is TOKEN and not is_place(one))
@@ -153,7 +153,7 @@ def key(literal: Literal) -> tuple[str, ...]:
 
 
 def _undone(fact: Literal, exits: Iterable[Literal], sorts: Mapping[str, Sort]) -> bool:
-    """Say whether exit conditions may delete the fact."""
+    """Return whether exit conditions may delete the fact."""
     return any(
         each.predicate is fact.predicate
         and (not each.positive or each.predicate.functional_index is not None)
@@ -163,7 +163,7 @@ def _undone(fact: Literal, exits: Iterable[Literal], sorts: Mapping[str, Sort]) 
 
 
 def _meets(one: Literal, other: Literal, sorts: Mapping[str, Sort]) -> bool:
-    """Say whether two literals over the roles of the whole may be one atom, their functional values aside."""
+    """Return whether two literals over the roles of the whole may be one atom, their functional values aside."""
     return all(
         mine == theirs or ANY in (mine, theirs) or _may_be(mine, theirs, sorts)
         for mine, theirs in zip(key(one), key(other), strict=True)
@@ -171,5 +171,5 @@ def _meets(one: Literal, other: Literal, sorts: Mapping[str, Sort]) -> bool:
 
 
 def _may_be(one: str, other: str, sorts: Mapping[str, Sort]) -> bool:
-    """Say whether two different arguments may be one symbol. Two roles are never one token."""
+    """Return whether two different arguments may be one symbol. Two roles are never one token."""
     return any(isinstance(sorts.get(argument), SymbolSort) for argument in (one, other))

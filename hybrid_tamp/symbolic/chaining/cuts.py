@@ -32,7 +32,7 @@ class Cuts:
         self.conditions = Conditions(Vocabulary(task.domain))
 
     def is_uncut(self, series: Series) -> bool:
-        """Say whether no plan is lost if no plan stops inside the series and no other block acts there."""
+        """Return whether no plan is lost if no plan stops inside the series and no other block acts there."""
         inside = {link.block.name for link in series.links}
         # Other tokens may pass through the same series.
         others = [*(b for b in self.domain.blocks if b.name not in inside), series.block("the whole")]
@@ -45,7 +45,7 @@ class Cuts:
         )
 
     def _encodable(self, series: Series) -> bool:
-        """Say whether a series with several slots has operators for every way in and out."""
+        """Return whether a series with several slots has operators for every way in and out."""
         first, last = series.links[0], series.last
         if len(first.block.slots) == 1:
             return True
@@ -63,14 +63,14 @@ class Cuts:
         return locked, frozenset(link.roles[slot] for slot in slots)
 
     def _comes_to_stay(self, series: Series) -> bool:
-        """Say whether tokens may stay at the end of the series, or could not stay in it before."""
+        """Return whether tokens may stay at the end of the series, or could not stay in it before."""
         if series.last.block.hold or not any(link.block.hold for link in series.links):
             return True
         _, changed = self._footprint(series.last)
         return not changed and all(self._may_rest(series, slot.name) for slot in series.last.block.slots)
 
     def _may_rest(self, series: Series, slot: str) -> bool:
-        """Say whether the token in a slot of the last block may always go to the resting block."""
+        """Return whether the token in a slot of the last block may always go to the resting block."""
         block, resting = series.last.block, self.domain.resting_block
         role = series.last.roles[slot]
         wanted = [rename_roles(literal, {resting.anchor: role}) for literal in resting.entry]
@@ -85,7 +85,7 @@ class Cuts:
     # -- facts that hold only inside ----------------------------------------------------------------------------
 
     def _needed(self, series: Series, junction: Series, others: list[Block]) -> bool:
-        """Say whether another block or the goal needs a fact that holds at the junction but not at the end."""
+        """Return whether another block or the goal needs a fact that holds at the junction but not at the end."""
         lost = list(_lost(series, junction))
         wanted = junction.last.block.hold and any(self._is_goal(series, fact) for fact in lost)
         return wanted or any(
@@ -114,7 +114,7 @@ class Cuts:
     # -- effects that another block undoes ----------------------------------------------------------------------
 
     def _overruled(self, series: Series, others: list[Block]) -> bool:
-        """Say whether another block may undo an effect of the series after its first block."""
+        """Return whether another block may undo an effect of the series after its first block."""
         coming = [literal for link in series.links[1:] for literal in link.exit if literal in series.exit]
         return any(
             fact.positive and fact.predicate is undone.predicate and self._meet(series, fact, block, undone)
@@ -124,7 +124,7 @@ class Cuts:
         )
 
     def _meet(self, series: Series, mine: Literal, block: Block, theirs: Literal) -> bool:
-        """Say whether a literal of the series and one of another block may be the same atom at one time."""
+        """Return whether a literal of the series and one of another block may be the same atom at one time."""
         slots = {slot.name for slot in block.slots}
         for one, other in zip(mine.arguments, theirs.arguments, strict=True):
             apart = one in series.slots and other in slots
@@ -134,7 +134,7 @@ class Cuts:
         return True
 
     def _overlap(self, one: Sort | str, other: Sort | str) -> bool:
-        """Say whether two classes, sorts or symbols may have a common member."""
+        """Return whether two classes, sorts or symbols may have a common member."""
         if isinstance(one, str) or isinstance(other, str):
             ours = {one} if isinstance(one, str) else set(getattr(one, "symbols", ()))
             theirs = {other} if isinstance(other, str) else set(getattr(other, "symbols", ()))

@@ -1,4 +1,4 @@
-"""Encoder: block declarations to lifted STRIPS operators, slot by slot, for any domain.
+"""Encoder of block declarations as lifted STRIPS operators, for any domain.
 
-Input: the blocks and the network of a domain. Output: a planning domain, and the meaning of each operator.
+The input is the blocks and the network of a domain. The output is a planning domain and the meaning of each operator.
 """

@@ -1,4 +1,4 @@
-"""Builder of one operator: collects its parameters, conditions and effects."""
+"""Builder of one operator, which collects its parameters, preconditions and effects."""
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
@@ -12,16 +12,19 @@ Same = dict[str, type[ObjectClass] | SymbolSort]
 
 
 class ActionBuilder:
-    """Collects the conditions and effects of one operator. Roles of the new block are variables with the same names."""
+    """Collects the preconditions and effects of one operator.
+
+    A role of the new block becomes a variable of the same name.
+    """
 
     def __init__(self, vocabulary: Vocabulary, block: Block, same: Same | None = None) -> None:
-        """Begin an operator that takes a token to the block.
+        """Start an operator that assigns a token to a block.
 
         Args:
-            vocabulary: the PDDL words of the domain.
-            block: the block that the token goes to.
-            same: role of the block to the class of the role that the same token has in the block that it leaves. The
-                variable gets the narrower of the two types.
+            vocabulary: PDDL names of the domain.
+            block: Block to which the operator assigns the token.
+            same: Maps roles of the block to the class of the same token's role in the old block. The variable gets
+                the narrower of the two types.
         """
         self.vocabulary = vocabulary
         self.block = block
@@ -37,7 +40,7 @@ class ActionBuilder:
     # -- variables ----------------------------------------------------------------------------------------------
 
     def role(self, role: str) -> str:
-        """Make a role of the new block a parameter, with its guard; return the variable."""
+        """Return the variable of a role of the new block. On first use, declare the parameter and its guard."""
         if role not in self._variables:
             sort = self.block.roles[role]
             self._variables[role] = self._declare(role, self.vocabulary.narrower(sort, self._same.get(role, sort)))
@@ -46,7 +49,10 @@ class ActionBuilder:
         return self._variables[role]
 
     def other(self, block: Block, role: str, unified: dict[str, str] | None = None) -> str:
-        """Return the variable of a role of the old block, or of the role of the new block that is unified with it."""
+        """Return the variable of a role of the old block.
+
+        If a role of the new block is unified with the old role, both share a variable.
+        """
         if unified and role in unified:
             return self._argument(unified[role])
         if role not in self._others:
@@ -65,12 +71,12 @@ class ActionBuilder:
         return variable
 
     def variable(self, role: str) -> str:
-        """Return the variable of a role of the new block that is a parameter already."""
+        """Return the variable of a role of the new block. The role must already be a parameter."""
         return self._variables[role]
 
     @property
     def bound(self) -> set[str]:
-        """Roles of the new block that are parameters."""
+        """The roles of the new block that are parameters."""
         return set(self._variables)
 
     # -- facts --------------------------------------------------------------------------------------------------
@@ -80,7 +86,7 @@ class ActionBuilder:
         self._precondition[fact] = None
 
     def add(self, fact: Fact) -> None:
-        """Add an effect."""
+        """Add an add effect."""
         self._add[fact] = None
 
     def delete(self, fact: Fact) -> None:
@@ -98,7 +104,7 @@ class ActionBuilder:
         self.add(new)
 
     def count_readers(self, token: str, change: int) -> None:
-        """Change the count of the readers of a token by +1 or -1."""
+        """Change the number of readers of a token by +1 or -1."""
         count = self.vocabulary.type_of(COUNT)
         now, then = self._fresh("readers", count), self._fresh("readers", count)
         self.require(("next", now, then) if change > 0 else ("next", then, now))
@@ -107,7 +113,7 @@ class ActionBuilder:
     # -- literals -----------------------------------------------------------------------------------------------
 
     def require_literal(self, literal: Literal) -> None:
-        """Add an entry condition over roles of the new block."""
+        """Add an entry condition over roles of the new block as a precondition."""
         word = self.vocabulary.predicate(literal.predicate.name, literal.positive)
         self.require((word, *map(self._argument, literal.arguments)))
 
@@ -115,7 +121,7 @@ class ActionBuilder:
         """Add an exit condition over roles of the new block as an effect."""
         name, index = self.vocabulary.predicate(literal.predicate.name), literal.predicate.functional_index
         if ANY in literal.arguments and index is None:
-            return  # The predicate is maintained: its atoms end when the token leaves.
+            return  # The predicate is maintained. Its atoms end when the token leaves.
         arguments = [ANY if a == ANY else self._argument(a) for a in literal.arguments]
         if index is not None:
             self._clear(literal, name, arguments, index)
@@ -125,7 +131,7 @@ class ActionBuilder:
             self.add((name, *arguments))
 
     def _clear(self, literal: Literal, name: str, arguments: list[str], index: int) -> None:
-        """Delete the old value of a functional predicate. If the exit sets no new value, the value is none."""
+        """Delete the old value of a functional predicate. If the exit sets no new value, add the value 'none'."""
         key = (name, *arguments[:index], *arguments[index + 1 :])
         known = self._known_value(literal, index)
         if known is not None:
@@ -149,7 +155,7 @@ class ActionBuilder:
             self.add((name, *arguments[:index], none, *arguments[index + 1 :]))
 
     def _known_value(self, literal: Literal, index: int) -> str | None:
-        """Return the old value of a functional predicate if an entry condition of the block names it."""
+        """Return the role of a functional predicate's old value, or None if no entry condition names the value."""
         for wanted in self.block.entry:
             value = wanted.arguments[index] if wanted.predicate is literal.predicate and wanted.positive else ANY
             others = (*wanted.arguments[:index], *wanted.arguments[index + 1 :])
@@ -166,12 +172,12 @@ class ActionBuilder:
 
     @property
     def roles(self) -> dict[str, int]:
-        """Index of the parameter of each role of the new block."""
+        """Maps each role of the new block to the index of its parameter."""
         order = list(self._parameters)
         return {role: order.index(variable) for role, variable in self._variables.items()}
 
     def build(self, name: str) -> Operator:
-        """Return the operator. A fact that is both deleted and added stays, because deletes precede adds."""
+        """Return the operator. Deletes precede adds, so a fact that is both deleted and added holds afterwards."""
         parameters: tuple[Typed, ...] = tuple(self._parameters.items())
         return Operator(
             name,

@@ -1,6 +1,6 @@
-"""The predicates of the compiler: tokens in slots, readers of tokens, unfinished reassignments.
+"""The compiler's own predicates about tokens in slots, readers of tokens and unfinished reassignments.
 
-A kind, a block, and slots or targets of the block identify each predicate. Its PDDL name only resembles them.
+A kind, a block, and slots or targets of the block identify each predicate. The PDDL name is derived from all of them.
 """
 
 from collections.abc import Iterator
@@ -11,19 +11,19 @@ from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import SymbolSort
 
 State = tuple[str, ...]
-"""A kind of predicate, and the names of its block and of the slots or targets of that block."""
+"""Key of a compiler predicate: its kind, the name of its block, and the names of the block's slots or targets."""
 
 COUNT = "how many"
-"""The type of the counts of readers."""
+"""Type of the numbers of readers."""
 ROOT = "object"
-"""The root of all types, places included."""
+"""Root of all types, including places."""
 
 Sort = type[ObjectClass] | SymbolSort | str
-"""The class, sort or type of a parameter; a string is `COUNT` or `ROOT`."""
+"""Class, sort or type of a parameter. A string is `COUNT` or `ROOT`."""
 
 
 def assignment_predicates(domain: Domain) -> Iterator[tuple[State, tuple[tuple[str, Sort], ...]]]:
-    """Yield the predicates of the compiler with their typed parameters."""
+    """Yield each compiler predicate as a pair of (key, typed parameters)."""
     yield ("idle",), ()
     for name in ("settled", "unclaimed", "completed"):
         yield (name,), (("token", TOKEN),)
@@ -52,7 +52,10 @@ def _block_predicates(domain: Domain, block: Block) -> Iterator[tuple[State, tup
 
 
 def remainders(block: Block) -> tuple[tuple[str, ...], ...]:
-    """Return every non-empty set of slots, in order, whose tokens may have to leave after the anchor."""
+    """Return every non-empty subset of the slots other than the anchor, each in slot order.
+
+    The tokens of a subset may have to leave after the anchor.
+    """
     names = [slot.name for slot in block.others]
     sets: list[tuple[str, ...]] = [()]
     for name in names:
@@ -61,7 +64,7 @@ def remainders(block: Block) -> tuple[tuple[str, ...], ...]:
 
 
 def locked_targets(domain: Domain, block: Block) -> tuple[Target, ...]:
-    """Return the targets that the system of some block may change while this block reads them."""
+    """Return the targets whose properties some block may change while this block reads them."""
 
     def written(target: Target) -> bool:
         return any(
@@ -76,10 +79,10 @@ def locked_targets(domain: Domain, block: Block) -> tuple[Target, ...]:
 
 
 def remembered(domain: Domain, block: Block, slot: str) -> tuple[str, ...]:
-    """Return the targets that must be known when the token in a slot leaves.
+    """Return the targets that an operator must know when the token in a slot leaves.
 
-    The token of the anchor remembers the locked targets, to release them. The token of each slot remembers the targets
-    in the maintained exit conditions that it carries.
+    When the anchor leaves, the operator releases the locked targets. When the token of any slot leaves, the operator
+    deletes the maintained exit conditions of the slot (see `keeper`).
     """
     locked = {t.name for t in locked_targets(domain, block)} if slot == block.anchor else set()
     targets = {t.name for t in block.targets}
@@ -90,6 +93,9 @@ def remembered(domain: Domain, block: Block, slot: str) -> tuple[str, ...]:
 
 
 def keeper(block: Block, arguments: tuple[str, ...]) -> str:
-    """Return the slot whose token carries a condition: the last slot in it besides the anchor, else the anchor."""
+    """Return the slot to which a condition belongs.
+
+    This is the last slot in its arguments other than the anchor, or the anchor if there is no other slot.
+    """
     others = [slot.name for slot in block.others if slot.name in arguments]
     return others[-1] if others else block.anchor

@@ -1,8 +1,8 @@
-"""Assignment of the conditions of blocks to operators.
+"""Assignment of a block's conditions to operators.
 
-A condition belongs to the operator in which all its roles are known. A condition on the anchor and targets belongs to
-`begin`. A condition on other slots belongs to the `fill` of the last of them. If the conditions of several fills
-mention a target, the first fill binds it, and `begin` must agree.
+A condition belongs to the operator that knows all its roles. A condition on the anchor and targets belongs to `begin`.
+A condition on other slots belongs to the `fill` of the last of these slots. If the conditions of several fills mention
+the same target, the first fill binds the target. Later fills and `begin` use the same target.
 """
 
 from collections.abc import Iterator
@@ -16,16 +16,19 @@ from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
 @dataclass(frozen=True, eq=False)
 class Conditions:
-    """Assigns the conditions of the blocks of one domain to operators."""
+    """Assigns the conditions of a domain's blocks to operators."""
 
     vocabulary: Vocabulary
 
     def entry_at_begin(self, block: Block) -> list[Literal]:
-        """Return the entry conditions on the anchor and targets alone."""
+        """Return the entry conditions on the anchor and targets only."""
         return [literal for literal in block.entry if keeper(block, literal.arguments) == block.anchor]
 
     def entry_at_fill(self, block: Block, slot: str) -> list[Literal]:
-        """Return the entry conditions whose last slot is this one, and the feasibility that is known by then."""
+        """Return the entry conditions that a fill checks.
+
+        These are the conditions that belong to the slot, and the feasibility conditions whose roles are then known.
+        """
         mine = [literal for literal in block.entry if keeper(block, literal.arguments) == slot]
         known = {slot, block.anchor} | {a for literal in mine for a in literal.arguments}
         early = [
@@ -36,11 +39,11 @@ class Conditions:
         return mine + early
 
     def exit_at(self, block: Block, slot: str) -> list[Literal]:
-        """Return the exit conditions whose last slot is this one; for the anchor, those on it and targets alone."""
+        """Return the exit conditions that belong to a slot (see `keeper`)."""
         return [literal for literal in block.exit if keeper(block, literal.arguments) == slot]
 
     def bound_by(self, block: Block) -> dict[str, str]:
-        """Return the targets that fills bind, with the first slot whose fill mentions each."""
+        """Return a dictionary that maps each target bound by a fill to the first slot whose fill mentions it."""
         targets = {target.name for target in block.targets}
         bound: dict[str, str] = {}
         for slot in block.others:
@@ -51,14 +54,14 @@ class Conditions:
         return bound
 
     def maintained_by(self, block: Block, slot: str) -> list[Literal]:
-        """Return the exit conditions that the hold of the block maintains and the token in this slot carries."""
+        """Return the maintained exit conditions that belong to a slot (see `keeper`)."""
         return [literal for literal in block.maintained_exit if keeper(block, literal.arguments) == slot]
 
     def unified(self, old: Block, slot_before: str, new: Block, slot: str) -> dict[str, str]:
-        """Return roles of the old block that must equal roles of the new one.
+        """Return a dictionary that maps roles of the old block to the roles of the new block that they must equal.
 
         The old block maintains a condition, e.g. behind(hand, object, region), for its own targets only. So an entry
-        condition of the new block on the same predicate names the same tokens.
+        condition of the new block on the same predicate must name the same tokens.
         """
         same: dict[str, str] = {}
         entry = self.entry_at_begin(new) if slot == new.anchor else self.entry_at_fill(new, slot)
@@ -71,11 +74,11 @@ class Conditions:
         return same
 
     def locked(self, block: Block) -> tuple[Target, ...]:
-        """Return the targets of the block that some block may change."""
+        """Return the targets whose properties some block may change while this block reads them."""
         return locked_targets(self.vocabulary.domain, block)
 
     def claimable(self, block: Block, slot: str) -> bool:
-        """Say whether the token in this slot may be the anchor of a block with several slots."""
+        """Return whether a token in this slot may also fit the anchor slot of a block with several slots."""
         mine = block.slot(slot).object_class
         return any(
             other.others
@@ -92,22 +95,25 @@ class Conditions:
                     yield set(target.reads)
 
     def readable(self, block: Block, slot: str) -> bool:
-        """Say whether some block may read the token in this slot as a locked target."""
+        """Return whether a block may read the token in this slot as a locked target."""
         return any(True for _ in self._reads(block, slot))
 
     def changes(self, block: Block, slot: str) -> bool:
-        """Say whether the block changes a property that a reader of the token in this slot reads."""
+        """Return whether the block changes a property of the slot's token that another block may read."""
         written = set(block.writes.get(slot, ()))
         return any(written & read for read in self._reads(block, slot))
 
     def disturbs(self, block: Block, slot: str) -> bool:
-        """Say whether the block changes such a property until it ends. A block that holds stops at its exit."""
+        """Return whether the block changes a readable property of the slot's token until the block ends.
+
+        A block with a hold stops changing the property at its exit.
+        """
         return not block.hold and self.changes(block, slot)
 
     def to_keep_apart(self, block: Block, bound: set[str]) -> list[tuple[str, str]]:
-        """Return the (slot, target) pairs that need a condition which forbids one token in both.
+        """Return the pairs of (slot, target) that need the condition `distinct`.
 
-        A pair in a common static condition needs none, because feasibility is computed for different tokens.
+        Pairs in a common static condition are left out, because feasibility is computed for different tokens only.
         """
         pairs = []
         for slot in block.slots:

@@ -1,4 +1,4 @@
-"""The operators of an edge of the network: ``fill``, ``begin`` and ``leave`` (see `encoder`)."""
+"""The operators of a network edge, which are ``fill``, ``begin`` and ``leave`` (see `encoder`)."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -13,14 +13,14 @@ from hybrid_tamp.symbolic.pddl.operators import Operator
 
 
 class EdgeOperators(OperatorMaker):
-    """Makes the operators of the edges between two blocks."""
+    """Makes the operators for the edges between two blocks."""
 
     # -- fill ---------------------------------------------------------------------------------------------------
 
     def fill(self, old: Block, slot_before: str, new: Block, slot: str) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield the operator that reserves a token for a slot.
+        """Yield the operator that reserves a token for a slot, if there is one.
 
-        The token comes from a block with one slot, or from the block in which the anchor is.
+        The token comes from a block with one slot, or from the current block of the anchor.
         """
         name = f"fill-{legal(new.name)}-{legal(slot)}-from-{legal(old.name)}"
         if len(old.slots) > 1:
@@ -48,7 +48,7 @@ class EdgeOperators(OperatorMaker):
         yield action.build(name), Meaning("fill", new.name, slot, (old.name, slot_before), action.roles)
 
     def _know_earlier(self, action: ActionBuilder, new: Block, slot: str, literal: Literal) -> None:
-        """Require that the other tokens in a condition are in the slots that were filled before."""
+        """Require that the other tokens in a condition already fill their slots."""
         for other in new.others:
             if other.name in literal.arguments and other.name != slot:
                 kept = [action.role(target) for target in remembered(self.domain, new, other.name)]
@@ -56,14 +56,14 @@ class EdgeOperators(OperatorMaker):
                 action.require((fluent, action.role(other.name), action.role(new.anchor), *kept))
 
     def _claim(self, action: ActionBuilder, new: Block, slot: str) -> None:
-        """Advance the claim on the anchor: from unclaimed to claimed up to each slot in turn."""
+        """Advance the claim on the anchor by one slot. The first slot requires an unclaimed anchor."""
         names = [s.name for s in new.others]
         anchor, index = action.variable(new.anchor), names.index(slot)
         before = "unclaimed" if index == 0 else self.vocabulary.state("claimed", new, names[index - 1])
         action.replace((before, anchor), (self.vocabulary.state("claimed", new, slot), anchor))
 
     def _bind_targets(self, action: ActionBuilder, new: Block, slot: str) -> None:
-        """Record the targets in the conditions of this slot, so that `begin` and later slots use the same."""
+        """Record the targets in the conditions of a slot, so that later fills and `begin` use the same targets."""
         anchor = action.variable(new.anchor)
         for target, first in self.conditions.bound_by(new).items():
             if target not in action.bound:
@@ -77,7 +77,7 @@ class EdgeOperators(OperatorMaker):
     def _leave_slot(
         self, action: ActionBuilder, old: Block, slot: str, token: str, unified: dict[str, str], anchor: str
     ) -> None:
-        """Take a token out of a block with one slot, or out of a slot of the block in which the anchor is."""
+        """Remove a token from a block with one slot, or from a slot of the anchor's current block."""
         if len(old.slots) == 1:
             if self.conditions.claimable(old, slot):
                 action.require(("unclaimed", token))
@@ -92,7 +92,7 @@ class EdgeOperators(OperatorMaker):
     # -- begin --------------------------------------------------------------------------------------------------
 
     def begin(self, old: Block, new: Block) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield the operators by which the anchor enters a new block: one for each set of tokens that go along."""
+        """Yield an operator that moves the anchor to a new block, for each set of tokens that move with the anchor."""
         movable = [
             slot.name
             for slot in old.others
@@ -140,7 +140,10 @@ class EdgeOperators(OperatorMaker):
     # -- leave --------------------------------------------------------------------------------------------------
 
     def leave(self, old: Block, slot: str, new: Block) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield the operators by which a token of an ended block enters a block with one slot after the anchor left."""
+        """Yield the operators that move a token out of an instance after its anchor has left.
+
+        The token enters a block with one slot. There is one operator for each set of tokens that still have to leave.
+        """
         for rest in remainders(old):
             if rest[0] == slot:
                 yield self._leave(old, slot, new, rest)

@@ -1,19 +1,19 @@
-"""Encoder: block declarations to lifted STRIPS operators, slot by slot, for any domain.
+"""Encoder of block declarations as lifted STRIPS operators, for any domain.
 
 Each edge of the network gives operators of one of three kinds:
 
-* ``fill-C-s-from-B`` reserves a token for slot s of the next instance of C, whose anchor is given. The slots are
-  filled in their order, and the anchor is claimed meanwhile. The token stays where it is until `begin`.
-* ``begin-C-from-B``: the anchor leaves B, and C begins. A block with one slot needs no other operator. The exit
-  conditions of C become facts at once; `completed` and `settled` keep others from using them before C has ended.
-* ``leave-B-r-to-C``: after the anchor has left B, the tokens in the other slots of B leave, before anything else.
+* ``fill-C-s-from-B`` reserves a token for slot s of the next instance of C, whose anchor is given. Slots are filled
+  in order. Until C begins, the anchor is claimed and the token stays in its old block.
+* ``begin-C-from-B`` moves the anchor from B to C, and C begins. A block with one slot needs no other operator. The
+  exit conditions of C become facts at once. The predicates `completed` and `settled` prevent their use before C ends.
+* ``leave-B-r-to-C`` moves the token in slot r of B to C, after the anchor has left B. No other action may come between.
 
-Three predicates enforce the law of assignment. `readers` counts the running instances that read a token; a block that
-changes the token needs a count of zero. `settled` says that the block of a token does not change it. `idle` keeps the
-reassignments of one instant together. A block and its anchor identify an instance, so facts over pairs suffice.
+Three predicates enforce the law of assignment. `readers` counts the running instances that read a token. A block may
+change the token only if this count is zero. `settled` says that the current block of a token does not change the token.
+`idle` keeps the reassignments of one instant together. An instance is identified by its block and its anchor.
 
-Limits: only one block with several slots begins at an instant, and an anchor does not pass from a block with several
-slots to the same block.
+The encoding has two limits. Only one block with several slots begins at an instant. An anchor cannot pass from a block
+with several slots to the same block.
 """
 
 from collections.abc import Iterator
@@ -31,13 +31,13 @@ from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain
 
 @dataclass(frozen=True, eq=False)
 class EncodedDomain:
-    """The planning domain of a domain.
+    """The STRIPS encoding of a domain.
 
     Attributes:
-        vocabulary: the PDDL words of the domain in which each chain is one block.
-        planning: the planning domain.
-        meanings: name of each operator to its meaning.
-        chains: the chains with their blocks.
+        vocabulary: PDDL names of the domain in which each chain is one block.
+        planning: Planning domain.
+        meanings: Maps the name of each operator to its meaning.
+        chains: Chains with their blocks.
     """
 
     vocabulary: Vocabulary
@@ -47,12 +47,12 @@ class EncodedDomain:
 
 
 def encode_task(task: Task) -> EncodedDomain:
-    """Compile the domain of a task with its chains, which depend on the goal and on the initial assignment."""
+    """Encode the domain of a task with its chains. The chains depend on the goal and on the initial assignment."""
     return _encode(chain_blocks(task))
 
 
 def encode_domain(domain: Domain) -> EncodedDomain:
-    """Compile the blocks and the network of a domain without chains. The result depends on nothing else."""
+    """Encode the blocks and the network of a domain without chains. The result does not depend on a task."""
     return _encode(Chains(domain))
 
 
@@ -61,7 +61,7 @@ def _encode(chains: Chains) -> EncodedDomain:
     built = list(_operators(vocabulary))
     names = name_apart({number: operator.name for number, (operator, _) in enumerate(built)})
     built = [(replace(operator, name=names[number]), meaning) for number, (operator, meaning) in enumerate(built)]
-    # Of the predicates of the compiler, only those that an operator or a goal may mention.
+    # Of its own predicates, the compiler declares only those that an operator or a goal may mention.
     mentioned = {"idle", "unclaimed", "completed"}
     mentioned |= {fact[0] for o, _ in built for facts in (o.precondition, o.add, o.delete) for fact in facts}
     own = (predicate for predicate in vocabulary.assignment_predicates if predicate[0] in mentioned)
@@ -77,7 +77,7 @@ def _encode(chains: Chains) -> EncodedDomain:
 
 
 def _operators(vocabulary: Vocabulary) -> Iterator[tuple[Operator, Meaning]]:
-    """Yield the operators of all edges of the network with their meanings."""
+    """Yield a pair of (operator, meaning) for each operator of each edge of the network."""
     maker = EdgeOperators(vocabulary)
     for source, target in vocabulary.domain.network.edges:
         old, new = (vocabulary.domain.block_by_name[end[0]] for end in (source, target))

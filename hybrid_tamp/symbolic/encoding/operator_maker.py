@@ -1,4 +1,4 @@
-"""The effects that operators of all kinds share: a token leaves one block and enters another."""
+"""The effects of leaving and entering a block, which operators of all kinds share."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,15 +14,15 @@ from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
 @dataclass(frozen=True)
 class Meaning:
-    """The meaning of an operator, from which plans are decoded.
+    """The meaning of an operator. Plans are decoded from the meanings of their actions.
 
     Attributes:
-        kind: ``fill``, ``begin`` or ``leave``.
-        block: the block that the token goes to.
-        slot: the slot that it goes to.
-        source: (block, slot) that it comes from.
-        roles: roles of the block that are parameters, with their indices.
-        along: slots of the source block whose tokens move together with the anchor that begins a block.
+        kind: Kind of the operator: ``fill``, ``begin`` or ``leave``.
+        block: Block that the token enters.
+        slot: Slot that the token enters.
+        source: Pair of (block, slot) that the token leaves.
+        roles: Maps each role of the block that is a parameter to the index of the parameter.
+        along: Slots of the source block whose tokens enter the new block together with the anchor.
     """
 
     kind: Literal["fill", "begin", "leave"]
@@ -43,14 +43,14 @@ class OperatorMaker:
 
     @staticmethod
     def _same(old: Block, slot_before: str, slot: str, unified: dict[str, str]) -> Same:
-        """Return the classes that roles of the new block have in the old one."""
+        """Return a dictionary from roles of the new block to the class of the same token's role in the old block."""
         pairs = {**unified, slot_before: slot}
         return {new: old.roles[role] for role, new in pairs.items() if role in old.roles}
 
     # -- entering the new block
 
     def _enter(self, action: ActionBuilder, old: Block, slot_before: str, new: Block) -> None:
-        """Add the facts, effects and locks of an anchor that enters a block."""
+        """Add the conditions and effects of an anchor that enters a block."""
         anchor = action.variable(new.anchor)
         kept = [action.variable(target) for target in remembered(self.domain, new, new.anchor)]
         action.add((self.vocabulary.state("in", new), anchor, *kept))
@@ -68,7 +68,7 @@ class OperatorMaker:
             action.add(("completed", anchor))
 
     def _start_writing(self, action: ActionBuilder, old: Block, slot_before: str, new: Block, slot: str) -> None:
-        """Require that nobody reads a token that the block changes; delete and add `settled`."""
+        """Require that no instance reads a token that the block changes, and update `settled`."""
         if not self.conditions.readable(new, slot):
             return
         token = action.variable(slot)
@@ -91,7 +91,7 @@ class OperatorMaker:
     def _void(
         self, action: ActionBuilder, old: Block, slot: str, variables: dict[str, str], unified: dict[str, str]
     ) -> None:
-        """Delete the facts that the hold of the old block maintained about the token that leaves."""
+        """Delete the facts about the leaving token that the old block maintained."""
         for literal in self.conditions.maintained_by(old, slot):
             known = []
             for argument in literal.arguments:

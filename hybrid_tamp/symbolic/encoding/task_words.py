@@ -1,4 +1,4 @@
-"""A task in the words of its planning domain: the names of its tokens, and the facts that both encodings share."""
+"""The PDDL names of a task's tokens, and the facts that the classical and the temporal encoding share."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ from hybrid_tamp.symbolic.pddl.operators import Fact
 
 @dataclass(frozen=True, eq=False)
 class TaskWords:
-    """PDDL names of the tokens and symbols of a task, the way back, and the facts about them that never change.
+    """Translation between the user's names and PDDL names, and facts that no action changes.
 
     Attributes:
-        task: the task.
-        vocabulary: the PDDL words of its domain.
-        tokens: the PDDL names of its tokens.
+        task: Task whose tokens and symbols are named.
+        vocabulary: PDDL names of the task's domain.
+        tokens: PDDL names of the task's tokens.
     """
 
     task: Task
@@ -32,18 +32,18 @@ class TaskWords:
         return self.tokens.pddl(user) if user in self.task.token_by_name else self.vocabulary.symbol(user)
 
     def user(self, pddl: str) -> str:
-        """Return the name of a PDDL object for the user."""
+        """Return the user's name of a PDDL object."""
         return self.tokens.user(pddl) if self.tokens.knows(pddl) else self.vocabulary.names.user(pddl)
 
     def guards(self) -> Iterator[Fact]:
-        """Yield the facts of membership in classes that are not types."""
+        """Yield the facts that tokens are members of classes that are not PDDL types."""
         for token in self.task.tokens:
             for member in token.classes:
                 if member is not TOKEN:
                     yield from self.vocabulary.guard(self.tokens.pddl(token.name), member)
 
     def denials(self, static: frozenset[Atom]) -> Iterator[Fact]:
-        """Yield the opposites of the static atoms that do not hold and that a block may require."""
+        """Yield the negations of static atoms that do not hold, for predicates that an entry condition negates."""
         for predicate in self.vocabulary.denied:
             word = self.vocabulary.predicate(predicate.name, positive=False)
             for names in self.combine(predicate):
@@ -51,33 +51,34 @@ class TaskWords:
                     yield (word, *map(self.name, names))
 
     def differences(self) -> Iterator[Fact]:
-        """Yield the facts that any two tokens are different."""
+        """Yield the inequality facts of all pairs of different tokens."""
         names = [self.tokens.pddl(token.name) for token in self.task.tokens]
         yield from (("distinct", one, other) for one, other in permutations(names, 2))
 
     def combine(self, predicate: Predicate, skip: int | None = None) -> Iterator[tuple[str, ...]]:
-        """Yield the names of every well-typed tuple of arguments, without the argument at index `skip`."""
+        """Yield every well-typed tuple of argument names, without the argument at index `skip`."""
         sorts = [parameter.sort for index, parameter in enumerate(predicate.parameters) if index != skip]
         for values in product(*map(self.task.values_of, sorts)):
             yield tuple(map(name_of, values))
 
 
 def settle_goal(task: Task) -> Task:
-    """Return the task with its only ground goal, a conjunction of positive atoms as planners state it.
+    """Return the task with its goal as a conjunction of positive ground atoms.
 
     Raises:
-        InputError: the goal leaves a choice, has a negative atom, or depends on an unknown class of a token.
+        InputError: If the goal leaves a choice, has a negative atom, or depends on an unknown class of a token.
     """
     for atom, token, sort in task.unsettled:
-        wanted = f"'{atom.text}' asks for a member of {sort.name}, and whether {token.name} is one is not known"
+        wanted = f"'{atom.text}' requires a member of {sort.name}, but it is unknown whether {token.name} is a member"
         raise InputError([Issue("goal", wanted, remedy="probe the token")])
     first, *others = task.alternatives()
     if others:
-        wanted = "a goal that names every token: the goal of a planning problem says that all of it holds"
+        wanted = "the goal of a planning problem must name every token"
         named = ", ".join(atom.text for atom in first.goal)
         remedy = f"name tokens instead of {ANY!r}; the nearest choice is {named}"
-        raise InputError([Issue("goal", wanted, f"one with {len(others) + 1} choices", remedy=remedy)])
+        raise InputError([Issue("goal", wanted, f"a goal with {len(others) + 1} choices", remedy=remedy)])
     denied = [atom for atom in first.goal if not atom.positive]
     if denied:
-        raise InputError([Issue("goal", f"'{denied[0].text}': a goal says what holds", remedy="ask for its opposite")])
+        wanted = f"a goal atom must be positive, got '{denied[0].text}'"
+        raise InputError([Issue("goal", wanted, remedy="use the opposite predicate")])
     return first

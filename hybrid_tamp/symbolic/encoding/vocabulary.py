@@ -1,8 +1,8 @@
-"""The PDDL words of a domain: types, constants and predicates, named like those of the user.
+"""The PDDL types, constants and predicates of a domain, named after the user's names.
 
-PDDL types have one parent each, but affordances overlap. So a class becomes a type only if no token can be in it and in
-another class that is neither above nor below it. Any other class becomes a static unary predicate that guards the slot.
-In both cases it keeps its name.
+A PDDL type has one parent, but affordance classes overlap. So a class becomes a type only if it shares no tokens with
+classes other than its superclasses and subclasses. Any other class becomes a static unary predicate, which guards the
+variables of the class.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,25 +19,25 @@ from hybrid_tamp.symbolic.pddl.naming import Naming, legal, name_apart, name_var
 from hybrid_tamp.symbolic.pddl.operators import Fact, Typed
 
 Word = tuple[str, str]
-"""The kind of a word (class, sort, symbol, predicate, ...) and its name for the user."""
+"""Kind of a named thing (class, sort, symbol, predicate, ...) and the user's name of the thing."""
 
 _NONE_READING: Word = ("count", "none reading")
 
 
 @dataclass(frozen=True, eq=False)
 class Vocabulary:
-    """The names and types in the compiled domain."""
+    """The PDDL names and types of a compiled domain."""
 
     domain: Domain
 
     @cached_property
     def classes(self) -> tuple[type[ObjectClass], ...]:
-        """All classes, the root class first."""
+        """All classes of the domain, with the root class first."""
         return (TOKEN, *(c for c in self.domain.classes if c is not TOKEN))
 
     @cached_property
     def typed(self) -> tuple[type[ObjectClass], ...]:
-        """Classes that are PDDL types."""
+        """The classes that are PDDL types."""
         return tuple(c for c in self.classes if c is TOKEN or not any(map(lambda d: self._crosses(c, d), self.classes)))
 
     def _crosses(self, one: type[ObjectClass], other: type[ObjectClass]) -> bool:
@@ -46,7 +46,7 @@ class Vocabulary:
 
     @cached_property
     def sorts(self) -> tuple[SymbolSort, ...]:
-        """Symbol sorts of the domain, of predicates and of targets, without duplicates."""
+        """The symbol sorts of the domain, its predicates and its targets, without duplicates."""
         mentioned = [*self.domain.sorts]
         mentioned += [p.sort for q in self.domain.predicates for p in q.parameters if isinstance(p.sort, SymbolSort)]
         mentioned += [t.sort for b in self.domain.blocks for t in b.targets if isinstance(t.sort, SymbolSort)]
@@ -54,7 +54,7 @@ class Vocabulary:
 
     @cached_property
     def names(self) -> Naming[Word]:
-        """PDDL names of the classes, sorts, symbols and predicates of the user, and of the words of the compiler."""
+        """The PDDL names of the user's classes, sorts, symbols and predicates, and of the compiler's constants."""
         words: dict[Word, str] = {("class", c.name): c.name for c in self.classes}
         words |= {("sort", s.name): s.name for s in self.sorts}
         words |= {("symbol", symbol): symbol for s in self.sorts for symbol in s.symbols}
@@ -66,22 +66,22 @@ class Vocabulary:
 
     @cached_property
     def denied(self) -> tuple[Predicate, ...]:
-        """Static predicates that some entry condition negates."""
+        """The static predicates that some entry condition negates."""
         found = [c.predicate for b in self.domain.blocks for c in b.static_entry if not c.positive]
         return tuple({predicate.name: predicate for predicate in found}.values())
 
     # -- words ----------------------------------------------------------------------------------------------------
 
     def symbol(self, name: str) -> str:
-        """Return the constant of a symbol."""
+        """Return the PDDL constant of a symbol."""
         return self.names.pddl(("symbol", name))
 
     def predicate(self, name: str, positive: bool = True) -> str:
-        """Return the PDDL name of a predicate, or that of the static predicate for its negation."""
+        """Return the PDDL name of a predicate, or of the predicate that stands for its negation."""
         return self.names.pddl(("predicate" if positive else "opposite", name))
 
     def no_value(self, predicate: Predicate) -> str:
-        """Return the constant that stands for no value of a functional predicate."""
+        """Return the constant 'none' of a functional predicate, which means that the predicate has no value."""
         return self.names.pddl(("no value", predicate.name))
 
     @property
@@ -90,19 +90,19 @@ class Vocabulary:
         return self.names.pddl(_NONE_READING)
 
     def state(self, kind: str, block: Block, *names: str) -> str:
-        """Return the predicate of the compiler about a block and slots or targets of it."""
+        """Return the PDDL name of the compiler predicate about a block and some of its slots or targets."""
         state = (kind, block.name, *names)
         return self._state_names[state]
 
     @cached_property
     def _state_names(self) -> Mapping[State, str]:
-        # These names depend on the domain alone, never on tokens.
+        # These names depend on the domain only, never on tokens.
         return name_apart({state: "-".join(map(legal, state)) for state, _ in assignment_predicates(self.domain)})
 
     # -- types ----------------------------------------------------------------------------------------------------
 
     def type_of(self, sort: Sort) -> str:
-        """Return the PDDL type of the variables of a class or sort, of counts, or of all objects."""
+        """Return the PDDL type of the variables of a class, a sort, `COUNT` or `ROOT`."""
         if isinstance(sort, str):
             return ROOT if sort == ROOT else self.names.pddl(("type", sort))
         if isinstance(sort, SymbolSort):
@@ -115,7 +115,7 @@ class Vocabulary:
     def narrower(
         self, one: type[ObjectClass] | SymbolSort, other: type[ObjectClass] | SymbolSort
     ) -> type[ObjectClass] | SymbolSort:
-        """Return the class whose PDDL type lies below that of the other class, or else the first class."""
+        """Return the class with the narrower PDDL type, or the first class if neither type contains the other."""
         if isinstance(one, SymbolSort) or isinstance(other, SymbolSort):
             return one
         below = dict(self.types)
@@ -127,13 +127,13 @@ class Vocabulary:
         return one
 
     def guard(self, variable: str, sort: type[ObjectClass] | SymbolSort) -> Iterator[Fact]:
-        """Yield the unary fact that guards a variable whose class is not a type."""
+        """Yield the class membership of a variable as a unary fact, if its class is not a PDDL type."""
         if not isinstance(sort, SymbolSort) and sort not in self.typed:
             yield (self.names.pddl(("class", sort.name)), variable)
 
     @property
     def types(self) -> tuple[Typed, ...]:
-        """(type, parent) pairs."""
+        """The PDDL types as pairs of (type, parent)."""
         pairs = [(self.type_of(c), self._parent(c)) for c in self.typed]
         pairs += [(self.type_of(s), ROOT) for s in self.sorts]
         return (*pairs, (self.type_of(COUNT), ROOT))
@@ -145,7 +145,7 @@ class Vocabulary:
         return ROOT if object_class is TOKEN or is_place(object_class) else self.type_of(TOKEN)
 
     def token_type(self, token: Token) -> str:
-        """Return the PDDL type of a token: the deepest of its classes that is a type."""
+        """Return the PDDL type of the token's most derived class that is a type."""
         deepest = max(filter(token.is_member, self.typed), key=lambda c: (len(c.__mro__), c is not TOKEN), default=None)
         return self.type_of(deepest) if deepest else ROOT
 
@@ -153,7 +153,7 @@ class Vocabulary:
 
     @property
     def constants(self) -> tuple[Typed, ...]:
-        """Symbols, the value 'none' of each functional predicate, and the count zero."""
+        """The symbols, the value 'none' of each functional predicate, and the number zero, with their types."""
         symbols = [(self.symbol(symbol), self.type_of(s)) for s in self.sorts for symbol in s.symbols]
         values = [
             (self.no_value(predicate), self.type_of(predicate.parameters[predicate.functional_index].sort))
@@ -164,7 +164,7 @@ class Vocabulary:
 
     @property
     def predicates(self) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
-        """The predicates of the user and those that stand for classes, with their typed parameters."""
+        """The predicates that stand for classes and the user's predicates, with typed parameters."""
         guards = [
             self._declare(self.names.pddl(("class", c.name)), [("thing", ROOT if is_place(c) else TOKEN)])
             for c in self.classes
@@ -176,7 +176,7 @@ class Vocabulary:
 
     @property
     def assignment_predicates(self) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
-        """The predicates of the compiler, with their typed parameters."""
+        """The compiler predicates, with typed parameters."""
         declared = assignment_predicates(self.domain)
         return tuple(self._declare(self._state_names[state], parameters) for state, parameters in declared)
 

@@ -83,16 +83,16 @@ class _Fixed:
             self._rows.get(fact[0], []).append(fact)
 
     def settle(self, fact: Fact) -> bool:
-        """Say whether the initial state decides for the whole plan if a fact holds."""
+        """Return whether the initial state decides for the whole plan if a fact holds."""
         return fact[0] in self._rows and all(argument in self._constants for argument in fact[1:])
 
     def allow(self, operator: Operator) -> bool:
-        """Say whether the constant facts allow the operator, each condition by itself."""
+        """Return whether the constant facts allow the operator, each condition by itself."""
         conditions = [fact for fact in operator.precondition if fact[0] in self._rows]
         return all(any(self._fits(fact, row) for row in self._rows[fact[0]]) for fact in conditions)
 
     def _fits(self, fact: Fact, row: Fact) -> bool:
-        """Say whether a ground fact is an instance of a fact."""
+        """Return whether a ground fact is an instance of a fact."""
         values = {constant: constant for constant in self._constants}
         return all(values.setdefault(argument, value) == value for argument, value in zip(fact, row, strict=True))
 
@@ -162,13 +162,13 @@ class PlainProblem:
         return {variable: _value(variable, substitution) for variable in substitution}
 
     def _is_narrower(self, one: str, other: str, types: Mapping[str, str]) -> bool:
-        """Say whether the first argument replaces the second, if either can. Nothing replaces a constant."""
+        """Return whether the first argument replaces the second, if either can. Nothing replaces a constant."""
         if one in self._constants or other in self._constants:
             return one in self._constants
         return self._is_within(types[one], types[other])
 
     def _is_within(self, narrow: str, wide: str) -> bool:
-        """Say whether a type is another type or one of its descendants."""
+        """Return whether a type is another type or one of its descendants."""
         return wide in lineage(narrow, self._parents)
 
     def _narrow(self, case: _Case, substitution: Substitution) -> _Case:

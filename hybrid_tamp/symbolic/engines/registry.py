@@ -60,7 +60,7 @@ class Engine:
     settings: Mapping[str, object] = field(default_factory=dict)
 
     def proves(self, status: str, log: str) -> bool:
-        """Say whether the answer of an engine without a plan proves that there is none.
+        """Return whether the answer of an engine without a plan proves that there is none.
 
         Args:
             status: the name of the status in unified_planning.
@@ -159,7 +159,7 @@ def unknown_engine(name: str, available: tuple[str, ...]) -> InputError:
 
 
 def _may_exist(name: str) -> bool:
-    """Say whether a name that is not in the table may be the name of an engine."""
+    """Return whether a name that is not in the table may be the name of an engine."""
     module, separator, _ = name.partition(":")
     if separator:
         return _module_exists(module)

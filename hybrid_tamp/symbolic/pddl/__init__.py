@@ -1,1 +1,1 @@
-"""PDDL: operators and problems as values, legal names, text."""
+"""PDDL operators, problems, legal names and text."""

@@ -1,4 +1,4 @@
-"""Joins: the bindings of variables with which some conditions are facts."""
+"""Joins, which find the variable bindings that turn all given conditions into known facts."""
 
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -8,19 +8,19 @@ from types import MappingProxyType
 from hybrid_tamp.symbolic.pddl.operators import Fact
 
 Binding = dict[str, str]
-"""Variable to constant or object."""
+"""Maps each variable to a constant or object."""
 
 Ranges = Mapping[str, Collection[str]]
-"""Variable to the values that it may take."""
+"""Maps each variable to its possible values."""
 
 _UNLIMITED: Ranges = MappingProxyType({})
 
 
 class FactIndex:
-    """Ground facts, found by their predicate and some of their arguments.
+    """An index of ground facts by predicate and any of their arguments.
 
     Attributes:
-        facts: all of them.
+        facts: All facts of the index.
     """
 
     def __init__(self, facts: Iterable[Fact]) -> None:
@@ -31,7 +31,7 @@ class FactIndex:
             self.add(fact)
 
     def add(self, fact: Fact) -> bool:
-        """Add a fact and say whether it is new."""
+        """Add a fact. Return whether the fact is new."""
         if fact in self.facts:
             return False
         self.facts.add(fact)
@@ -41,7 +41,7 @@ class FactIndex:
         return True
 
     def match(self, condition: Fact, binding: Mapping[str, str]) -> Sequence[Fact]:
-        """Return the facts that agree with a condition in its constants and bound variables, in the order of adding."""
+        """Return the facts that match the constants and bound variables of a condition, in order of insertion."""
         known = {i: binding.get(a, a) for i, a in enumerate(condition) if a in binding or not a.startswith("?")}
         places, tables = tuple(known), self._tables[condition[0]]
         if places not in tables:
@@ -58,15 +58,15 @@ def join(
     ranges: Ranges = _UNLIMITED,
     skip: Callable[[Binding], bool] = lambda _: False,
 ) -> Iterator[Binding]:
-    """Yield the extensions of a binding with which all conditions are facts.
+    """Yield the extensions of a binding that turn all conditions into known facts.
 
     Args:
-        conditions: facts over variables.
-        binding: the variables that are bound already.
-        index: the facts.
-        ranges: values of variables. A variable that no condition binds takes each of its values; a variable that is
-            not in `ranges` may take any value.
-        skip: whether to leave out all extensions of a binding.
+        conditions: Facts over variables.
+        binding: Values of the variables that are already bound.
+        index: Known facts.
+        ranges: Maps variables to their possible values. A variable that no condition binds takes each of its values. A
+            variable that is not in `ranges` may take any value.
+        skip: Function ``skip(binding)``. If it returns True, all extensions of the binding are left out.
     """
     if skip(binding):
         return
@@ -75,7 +75,7 @@ def join(
         for values in product(*(ranges[variable] for variable in free)):
             yield binding | dict(zip(free, values, strict=True))
         return
-    # The condition with the fewest facts comes first.
+    # The condition with the fewest matching facts is joined first.
     rows, chosen = min(((index.match(each, binding), each) for each in conditions), key=lambda found: len(found[0]))
     rest = [each for each in conditions if each is not chosen]
     for row in rows:
@@ -85,7 +85,7 @@ def join(
 
 
 def bind_condition(condition: Fact, fact: Fact, binding: Binding, ranges: Ranges = _UNLIMITED) -> Binding | None:
-    """Return the binding extended such that the condition becomes the fact, or None if that is impossible."""
+    """Return the extended binding that turns a condition into a fact, or None if there is no such extension."""
     extended = dict(binding)
     for argument, value in zip(condition[1:], fact[1:], strict=True):
         if not argument.startswith("?"):

@@ -1,8 +1,7 @@
-"""One-to-one map from the names of the user to legal PDDL names.
+"""Injective mapping from the user's names to legal PDDL names.
 
-PDDL ignores case and allows letters, digits, hyphens and underscores after a letter. Types, predicates and constants
-share one namespace. The map is made for a whole set of names at once, so that it is injective: names that would collide
-get numbers. Legal names stay unchanged.
+PDDL names ignore case. They start with a letter, followed by letters, digits, hyphens and underscores. Types,
+predicates and constants share one namespace. Colliding names get numbers. Legal names stay unchanged.
 """
 
 import re
@@ -11,10 +10,10 @@ from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 Key = TypeVar("Key", bound=Any)
-"""The named thing: a name, or a kind with names. The keys of one map can be sorted."""
+"""Key of a named thing: a name, or a tuple of a kind and names. The keys of one mapping must be sortable."""
 
 _ILLEGAL = re.compile(r"[^a-z0-9_-]+")
-# Words of PDDL without a colon. Words with a colon, such as ':goal', never collide with names.
+# PDDL keywords without a colon. Keywords with a colon, such as ':goal', never collide with names.
 _KEYWORD_TEXT = """
     and or not imply exists forall when define domain problem duration minimize maximize object either number
     increase decrease assign scale-up scale-down at over start end all always sometime within at-most-once
@@ -23,20 +22,21 @@ _KEYWORD_TEXT = """
 """
 _KEYWORDS = frozenset(_KEYWORD_TEXT.split())
 
-# VAL takes all other keywords for keywords even after a question mark.
+# VAL treats these words as keywords even after a question mark.
 _NO_VARIABLES = frozenset(f"?{word}" for word in _KEYWORDS - {"all", "at", "end", "object", "over", "start"})
 
 
 def legal(name: str) -> str:
-    """Return a legal PDDL identifier that resembles the name. Different names may give the same identifier."""
+    """Return a legal PDDL identifier similar to a name. Different names may give the same identifier."""
     folded = _ILLEGAL.sub("-", name.casefold()).strip("-_")
     return folded if folded[:1].isalpha() and folded[:1].isascii() else f"n-{folded}".rstrip("-")
 
 
 def name_apart(texts: Mapping[Key, str], taken: Iterable[str] = ()) -> dict[Key, str]:
-    """Return a different PDDL name for each key, which resembles its text.
+    """Return a different PDDL name for each key.
 
-    None of the `taken` PDDL names and no PDDL keyword is used. The result does not depend on the order of the keys.
+    Each name is similar to the key's text. PDDL keywords and the names in `taken` are not used. The result does not
+    depend on the order of the keys.
     """
     used = set(taken) | _KEYWORDS
     named: dict[Key, str] = {}
@@ -56,12 +56,12 @@ def name_variables(names: Iterable[str]) -> list[str]:
 
 
 def variable_of(name: str, taken: Collection[str]) -> str:
-    """Return a variable that resembles a name and is not taken."""
+    """Return a variable similar to a name. The variable is not in `taken`."""
     return unused(f"?{legal(name)}", {*taken, *_NO_VARIABLES})
 
 
 def unused(name: str, taken: Collection[str]) -> str:
-    """Return the name, with a number appended if it is taken."""
+    """Return the name, with a number appended if the name is in `taken`."""
     chosen, number = name, 2
     while chosen in taken:
         chosen, number = f"{name}-{number}", number + 1
@@ -69,28 +69,28 @@ def unused(name: str, taken: Collection[str]) -> str:
 
 
 class Naming(Generic[Key]):
-    """An injective map from named things to PDDL names."""
+    """An injective mapping from named things to PDDL names."""
 
     def __init__(self, names: Mapping[Key, str], taken: Iterable[str] = ()) -> None:
-        """Name the given things apart; see `name_apart`.
+        """Give each thing a different PDDL name (see `name_apart`).
 
         Args:
-            names: thing to its name for the user.
+            names: Maps each thing to the user's name of the thing.
             taken: PDDL names that are not available.
         """
         self._names = names
         self._pddl = name_apart(names, taken)
 
     def pddl(self, key: Key) -> str:
-        """Return the PDDL name of a thing; KeyError if it has none."""
+        """Return the PDDL name of a thing. Raise KeyError if the thing has none."""
         return self._pddl[key]
 
     def user(self, pddl: str) -> str:
-        """Return the name of the user for a PDDL name in any case; KeyError if there is none."""
+        """Return the user's name for a PDDL name, ignoring case. Raise KeyError for an unknown PDDL name."""
         return self._user[pddl.lower()]
 
     def knows(self, pddl: str) -> bool:
-        """Say whether the PDDL name is one of this map."""
+        """Return whether this mapping gives the PDDL name, ignoring case."""
         return pddl.lower() in self._user
 
     @cached_property
@@ -99,10 +99,10 @@ class Naming(Generic[Key]):
 
     @property
     def changed(self) -> tuple[tuple[str, str], ...]:
-        """(PDDL name, name of the user) pairs that differ, sorted."""
+        """The sorted pairs of (PDDL name, user's name) that differ."""
         return tuple(sorted((pddl, name) for pddl, name in self._user.items() if pddl != name))
 
     @property
     def all(self) -> frozenset[str]:
-        """All PDDL names of the map."""
+        """All PDDL names of the mapping."""
         return frozenset(self._pddl.values())

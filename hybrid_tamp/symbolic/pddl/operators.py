@@ -1,4 +1,4 @@
-"""Lifted operators and ground problems in STRIPS with types: the output of the encoder and the input of planners.
+"""Lifted operators and ground problems in typed STRIPS, which the encoder makes and planners solve.
 
 All names are PDDL names (`pddl.naming`). Variables begin with a question mark.
 """
@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from hybrid_tamp.model.plan import PlannedAction
 
 Fact = tuple[str, ...]
-"""A predicate's name and its arguments: variables, constants or objects."""
+"""Name of a predicate, followed by its arguments. An argument is a variable, a constant or an object."""
 
 Typed = tuple[str, str]
-"""A name (or ``?variable``) and its type."""
+"""Pair of (name or ``?variable``, type)."""
 
 
 @dataclass(frozen=True)
@@ -26,17 +26,17 @@ class Operator:
     delete: tuple[Fact, ...]
 
     def bind(self, action: PlannedAction) -> dict[str, str]:
-        """Return the parameters with the arguments of an action of this operator."""
+        """Return a dictionary that maps the parameters to the arguments of an action of this operator."""
         return dict(zip((variable for variable, _ in self.parameters), action.arguments, strict=True))
 
     def effects(self, binding: Mapping[str, str], facts: set[Fact]) -> set[Fact]:
-        """Return the facts after the operator with bound parameters has been applied to them."""
+        """Return the facts after the operator, with its parameters bound, has been applied to the given facts."""
         kept = facts - {ground(fact, binding) for fact in self.delete}
         return kept | {ground(fact, binding) for fact in self.add}
 
 
 def ground(fact: Fact, binding: Mapping[str, str]) -> Fact:
-    """Return the fact with the values of its bound variables."""
+    """Return the fact with its bound variables replaced by their values."""
     return (fact[0], *(binding.get(argument, argument) for argument in fact[1:]))
 
 
@@ -47,15 +47,15 @@ def rename_arguments(action: PlannedAction, names: Mapping[str, str]) -> Planned
 
 @dataclass(frozen=True)
 class PlanningDomain:
-    """The part of a planning problem that depends on the domain alone, never on tokens.
+    """The part of a planning problem that depends on the domain only, never on tokens.
 
     Attributes:
-        name: name of the domain.
-        types: (type, parent) pairs; the root parent is ``object``.
-        constants: domain-wide objects (symbols).
-        predicates: predicate to its typed parameters.
-        operators: the lifted actions.
-        comments: (PDDL name, name of the user) pairs that differ.
+        name: PDDL name of the domain.
+        types: Pairs of (type, parent). The root parent is ``object``.
+        constants: Pairs of (constant, type).
+        predicates: Pairs of (predicate, typed parameters).
+        operators: Lifted actions.
+        comments: Pairs of (PDDL name, user's name) that differ.
     """
 
     name: str

@@ -1,8 +1,8 @@
-"""PDDL 2.1 text of a temporal problem: durative actions, types, numbers for durations and counts.
+"""PDDL 2.1 text of a temporal problem, with durative actions, types and numeric fluents.
 
-PDDL has no fluents with objects as values. Such a fluent becomes a predicate whose last arguments are its value. An
-action that sets a new value deletes the old one by name, so it has the old value as a parameter
-(`require_old_values`).
+PDDL 2.1 has no fluents with objects as values. Such a fluent becomes a predicate, and the value becomes its last
+arguments. An action that sets a new value must delete the old value by name. So the old value becomes a parameter of
+the action (`require_old_values`).
 """
 
 from collections.abc import Iterable, Iterator
@@ -25,7 +25,7 @@ _WHEN = {"start": ("at start",), "end": ("at end",), "over all": ("over all",), 
 
 
 def temporal_domain_text(domain: TemporalDomain) -> str:
-    """Return the domain file."""
+    """Return the text of the domain file."""
     domain = require_old_values(domain)
     numbers = [fluent for fluent in domain.fluents if fluent.kind == "number"]
     others = [fluent for fluent in domain.fluents if fluent.kind != "number"]
@@ -41,7 +41,7 @@ def temporal_domain_text(domain: TemporalDomain) -> str:
 
 
 def temporal_problem_text(problem: TemporalProblem) -> str:
-    """Return the problem file."""
+    """Return the text of the problem file."""
     lasting = {action.duration[0] for action in problem.domain.actions}
     init = [_state(fact, value, fact[0] in lasting) for fact, value in problem.init]
     goal = [_state(fact, value) for fact, value in problem.goal]
@@ -56,16 +56,19 @@ def temporal_problem_text(problem: TemporalProblem) -> str:
 
 
 def temporal_plan_text(actions: Iterable[TimedAction]) -> str:
-    """Return the plan file as VAL reads it: ``time: (action objects) [duration]`` per line, times in seconds."""
+    """Return the text of the plan file for VAL.
+
+    Each line is ``time: (action objects) [duration]``, with times in seconds.
+    """
     lines = [f"{a.start:.3f}: ({' '.join((a.name, *a.arguments))}) [{a.duration:.3f}]\n" for a in actions]
     return "".join(lines)
 
 
-# -- old values by name ---------------------------------------------------------------------------------------------
+# -- old values as parameters -----------------------------------------------------------------------------------------
 
 
 def require_old_values(domain: TemporalDomain) -> TemporalDomain:
-    """Return the domain with actions that require the old value of every fluent to which they give a new one."""
+    """Return the domain with extra action parameters for the old values of the fluents that the actions set."""
     fluents = {fluent.name: fluent for fluent in domain.fluents}
     return replace(domain, actions=tuple(_require_old_values(action, fluents) for action in domain.actions))
 
@@ -82,11 +85,11 @@ def _require_old_values(action: DurativeAction, fluents: dict[str, Fluent]) -> D
 
 
 def _old(conditions: Iterable[Condition], effects: Iterable[Effect], effect: Effect) -> tuple[str, ...] | None:
-    """Return the value that an effect replaces, if the action names it."""
+    """Return the old value that an effect replaces, or None if the action does not name the old value."""
     for other in effects:
         if effect.when == "end" and other.when == "start" and other.fact == effect.fact:
             return other.value if isinstance(other.value, tuple) else None
-    # The value at the start still holds at the end: the tokens are in this block only, and no other block changes them.
+    # The value at the start still holds at the end, because no other block changes the tokens of this block.
     for condition in conditions:
         if condition.fact == effect.fact and isinstance(condition.value, tuple):
             return condition.value

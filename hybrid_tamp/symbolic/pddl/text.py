@@ -1,7 +1,7 @@
-"""PDDL text of a planning problem, for people and for any other planner.
+"""PDDL text of a planning problem, for readers and for other planners.
 
-The text needs ``:strips`` and ``:typing`` only. The order is that of the encoder, so that equal problems give equal
-files. Comments list the names that differ from those of the user.
+The text requires only ``:strips`` and ``:typing``. Items are in the encoder's order, so equal problems give equal
+files. Comments list the PDDL names that differ from the user's names.
 """
 
 from collections.abc import Iterable
@@ -11,7 +11,7 @@ from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain, Planni
 
 
 def domain_text(domain: PlanningDomain) -> str:
-    """Return the domain file."""
+    """Return the text of the domain file."""
     predicates = [lay_out_term([name, lay_out_typed(parameters)]) for name, parameters in domain.predicates]
     sections = [
         "(:requirements :strips :typing)",
@@ -24,7 +24,7 @@ def domain_text(domain: PlanningDomain) -> str:
 
 
 def problem_text(problem: PlanningProblem) -> str:
-    """Return the problem file."""
+    """Return the text of the problem file."""
     sections = [
         f"(:domain {problem.domain.name})",
         lay_out_section(":objects", group_by_type(problem.objects)),
@@ -35,12 +35,12 @@ def problem_text(problem: PlanningProblem) -> str:
 
 
 def plan_text(actions: Iterable[PlannedAction]) -> str:
-    """Return the plan file, with one action per line, as VAL reads it."""
+    """Return the text of the plan file for VAL, with one action per line."""
     return "".join(f"{action.text}\n" for action in actions)
 
 
 def _operator_text(operator: Operator) -> str:
-    """Return one action. Deletes precede adds, so a fact that is also added is not deleted."""
+    """Return the text of one action. Deletes precede adds, so a fact that is also added is not deleted."""
     deleted = [f"(not {lay_out_term(fact)})" for fact in operator.delete if fact not in operator.add]
     added = list(map(lay_out_term, operator.add))
     lines = [
@@ -52,17 +52,17 @@ def _operator_text(operator: Operator) -> str:
     return f"(:action {operator.name}\n{body}\n)"
 
 
-# -- layout, also of temporal problems ---------------------------------------------------------------------------------
+# -- layout of classical and temporal problems -------------------------------------------------------------------------
 
 
 def lay_out_definition(head: str, sections: Iterable[str], comments: Iterable[tuple[str, str]]) -> str:
-    """Return a whole file from its sections that are not empty, with the comments on names at the top."""
+    """Return the text of a file from its non-empty sections, with comments on names at the top."""
     body = "\n".join(indent(section) for section in sections if section)
     return f"{_lay_out_comments(comments)}(define {head}\n{body}\n)\n"
 
 
 def lay_out_section(keyword: str, lines: Iterable[str]) -> str:
-    """Return ``(keyword line...)`` with one item per line, or an empty text if there are no items."""
+    """Return ``(keyword line...)`` with one item per line, or an empty string if there are no items."""
     body = "\n".join(map(indent, lines))
     return f"({keyword}\n{body}\n)" if body else ""
 
@@ -91,11 +91,11 @@ def group_by_type(names: Iterable[Typed]) -> list[str]:
 
 
 def indent(text: str) -> str:
-    """Return the text one level deeper."""
+    """Return the text indented by one more level."""
     return "\n".join("  " + line for line in text.splitlines())
 
 
 def _lay_out_comments(comments: Iterable[tuple[str, str]]) -> str:
-    """Return a comment line for each name that differs. The name is quoted, so that it cannot end the line."""
+    """Return a comment line for each name that differs. Names are quoted so that they cannot end the line."""
     lines = [f";   {name} is {own!r}" for name, own in comments if name != own]
     return "\n".join(["; Names here and in the task:", *lines, ""]) if lines else ""

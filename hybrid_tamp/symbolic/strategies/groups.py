@@ -32,7 +32,7 @@ class Signature:
     facts: tuple[tuple[str, tuple[str, ...]], ...]
 
     def less_than(self, other: "Signature") -> bool:
-        """Say whether the other helper has the same facts and more."""
+        """Return whether the other helper has the same facts and more."""
         alike = (self.classes, self.block) == (other.classes, other.block)
         return alike and set(self.facts) < set(other.facts)
 

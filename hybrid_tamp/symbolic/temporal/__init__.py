@@ -1,4 +1,4 @@
-"""The second encoder, for export: one durative action per block, in PDDL 2.1.
+"""Encoder for export to PDDL 2.1, with one durative action per block.
 
-Input: a task, and optionally a plan. Output: temporal PDDL, and the plan as a temporal plan.
+The input is a task and optionally a plan. The output is temporal PDDL and the plan as a temporal plan.
 """

@@ -1,4 +1,4 @@
-"""One durative action: a block takes its tokens, runs, and holds them (`encoder` explains the fluents)."""
+"""Builder of the durative action that runs a block. The module `encoder` explains the fluents."""
 
 from dataclasses import dataclass
 from itertools import combinations
@@ -17,9 +17,9 @@ class Running:
     """The block that an action runs.
 
     Attributes:
-        block: name of the block.
-        along: slots whose tokens come along with the anchor.
-        roles: role of the block to the index of the action's parameter.
+        block: Name of the block.
+        along: Slots whose tokens come from the same instance as the anchor.
+        roles: Maps each role of the block to the index of its parameter.
     """
 
     block: str
@@ -31,12 +31,12 @@ class ActionMaker:
     """Builder of one durative action."""
 
     def __init__(self, words: Words, block: Block, along: frozenset[str]) -> None:
-        """Begin the action that runs a block.
+        """Start the action that runs a block.
 
         Args:
-            words: the words of the encoder.
-            block: the block.
-            along: the slots whose tokens come along with the anchor.
+            words: PDDL names of the encoder.
+            block: Block that the action runs.
+            along: Slots whose tokens come from the same instance as the anchor.
         """
         self.words, self.vocabulary = words, words.vocabulary
         self.block, self.along = block, along
@@ -47,7 +47,7 @@ class ActionMaker:
         self.roles = {role: self._declare(role, sort) for role, sort in block.roles.items()}
 
     def build(self) -> tuple[DurativeAction, Running]:
-        """Return the action and the block that it runs."""
+        """Return the action and a description of the block that it runs."""
         block = self.block
         self._distinct()
         self._entry()
@@ -80,16 +80,16 @@ class ActionMaker:
         self.conditions[Condition(when, fact, value)] = None
 
     def at_start(self, fact: Fact, value: Value = True) -> None:
-        """Add an effect at the start."""
+        """Set a value at the start of the action."""
         self.effects[Effect("start", fact, value)] = None
 
     def count(self, word: str, variable: str, change: int) -> None:
-        """Add a change of a number at the start. Changes of one number are summed."""
+        """Change a number at the start of the action. Several changes of the same number are summed."""
         fact = (self.words(word), variable)
         self.changes[fact] = self.changes.get(fact, 0) + change
 
     def at_end(self, fact: Fact, value: Value = True) -> None:
-        """Add an effect at the end."""
+        """Set a value at the end of the action."""
         self.effects[Effect("end", fact, value)] = None
 
     def _arguments(self, literal: Literal) -> tuple[str, ...]:
@@ -117,7 +117,7 @@ class ActionMaker:
                 self.require(*self.words.stated(literal.predicate, word, arguments))
 
     def _take(self, slot: str) -> None:
-        """Move a token from its old slot to a slot of the block, and release it from the old instance."""
+        """Move a token from its old slot to a slot of the block, and end its part in the old instance."""
         variable, block, along = self.roles[slot], self.block, slot in self.along
         sources = self.words.sources(block, slot, along)
         constants = [self.words.slot(old, before) for old, before in sources]
@@ -126,7 +126,7 @@ class ActionMaker:
         if len(constants) > 1:
             before = self._declare(f"{slot}-from", self.words("slot"))
             self.require((self.words("passes"), before, own))
-        # The place stays the old one until the end, so that no other action can take the token meanwhile.
+        # The fluent keeps the old slot until the end, so that no other action can take the token meanwhile.
         self.require(place, (before,), "throughout")
         self.at_end(place, (own,))
         self._part(slot, along, sources)
@@ -138,7 +138,7 @@ class ActionMaker:
             self.at_start((self.words("completed"), variable), False)
 
     def _part(self, slot: str, along: bool, sources: list[tuple[Block, str]]) -> None:
-        """Leave the partners of the last instance, together with its anchor or after it."""
+        """Update the fluents `partner`, `let-go` and `crew` for a token that leaves its last instance."""
         variable, block = self.roles[slot], self.block
         partner = (self.words("partner"), variable)
         anchor = self.roles[block.anchor]
@@ -167,7 +167,7 @@ class ActionMaker:
                 self.at_end((self.words("let-go"), variable), False)
 
     def _stop_reading(self, slot: str, sources: list[tuple[Block, str]]) -> None:
-        """Release the targets that the last instance of the token read, if the token was its anchor."""
+        """Release the targets that the token's last instance read, if the token was the anchor."""
         locked = self.words.conditions.locked
         for number in range(self.words.locks):
             readers = [old for old, before in sources if before == old.anchor and len(locked(old)) > number]
@@ -181,7 +181,10 @@ class ActionMaker:
                 self.at_start(reads, (self.words(NOBODY),))
 
     def _last_read(self, slot: str, sources: list[tuple[Block, str]], number: int) -> str:
-        """Return the variable of a target that the last instance of the token read, a role of the block if known."""
+        """Return the variable of a target that the token's last instance read.
+
+        The variable is that of a role of the block, if the two must be equal.
+        """
         named = set()
         for old, before in sources:
             locked = self.words.conditions.locked(old) if before == old.anchor else ()
@@ -193,7 +196,7 @@ class ActionMaker:
         return self._declare(f"{slot}-read", self.vocabulary.type_of(TOKEN))
 
     def _void(self, slot: str, sources: list[tuple[Block, str]]) -> None:
-        """Clear the conditions that the last instance maintained, unless this one maintains them again."""
+        """Clear the conditions that the token's last instance maintained and the new instance does not."""
         maintained = {c.predicate: None for old, before in sources for c in self._kept(old, before)}
         anew = {literal.predicate for literal in self._kept(self.block, slot)}
         for predicate in maintained:
@@ -205,7 +208,7 @@ class ActionMaker:
         return self.words.conditions.maintained_by(block, slot)
 
     def _lock(self) -> None:
-        """Lock the targets that the block reads, and require that nobody reads the tokens that it changes."""
+        """Lock the targets that the block reads, and require that no instance reads the block's changed tokens."""
         conditions, block = self.words.conditions, self.block
         for number, target in enumerate(conditions.locked(block)):
             self.at_start((self.words.reads(number), self.roles[block.anchor]), (self.roles[target.name],))

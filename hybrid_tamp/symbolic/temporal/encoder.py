@@ -1,27 +1,27 @@
-"""Encoder: block declarations to durative actions, one per block, for any domain.
+"""Encoder of block declarations as durative actions, for any domain.
 
-An action takes all tokens of a block at once and has all targets as parameters. It lasts until the exit conditions are
-expected to hold. After that the tokens stay in their slots (the hold) until other actions take them. These fluents
-enforce the law of assignment:
+An action takes all tokens of a block at once. Its parameters are the tokens and targets of the block. The action lasts
+until the exit conditions are expected to hold. Then the block holds its tokens until other actions take them. These
+fluents enforce the law of assignment:
 
-| fluent | says |
+| fluent | value |
 |---|---|
-| `place(token)` | the slot of the token's present or last hold |
-| `passes(slot, slot)` | an edge of the network |
-| `partner(token)` | the anchor of the token's instance, if the instance has several slots |
-| `let-go(anchor)` | the anchor has left its last instance, so the other tokens may leave, too |
-| `crew(anchor)` | number of tokens in the anchor's instances; one must be empty before the next reaches its exit |
-| `reads(token)` | the tokens that the token's instance reads |
-| `readers(token)` | number of instances that read the token; zero while a block changes it |
-| `completed(token)` | the block that the token is in has a hold; the goal requires this |
+| `place(token)` | slot of the token in its present or last hold |
+| `passes(slot, slot)` | whether the network has this edge |
+| `partner(token)` | anchor of the token's instance, if the instance has several slots |
+| `let-go(anchor)` | whether the anchor has left its last instance, so that the other tokens may leave |
+| `crew(anchor)` | number of tokens with this partner; at the end of an action, must fit the slots of the block |
+| `reads(token)` | token that the token's instance reads as a locked target |
+| `readers(token)` | number of instances that read the token; must be zero while a block changes the token |
+| `completed(token)` | whether the token's block has a hold; the goal requires this |
 
-A functional predicate becomes a fluent: its one value is the fluent's value, and its other arguments are the fluent's
-parameters. A maintained predicate is a fluent of the token
-that carries it (`assignment.keeper`), because a token is in one instance at a time. If the token of a slot may come
-together with the anchor or on its own, there is an action for each case.
+A functional predicate becomes a fluent. Its functional argument is the fluent's value, and its other arguments are the
+fluent's parameters. A maintained predicate becomes a fluent of one token (`assignment.keeper`), because a token is in
+one instance at a time. If the token of a slot may come together with the anchor or separately, there is an action for
+each case.
 
-In two points the encoding is weaker than the law: tokens may leave an instance a little later than its anchor, and
-tokens may leave a block without a hold after its end.
+The encoding is weaker than the law in two points. Tokens may leave an instance slightly later than its anchor. Tokens
+may also leave a block without a hold after the block has ended.
 """
 
 from collections.abc import Iterator
@@ -42,7 +42,14 @@ from hybrid_tamp.symbolic.temporal.words import NOBODY, Words
 
 @dataclass(frozen=True, eq=False)
 class TemporalEncoding:
-    """The temporal planning domain of a domain, and a map from the name of each action to the block that it runs."""
+    """The temporal encoding of a domain.
+
+    Attributes:
+        vocabulary: PDDL names that the classical and the temporal encoding share.
+        names: PDDL names of the temporal encoding.
+        planning: Temporal planning domain.
+        running: Maps the name of each action to the block that the action runs.
+    """
 
     vocabulary: Vocabulary
     names: Words
@@ -51,7 +58,7 @@ class TemporalEncoding:
 
 
 def encode_durative(domain: Domain) -> TemporalEncoding:
-    """Compile the blocks and the network of a domain to durative actions. The result depends on nothing else."""
+    """Encode the blocks and the network of a domain as durative actions. The result does not depend on a task."""
     encoder = _Encoder(Vocabulary(domain))
     built = list(encoder.actions())
     names = name_apart({number: action.name for number, (action, _) in enumerate(built)})
@@ -76,9 +83,9 @@ class _Encoder:
     # -- declarations -------------------------------------------------------------------------------------------
 
     def constants(self) -> Iterator[Typed]:
-        """Yield the symbols, the slots, and the values that mean 'no value'."""
+        """Yield the constants for symbols, slots and missing values."""
         token, slot = self.vocabulary.type_of(TOKEN), self.words("slot")
-        own = {constant for constant, _ in self.vocabulary.constants[-1:]}  # The count is not used here.
+        own = {constant for constant, _ in self.vocabulary.constants[-1:]}  # Temporal problems count with numbers.
         yield from (each for each in self.vocabulary.constants if each[0] not in own)
         yield (self.words(NOBODY), token)
         for block in self.domain.blocks:
@@ -92,7 +99,7 @@ class _Encoder:
                         yield (self.words("no", predicate.name, parameter.name), kind)
 
     def fluents(self, actions: list[DurativeAction]) -> Iterator[Fluent]:
-        """Yield the fluents of the user, and those of the encoder that an action mentions."""
+        """Yield the fluents of the user's predicates, and the encoder's own fluents that an action mentions."""
         token, slot = self.vocabulary.type_of(TOKEN), self.words("slot")
         yield from self._users()
         mentioned = {fact[0] for action in actions for fact in action.facts}
@@ -119,7 +126,7 @@ class _Encoder:
             if name in changing:
                 key = self.words.key(changing[name])
                 values = tuple(kind for i, (_, kind) in enumerate(parameters) if i not in key)
-                # Tokens of any class may carry a maintained condition and leave it.
+                # A token of any class may leave a block and so end a maintained condition.
                 wide = changing[name].maintained and values
                 keys = tuple(
                     (parameters[i][0], self.vocabulary.type_of(TOKEN) if wide else parameters[i][1]) for i in key
@@ -131,7 +138,7 @@ class _Encoder:
     # -- origins of tokens -----------------------------------------------------------------------------
 
     def actions(self) -> Iterator[tuple[DurativeAction, Running]]:
-        """Yield the actions of every block, one for each set of tokens that come along with the anchor."""
+        """Yield an action of every block, for each set of tokens that come from the same instance as the anchor."""
         for block in self.domain.blocks:
             choices = [self._choices(block, slot.name) for slot in block.slots]
             for chosen in product(*choices):
@@ -139,5 +146,5 @@ class _Encoder:
                 yield ActionMaker(self.words, block, along).build()
 
     def _choices(self, block: Block, slot: str) -> list[bool]:
-        """Return whether the token of a slot may come on its own, along with the anchor, or both."""
+        """Return the possible cases for the token of a slot: True if it comes with the anchor, False if separately."""
         return [along for along in (False, True) if self.words.sources(block, slot, along)]

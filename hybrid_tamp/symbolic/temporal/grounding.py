@@ -1,8 +1,8 @@
-"""The runs of blocks that a task can reach if nothing is ever undone, and the earliest time of each.
+"""Reachability of block runs under the delete relaxation, with the earliest time of each run.
 
-A condition holds as soon as one run brings it about (the heuristic h-max of Haslum and Geffner, 2001, over runs of
-blocks). The duration of a run is estimated in the state that its earliest causes leave; it depends on the block from
-which the anchor comes. A schedule has better estimates because it knows the whole plan.
+A fact becomes true when the first run achieves it (heuristic h-max of Haslum and Geffner, 2001). The duration of a run
+is estimated in the state after its earliest causes. This state depends on the source block of the anchor. A schedule
+has better estimates because it knows the whole plan.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,7 +20,14 @@ from hybrid_tamp.symbolic.pddl.joins import FactIndex, join
 
 @dataclass(frozen=True)
 class Run:
-    """A block with its tokens and targets, the source of its anchor, and its expected duration [s]."""
+    """One run of a block.
+
+    Attributes:
+        block: Name of the block.
+        roles: Pairs of (role, token or symbol).
+        source: Pair of (block, slot) that the anchor leaves.
+        seconds: Expected duration [s].
+    """
 
     block: str
     roles: tuple[tuple[str, str], ...]
@@ -29,13 +36,13 @@ class Run:
 
 
 def reachable(task: Task) -> tuple[Run, ...]:
-    """Return the reachable runs, with each condition considered by itself, in the order of the blocks of the domain."""
+    """Return the runs that are reachable if each condition is considered separately, in the domain's block order."""
     return _Reaching(task).runs()
 
 
 @dataclass(frozen=True)
 class _Cause:
-    """The earliest time of a fact [s], and the poses of the tokens that brought it about."""
+    """The cause of a fact: the earliest time of the fact [s], and the poses of the tokens after the run."""
 
     time: float
     poses: Poses
@@ -45,7 +52,7 @@ class _Reaching:
     def __init__(self, task: Task) -> None:
         self.task = task
         start = _Cause(0.0, {})
-        # The order is fixed, because the first of several causes at the same time counts.
+        # The order is fixed because the first of several simultaneous causes is used.
         self.atoms: dict[Atom, _Cause] = dict.fromkeys(sorted(static_facts(task) | facts(task)), start)
         self.places: dict[tuple[str, SlotName], _Cause] = {}
         self.known: dict[tuple[str, tuple[tuple[str, str], ...], SlotName], tuple[float, float, Estimate]] = {}
@@ -54,7 +61,7 @@ class _Reaching:
             self.places[token.name, (block.name, block.anchor)] = start
 
     def runs(self) -> tuple[Run, ...]:
-        """Return the runs."""
+        """Return the reachable runs, in the domain's block order."""
         changed = True
         while changed:
             changed = False
@@ -67,7 +74,7 @@ class _Reaching:
         return tuple(Run(*key, self.known[key][2].seconds) for key in found)
 
     def _run(self, block: Block, roles: dict[str, str], source: SlotName) -> bool:
-        """Add the effects of a run and say whether any fact holds sooner."""
+        """Add the effects of a run. Return whether any fact holds sooner than before."""
         causes = self._causes(block, roles, source)
         if causes is None:
             return False
@@ -90,7 +97,7 @@ class _Reaching:
         return sooner
 
     def _causes(self, block: Block, roles: Mapping[str, str], source: SlotName) -> list[_Cause] | None:
-        """Return the earliest causes of a run, or None if one of its conditions never holds."""
+        """Return the earliest causes of a run, or None if one of its conditions is not reached yet."""
         bound = self.task.bind(roles)
         atoms = [atom for literal in block.entry if (atom := literal.ground(bound)).positive]
         found = [self.atoms.get(atom) for atom in atoms]
@@ -103,7 +110,7 @@ class _Reaching:
         return certain if len(certain) == len(found) else None
 
     def _estimate(self, block: Block, roles: Mapping[str, str], causes: list[_Cause]) -> Estimate:
-        """Return the estimate of a run in the state that its causes leave. For each token the last cause counts."""
+        """Return the estimate of a run in the state after its causes. The last cause sets the pose of a token."""
         poses = {key: value for cause in causes for key, value in cause.poses.items()}
         task = self.task.replaced(state=self.task.state.replace(poses)) if poses else self.task
         slots = {slot.name: roles[slot.name] for slot in block.slots}
@@ -111,7 +118,7 @@ class _Reaching:
         return Estimates(task).of([OrderedInstance("", block.name, slots, targets, 0)])[0]
 
     def _bindings(self, block: Block) -> Iterator[dict[str, str]]:
-        """Yield every binding whose positive entry conditions can hold."""
+        """Yield every binding of the block with reachable entry conditions."""
         ranges = {f"?{r}": dict.fromkeys(map(name_of, self.task.values_of(sort))) for r, sort in block.roles.items()}
         conditions = [
             (literal.predicate.name, *(f"?{a}" if a in block.roles else a for a in literal.arguments))

@@ -1,8 +1,8 @@
-"""Durative actions and temporal problems: the output of the temporal encoder and the input of `pddl.temporal_text`.
+"""Durative actions and temporal problems, which the temporal encoder makes and `pddl.temporal_text` prints.
 
-A fluent has one value for its arguments: one or several objects, a number, or a truth value. A condition requires a
-value at the start, at the end or throughout an action. An effect sets a value, or adds to a number, at the start or at
-the end. All names are PDDL names (`pddl.naming`). Variables begin with a question mark.
+The value of a fluent is one or several objects, a number, or a truth value. A condition requires a value at the start,
+at the end or throughout an action. An effect sets a value or increases a number, at the start or at the end of an
+action. All names are PDDL names (`pddl.naming`). Variables begin with a question mark.
 """
 
 from dataclasses import dataclass, field
@@ -11,21 +11,21 @@ from typing import Literal
 from hybrid_tamp.symbolic.pddl.operators import Fact, Typed
 
 Value = tuple[str, ...] | int | bool
-"""Objects or variables, a number, or a truth value."""
+"""Value of a fluent: objects or variables, a number, or a truth value."""
 
 When = Literal["start", "over all", "end", "throughout"]
-"""``over all`` begins after the effects at the start; ``throughout`` includes the start itself."""
+"""Time of a condition. ``over all`` begins after the effects at the start. ``throughout`` includes the start."""
 
 
 @dataclass(frozen=True)
 class Fluent:
-    """A fluent.
+    """A state variable.
 
     Attributes:
-        name: its name.
-        parameters: typed.
-        kind: the kind of its values.
-        values: the types of the objects in its value.
+        name: Name of the fluent.
+        parameters: Pairs of (variable, type).
+        kind: Kind of the fluent's value.
+        values: Types of the objects in the value, if the kind is ``objects``.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Fluent:
 
 @dataclass(frozen=True)
 class Condition:
-    """The fluent has the value at some time of the action."""
+    """A condition that a fluent has a value at a given time of the action."""
 
     when: When
     fact: Fact
@@ -45,7 +45,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Effect:
-    """The fluent takes the value at the start or at the end or, with `add`, changes by that number."""
+    """An effect that sets a fluent to a value or, with `add`, increases a number by the value."""
 
     when: Literal["start", "end"]
     fact: Fact
@@ -55,7 +55,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class DurativeAction:
-    """A lifted durative action. Its duration is the value of a constant number [ms]."""
+    """A lifted durative action. Its duration is the value of a constant fluent [ms]."""
 
     name: str
     parameters: tuple[Typed, ...]
@@ -65,13 +65,13 @@ class DurativeAction:
 
     @property
     def facts(self) -> tuple[Fact, ...]:
-        """The fluents with arguments in its conditions and effects."""
+        """The fluents, with their arguments, in the conditions and effects."""
         return (*(condition.fact for condition in self.conditions), *(effect.fact for effect in self.effects))
 
 
 @dataclass(frozen=True)
 class TemporalDomain:
-    """The part of a temporal problem that depends on the domain alone, never on tokens."""
+    """The part of a temporal problem that depends on the domain only, never on tokens."""
 
     name: str
     types: tuple[Typed, ...]
@@ -86,12 +86,12 @@ class TemporalProblem:
     """A ground problem of a temporal domain.
 
     Attributes:
-        name: name of the problem.
-        domain: its domain.
-        objects: names and types.
-        init: fluents with their values; those with a truth value only if they are true.
-        goal: fluents with their values at the end.
-        comments: (PDDL name, name of the user) pairs that differ.
+        name: PDDL name of the problem.
+        domain: Temporal planning domain of the problem.
+        objects: Pairs of (object, type).
+        init: Pairs of (fluent, initial value). False values are left out.
+        goal: Pairs of (fluent, value at the end).
+        comments: Pairs of (PDDL name, user's name) that differ.
     """
 
     name: str
@@ -104,7 +104,7 @@ class TemporalProblem:
 
 @dataclass(frozen=True)
 class TimedAction:
-    """One action of a temporal plan: its start [s], name, objects, and duration [s]."""
+    """One action of a temporal plan, with its start [s], name, arguments and duration [s]."""
 
     start: float
     name: str

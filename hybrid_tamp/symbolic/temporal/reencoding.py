@@ -1,8 +1,8 @@
-"""From a timeline to durative actions, so that validators can judge any task plan, whatever its origin.
+"""Conversion of a timeline to durative actions, so that PDDL validators can judge any task plan.
 
-The conditions of an action must hold before its instant. So the actions of one reassignment are set apart: each starts
-0.01 s later than the one before. A timeline does not show all parameters, such as the origin of a token and old values.
-Following the fluents gives them.
+The conditions of an action must hold just before the action starts. So the actions of one instant start 0.01 s after
+each other. A timeline does not contain all parameters, e.g. the source slot of a token. The missing parameters follow
+from the values of the fluents when the action starts.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,21 +16,21 @@ from hybrid_tamp.symbolic.temporal.compilation import TemporalCompilation
 from hybrid_tamp.symbolic.temporal.problem import DurativeAction, TemporalProblem, TimedAction, Value
 
 _APART = 1e-2
-"""Time between two actions of one instant [s]."""
+"""Time between the starts of two actions of one instant [s]."""
 _UNKNOWN = "unknown"
-"""The value of a parameter that no fluent gives, because the timeline is unlawful."""
+"""Value of a parameter that no fluent determines, because the timeline is unlawful."""
 
 
 def reencode_durative(
     compilation: TemporalCompilation, plan: TaskPlan
 ) -> tuple[TemporalProblem, tuple[TimedAction, ...]]:
-    """Return the problem with the durations of the plan, and the plan as actions of this problem."""
+    """Return the problem with the durations of the plan, and the plan as a sequence of durative actions."""
     problem = _lasting(compilation, plan)
     return problem, tuple(_Following(compilation, problem, plan).actions())
 
 
 def _lasting(compilation: TemporalCompilation, plan: TaskPlan) -> TemporalProblem:
-    """Return the problem with the durations of the plan; of several durations of one run, with the shortest."""
+    """Return the problem with the durations of the plan. If the plan repeats a run, its shortest duration is used."""
     lasts: dict[Fact, int] = {}
     for instance, action in _actions_of(compilation, plan):
         block = compilation.task.domain.block_by_name[instance.block]
@@ -48,7 +48,7 @@ def _duration(compilation: TemporalCompilation, action: str) -> str:
 
 @dataclass
 class _Begun:
-    """An action that has begun: its bound parameters, its start and its end [s]."""
+    """An action that has started, with its bound parameters, its start [s] and its end [s]."""
 
     action: DurativeAction
     binding: dict[str, str]
@@ -57,7 +57,7 @@ class _Begun:
 
 
 class _Following:
-    """Follows the values of the fluents through a timeline."""
+    """Tracks the values of the fluents through a timeline."""
 
     def __init__(self, compilation: TemporalCompilation, problem: TemporalProblem, plan: TaskPlan) -> None:
         self.compilation = compilation
@@ -67,7 +67,7 @@ class _Following:
         self.running: list[_Begun] = []
 
     def actions(self) -> Iterator[TimedAction]:
-        """Yield the actions in the order of their times."""
+        """Yield the actions in the order of their starts."""
         begun = []
         for number, (instance, name) in enumerate(self._ordered(), 1):
             start = instance.start + number * _APART
@@ -94,7 +94,7 @@ class _Following:
         return _Begun(action, binding, start, start + lasts / 1e3)
 
     def _finish(self, time: float) -> None:
-        """Apply the ends of the actions that end before a time."""
+        """Apply the end effects of the actions that end before a time [s]."""
         for each in sorted(self.running, key=lambda each: each.end):
             if each.end < time:
                 self._bind(each.action, each.binding, ("end",))
@@ -102,7 +102,7 @@ class _Following:
                 self.running.remove(each)
 
     def _bind(self, action: DurativeAction, binding: dict[str, str], times: Sequence[str]) -> None:
-        """Bind the parameters that the values of fluents give."""
+        """Bind the parameters that the values of the fluents determine."""
         for condition in action.conditions:
             value = self.values.get(ground(condition.fact, binding))
             if condition.when in times and isinstance(condition.value, tuple) and isinstance(value, tuple):
@@ -122,9 +122,10 @@ class _Following:
     # -- order --------------------------------------------------------------------------------------------------
 
     def _ordered(self) -> Iterator[tuple[BlockInstance, str]]:
-        """Yield the instances in the order of their instants. At one instant, readers leave before tokens change.
+        """Yield pairs of (instance, action name) in the order of the instants.
 
-        Instances that take tokens out of a common instance stay together, and the one that takes the anchor is first.
+        At one instant, readers of a token leave before a block changes the token. Instances that take tokens from the
+        same instance are consecutive, and the new instance of the anchor is first.
         """
         everything = list(_actions_of(self.compilation, self.plan))
         for time in self.plan.instants:
@@ -137,20 +138,20 @@ class _Following:
             yield from (pair for group in sorted(groups, key=self._changes) for pair in group)
 
     def _takes_anchor(self, instance: BlockInstance) -> bool:
-        """Say whether an instance takes an anchor out of an instance with several slots."""
+        """Return whether an instance takes the anchor of an instance with several slots."""
         blocks = self.compilation.task.domain.block_by_name
         before = [found for token in instance.slots.values() if (found := self.plan.before(instance, token))]
         return any(len(old.slots) > 1 and slot == blocks[old.block].anchor for old, slot in before)
 
     def _changes(self, group: list[tuple[BlockInstance, str]]) -> bool:
-        """Say whether a group has a block that changes tokens which nobody may read meanwhile."""
+        """Return whether a group has a block that changes tokens, so that no other instance may read them."""
         readers = self.compilation.encoding.names("readers")
         actions = [self.templates[name] for _, name in group]
         return any(c.fact[0] == readers for action in actions for c in action.conditions)
 
 
 def _actions_of(compilation: TemporalCompilation, plan: TaskPlan) -> Iterator[tuple[BlockInstance, str]]:
-    """Yield the instances that begin after the start, each with the name of its action."""
+    """Yield a pair of (instance, action name) for each instance, except for the initial instances."""
     blocks = compilation.task.domain.block_by_name
     names = {(r.block, r.along): name for name, r in compilation.encoding.running.items()}
     before: dict[str, BlockInstance] = {}

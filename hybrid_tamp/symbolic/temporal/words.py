@@ -1,4 +1,4 @@
-"""The words of the temporal encoder: fluents, slots as constants, values for nothing, and predicates as fluents."""
+"""PDDL names of the temporal encoder's own fluents and constants, and the form of predicates as fluents."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +17,7 @@ NOBODY = "nobody"
 
 @dataclass(frozen=True, eq=False)
 class Words:
-    """The words of the encoder: fluents, slots as constants, and values that stand for nothing."""
+    """The PDDL names of the temporal encoder's own fluents and constants."""
 
     vocabulary: Vocabulary
 
@@ -34,20 +34,20 @@ class Words:
         return Naming(words, taken=self.vocabulary.names.all | {"distinct"})
 
     def __call__(self, *word: str) -> str:
-        """Return the PDDL name of a word of the encoder."""
+        """Return the PDDL name of a fluent or constant of the encoder."""
         return self._names.pddl(word)
 
     def reads(self, number: int) -> str:
-        """Return the fluent for a target with this number that the instance of a token reads and others may change."""
+        """Return the fluent for the locked target with this number that a token's instance reads."""
         return self("reads", f"{number}")
 
     def sources(self, block: Block, slot: str, along: bool) -> list[tuple[Block, str]]:
-        """Return the slots from which a token can enter a slot, together with the anchor or on its own.
+        """Return pairs of (block, slot) from which a token can enter a slot.
 
         Args:
-            block: the block that the token enters.
-            slot: the slot that it enters.
-            along: whether it comes along with the anchor.
+            block: Block that the token enters.
+            slot: Slot that the token enters.
+            along: Whether the token comes from the same instance as the anchor.
         """
         domain, found = self.vocabulary.domain, []
         for name, before in domain.network.sources((block.name, slot)):
@@ -57,7 +57,7 @@ class Words:
                 and before != old.anchor
                 and domain.network.allows((name, old.anchor), (block.name, block.anchor))
             )
-            # If a condition says that the old anchor is the new one, the token cannot come on its own.
+            # If a condition says that the old anchor is the new one, the token cannot come separately.
             bound = self.conditions.unified(old, before, block, slot).get(old.anchor) == block.anchor
             if (along and together) or (not along and not (together and bound)):
                 found.append((old, before))
@@ -65,25 +65,28 @@ class Words:
 
     @property
     def all(self) -> frozenset[str]:
-        """All PDDL names of the words."""
+        """All PDDL names that this object gives."""
         return self._names.all
 
     def slot(self, block: Block, slot: str) -> str:
-        """Return the constant for a slot."""
+        """Return the PDDL constant for a slot."""
         return self("slot", block.name, slot)
 
     @cached_property
     def locks(self) -> int:
-        """Largest number of targets of a block that other blocks may change."""
+        """The largest number of locked targets of any block."""
         return max((len(self.conditions.locked(block)) for block in self.vocabulary.domain.blocks), default=0)
 
     @cached_property
     def conditions(self) -> Conditions:
-        """The placement of the conditions of the domain's blocks."""
+        """The assignment of the conditions of the domain's blocks to operators."""
         return Conditions(self.vocabulary)
 
     def key(self, predicate: Predicate) -> tuple[int, ...]:
-        """Return the indices of the arguments of a predicate as a fluent: all of them if its value is a truth value."""
+        """Return the indices of a predicate's arguments that are the parameters of its fluent.
+
+        If the value of the fluent is a truth value, these are all arguments.
+        """
         everything = tuple(range(len(predicate.parameters)))
         if predicate.maintained:
             kept = {
@@ -96,14 +99,14 @@ class Words:
         return tuple(i for i in everything if i != predicate.functional_index)
 
     def none(self, predicate: Predicate) -> tuple[str, ...]:
-        """Return the value that stands for no value of a predicate."""
+        """Return the value 'none' of a predicate's fluent, which means that the fluent has no value."""
         if not predicate.maintained:
             return (self.vocabulary.no_value(predicate),)
         rest = [q for i, q in enumerate(predicate.parameters) if i not in self.key(predicate)]
         return tuple(self("no", predicate.name, parameter.name) for parameter in rest)
 
     def stated(self, predicate: Predicate, name: str, arguments: tuple[str, ...]) -> tuple[Fact, Value]:
-        """Return an atom of a predicate as a fluent with its value."""
+        """Convert an atom to a pair of (fluent, value)."""
         key = self.key(predicate)
         values = tuple(a for i, a in enumerate(arguments) if i not in key)
         return (name, *(arguments[i] for i in key)), values or True
