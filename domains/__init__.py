@@ -1,1 +1,1 @@
-"""Domains that come with hybrid_tamp: content, not framework. Each folder reads as one story."""
+"""The domains that hybrid_tamp includes, one per folder."""

@@ -1,1 +1,1 @@
-"""What several domains share: hands, regions, vectors, servos, motor primitives, REACHING and RESTING."""
+"""Parts that several domains share: hands, regions, vectors, servos, motor primitives, REACHING and RESTING."""

@@ -1,4 +1,4 @@
-"""Object classes that several domains use, and what they are made of."""
+"""Object classes that several domains use, and helpers that define such classes."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
@@ -20,25 +20,25 @@ from hybrid_tamp.authoring import (
 
 def _all_positive(vector: Vector3) -> Vector3:
     if min(vector) <= 0:
-        raise ValueError("all three must be greater than 0")
+        raise ValueError("all three components must be greater than 0")
     return vector
 
 
 Extents = Annotated[Vector3, AfterValidator(_all_positive)]
-"""Half of the edge lengths of a box."""
+"""Half of the edge lengths of a box [m]."""
 
 
 def positive(unit: str, description: str, most: float, **default: float) -> Any:
-    """Declare a finite property greater than 0 and at most `most`."""
+    """Declare a property that must be finite, greater than 0 and at most `most`."""
     return quantity(unit, description, **default, gt=0, le=most, strict=True, allow_inf_nan=False)
 
 
 def not_negative(unit: str, description: str, most: float, **default: float) -> Any:
-    """Declare a finite property from 0 to `most`."""
+    """Declare a property that must be finite and between 0 and `most`."""
     return quantity(unit, description, **default, ge=0, le=most, strict=True, allow_inf_nan=False)
 
 
-# A token may be a member of several classes only if they declare a common property in the same way.
+# A token may be a member of two classes only if both declare each common property in the same way.
 def mass_property() -> Any:
     """Declare the mass of a body."""
     return positive("kg", "mass", 1e6)
@@ -50,7 +50,7 @@ def friction_property() -> Any:
 
 
 class BoxShaped:
-    """Part of every class whose members are boxes of their half extents unless they have another shape."""
+    """Mixin for classes whose members are boxes by default. Their half extents determine the box."""
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
@@ -59,22 +59,22 @@ class BoxShaped:
 
 
 def find_box_fault(token: Token, other_shape: str) -> str | None:
-    """Return a complaint about a shape that is not the box of the half extents, or None.
+    """Return an error message if a token's shape is not the box of its half extents, otherwise None.
 
     Args:
-        token: the token.
-        other_shape: the complaint about a shape that is no box.
+        token: the token to check.
+        other_shape: the message to return if the shape is not a box.
     """
     halves = token["half_extents"]
     if not isinstance(token.shape, Box):
         return other_shape
     if any(abs(one - other) > 0.01 * one for one, other in zip(halves, token.shape.half_extents, strict=True)):
-        return f"half_extents are {halves} m, but those of its shape are {token.shape.half_extents} m"
+        return f"half_extents must be those of its shape, {token.shape.half_extents} m, got {halves} m"
     return None
 
 
 class StaticEndEffector(CapabilityClass):
-    """A hand that can push objects and cannot grasp (paper, Sec. II-A)."""
+    """A hand that can push objects but cannot grasp them (paper, Sec. II-A)."""
 
     name: ClassVar[str] = "STATIC END-EFFECTOR"
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (
@@ -85,8 +85,8 @@ class StaticEndEffector(CapabilityClass):
     length: float = positive("m", "length of the cylindrical hand", 10)
     mass: float = mass_property()
     maximal_force: float = positive("N", "largest force the hand can exert", 1e7)
-    workspace_lower: Vector3 = quantity("m", "lower corner of the box that the hand's centre can reach")
-    workspace_upper: Vector3 = quantity("m", "upper corner of the box that the hand's centre can reach")
+    workspace_lower: Vector3 = quantity("m", "lower corner of the workspace, a box that the hand's centre can reach")
+    workspace_upper: Vector3 = quantity("m", "upper corner of the workspace, a box that the hand's centre can reach")
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
@@ -95,16 +95,16 @@ class StaticEndEffector(CapabilityClass):
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Complain about a workspace whose corners are in the wrong order."""
+        """Return an error message if the corners of the workspace are in the wrong order, otherwise None."""
         lower, upper = token["workspace_lower"], token["workspace_upper"]
         if any(low >= high for low, high in zip(lower, upper, strict=True)):
-            return "workspace_lower must lie below workspace_upper in x, y and z"
+            return f"workspace_lower must be less than workspace_upper in x, y and z, got {lower} and {upper}"
         return None
 
 
 class Region(PlaceClass):
-    """A disc on the floor: somewhere to bring things to."""
+    """A disc on the floor to which objects can be moved."""
 
     name: ClassVar[str] = "REGION"
 
-    radius: float = positive("m", "how far from its centre still counts as inside", 100)
+    radius: float = positive("m", "largest horizontal distance from the centre that counts as inside", 100)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, split_mode
 
 Measures = Callable[[Task, Recording, BlockInstance], Iterator[tuple[str, float]]]
-"""Names and values of the metrics of one instance."""
+"""``measures(task, recording, instance)`` yields pairs of (metric, value) for one block instance."""
 
 
 def rows_of(recording: Recording, start: float, end: float) -> slice:
@@ -21,12 +21,12 @@ def run_of(recording: Recording, start: float, end: float) -> State:
 def measure_instances(
     task: Task, recording: Recording, measures: Mapping[str, Measures]
 ) -> Mapping[tuple[str, str], float]:
-    """Return the metrics of all instances by instance and metric.
+    """Return the metrics of all instances. The result maps each (instance, metric) to its value.
 
     Args:
-        task: the task.
-        recording: the run.
-        measures: block, or action for all its modes, to the metrics of its instances.
+        task: the task that was run.
+        recording: the recorded run.
+        measures: maps each block, or each action for all its modes, to the measures of its instances.
     """
     return {
         (instance.name, name): value

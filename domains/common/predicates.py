@@ -1,4 +1,4 @@
-"""Predicates that several domains use, and makers of margins and predicates."""
+"""Predicates that several domains use, and functions that make margins and predicates."""
 
 from collections.abc import Callable
 from functools import partial
@@ -10,19 +10,19 @@ from hybrid_tamp.authoring import TOKEN, FloatArray, Kind, ObjectClass, Paramete
 from .classes import Region
 
 REST_SPEED = 0.02
-"""A token that moves no faster than this is at rest [m/s]."""
+"""Largest speed of a token that counts as being at rest [m/s]."""
 
 length_predicate = partial(Predicate, unit="m", scale=0.01)
-"""Make a predicate whose margin is a length."""
+"""Makes a predicate whose margin is a length."""
 
 
 def everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
-    """Make a margin of batches from one of fixed properties, which takes no state."""
+    """Return a margin for batches of states from a margin that depends on fixed properties only and takes no state."""
     return lambda state, *values: np.full(state.values.shape[:-1], margin(*values))
 
 
 def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Make a margin of batches from one of single states. It is slow; use it for static predicates."""
+    """Return a margin for batches of states from a margin for single states. The result is slow; use it for statics."""
 
     def batched(state: State, *values: Value) -> FloatArray:
         rows = state.values.reshape(-1, state.values.shape[-1])
@@ -33,11 +33,11 @@ def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
 
 
 def near(tolerance: float, place: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Make the margin [m] of a hand near a place.
+    """Return a margin [m] that is positive if a hand is near a place.
 
     Args:
-        tolerance: largest distance of the hand [m].
-        place: ``place(state, hand, *values)`` of the hand's centre ``(..., 3)`` [m].
+        tolerance: largest distance of the hand's centre from the place [m].
+        place: ``place(state, hand, *values)`` returns the place ``(..., 3)`` [m] for the hand's centre.
     """
 
     def margin(state: State, hand: Token, *values: Value) -> FloatArray:
@@ -64,13 +64,13 @@ AT_REST = Predicate(
 
 
 def depth_in_region(state: State, thing: Token, region: Token) -> FloatArray:
-    """Return how far the centre of a thing lies inside a region, ``(...)`` [m]; negative outside."""
+    """Return the depth ``(...)`` [m] of an object's centre inside a region. It is negative outside."""
     offset = (state[thing, "position"] - state[region, "position"])[..., :2]
     return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
 
 
 def inside(movable: type[ObjectClass]) -> Predicate:
-    """Return the predicate that a member of the class is inside a region, of which there is one at a time."""
+    """Return the predicate that a member of the class is inside a region. It is inside at most one region at a time."""
     return length_predicate(
         "inside",
         (Parameter("object", movable), Parameter("region", Region)),

@@ -1,4 +1,4 @@
-"""Motor primitives, learnt from demonstrations, and the reference trajectories that they give."""
+"""Motor primitives learnt from demonstrations, and the reference trajectories that they generate."""
 
 from collections.abc import Callable
 from functools import cache
@@ -15,12 +15,12 @@ _AHEAD = 0.5
 """Distance that the demonstrated reach covers along its x axis [m]."""
 
 Reference = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""Elapsed time ``(...)`` [s] to position [m] and velocity [m/s], each ``(..., 3)``."""
+"""Maps the elapsed time ``(...)`` [s] to a position [m] and a velocity [m/s], each ``(..., 3)``."""
 
 
 @cache
 def demonstrated_reach() -> DMP:
-    """Return the curved reach in three dimensions, learnt from the demonstration in the package."""
+    """Return the three-dimensional primitive of a curved reach, learnt from the demonstration in ``reach.csv``."""
     with files(__package__).joinpath("reach.csv").open(encoding="utf-8") as lines:
         table = np.loadtxt(lines, delimiter=",", skiprows=1)
     return DMP.imitate(table[:, 0], table[:, 1:], n_weights=20)
@@ -28,9 +28,9 @@ def demonstrated_reach() -> DMP:
 
 @cache
 def straight_movement() -> DMP:
-    """Return the primitive in one dimension of a straight human movement from 0 to 1.
+    """Return the one-dimensional primitive of a straight human movement from 0 to 1.
 
-    Its demonstration is the minimum-jerk profile (Flash and Hogan 1985), at rest at both ends.
+    The primitive is learnt from the minimum-jerk profile (Flash and Hogan 1985), which is at rest at both ends.
     """
     time = np.linspace(0.0, 1.0, _SAMPLES)
     return DMP.imitate(time, minimum_jerk(time)[:, None], n_weights=20)
@@ -43,18 +43,18 @@ def straight_profile() -> Profile:
 
 
 def profile_of(primitive: DMP | None) -> Profile:
-    """Return the profile of a primitive in one dimension; by default the straight one."""
+    """Return the profile of a one-dimensional primitive, or of `straight_movement` if there is none."""
     return straight_profile() if primitive is None else Profile(primitive)
 
 
 def move_straight(origin: FloatArray, way: FloatArray, duration: float, begin: float = 0.0) -> Reference:
-    """Return a straight movement from rest to rest.
+    """Return the reference of a straight movement from rest to rest.
 
     Args:
-        origin: where it begins, ``(..., 3)`` [m].
-        way: vector from there to its end, ``(..., 3)`` [m].
-        duration: how long it takes [s].
-        begin: when it begins [s].
+        origin: initial position ``(..., 3)`` [m].
+        way: displacement ``(..., 3)`` [m] from the initial to the final position.
+        duration: duration of the movement [s].
+        begin: elapsed time at which the movement begins [s].
     """
     profile = straight_profile()
 
@@ -67,12 +67,12 @@ def move_straight(origin: FloatArray, way: FloatArray, duration: float, begin: f
 
 
 def reach_over(start: FloatArray, goal: FloatArray, duration: FloatArray) -> Reference:
-    """Return the demonstrated reach, turned and stretched to lead from start to goal. Its height is unchanged.
+    """Return the demonstrated reach, turned and stretched horizontally to connect start and goal.
 
     Args:
-        start: where it begins, ``(..., 3)`` [m].
-        goal: where it ends, ``(..., 3)`` [m].
-        duration: how long it takes, ``(...)`` [s].
+        start: initial position ``(..., 3)`` [m].
+        goal: final position ``(..., 3)`` [m].
+        duration: duration of the reach ``(...)`` [s].
     """
     begin, way = start * HORIZONTAL, (goal - start) * HORIZONTAL
     movement = demonstrated_reach().trajectory(start * UP, goal * UP + _AHEAD * np.array([1.0, 0.0, 0.0]), duration)

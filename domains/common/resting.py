@@ -1,4 +1,4 @@
-"""RESTING (paper, D6): no block manipulates the token."""
+"""The block RESTING (paper, D6), in which no other block manipulates the token."""
 
 from hybrid_tamp.authoring import TOKEN, Binding, Block, Commands, Duration, FloatArray, Parameters, Policy, Slot, State
 
@@ -8,7 +8,7 @@ from .servos import hand_servo
 
 
 def stay(binding: Binding, start: State, parameters: Parameters, slot: str = "token") -> Policy:
-    """Make the policy that holds a hand where it starts; a token without basic actions gets no commands."""
+    """Return the policy that keeps a hand at its initial position. A token without basic actions gets no commands."""
     token = get_token(binding, slot)
     place, servo = start[token, "position"].copy(), hand_servo(token, start)
 
@@ -26,5 +26,5 @@ RESTING = Block(
     duration=Duration(0.1, 3600.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
     policy=stay,
-    description="nothing manipulates the token; a hand stays where it is",
+    description="no block manipulates the token; a hand keeps its position",
 )

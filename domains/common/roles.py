@@ -1,4 +1,4 @@
-"""Tokens and symbols of a binding by their roles, and the properties that blocks write."""
+"""Functions that look up the tokens and symbols of a binding by role, and the properties that blocks write."""
 
 from typing import cast
 

@@ -1,4 +1,4 @@
-"""Servos that bring a hand to positions and orientations by its basic actions: a force and perhaps a torque."""
+"""Servos that control a hand's pose with its basic actions: a force and, for some hands, a torque."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -21,13 +21,16 @@ from .roles import get_token
 STIFFNESS = 8000.0
 """Stiffness of the position servo [N/m]."""
 DAMPING_RATIO = 0.9
-"""Damping of the position servo as a share of critical damping."""
+"""Damping of the position servo and the orientation servo, as a share of critical damping."""
 
 ORIENTATION_RATE = 40.0
 """Natural frequency of the orientation servo [rad/s]."""
 
 Servo = Callable[[State, FloatArray, FloatArray | float], Commands]
-"""``servo(state, position, velocity)``: the commands that drive a hand to a moving reference ``(..., 3)``."""
+"""``servo(state, position, velocity)`` returns the commands that drive a hand to a moving reference.
+
+The reference position [m] and velocity [m/s] have shape ``(..., 3)``.
+"""
 
 
 class ForceServo(Protocol):
@@ -45,12 +48,12 @@ class ForceServo(Protocol):
 
 
 def damping(mass: float, stiffness: float = STIFFNESS) -> float:
-    """Return the damping coefficient [N s/m] of a servo on a mass [kg]."""
+    """Return the damping coefficient [N s/m] of a position servo that drives a mass [kg]."""
     return float(2.0 * DAMPING_RATIO * np.sqrt(stiffness * mass))
 
 
 def position_servo(hand: Token) -> ForceServo:
-    """Return the feedback law of the force that drives a hand to a moving reference."""
+    """Return the feedback law for the force that drives a hand to a moving reference."""
     brake = damping(hand["mass"])
 
     def force(state: State, position: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
@@ -61,17 +64,20 @@ def position_servo(hand: Token) -> ForceServo:
 
 
 def turn_between(orientation: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Return the small rotation ``(..., 3)`` [rad], in the world, from one orientation to another."""
+    """Return the rotation vector ``(..., 3)`` [rad], in the world frame, from one orientation to another.
+
+    The result is accurate for small rotations only.
+    """
     error = quaternion_multiply(wanted, quaternion_conjugate(orientation))
     return np.asarray(np.copysign(2.0, error[..., 3:]) * error[..., :3])
 
 
 def turning_rate(state: State, token: Token, wanted: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
-    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that brings a token to an orientation.
+    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that drives a token to a reference orientation.
 
     Args:
         state: current state.
-        token: the token.
+        token: the token that turns.
         wanted: reference orientation ``(..., 4)``.
         velocity: reference angular velocity ``(..., 3)`` [rad/s].
     """
@@ -81,9 +87,9 @@ def turning_rate(state: State, token: Token, wanted: FloatArray, velocity: Float
 
 
 def hand_servo(hand: Token, start: State) -> Servo:
-    """Return the servo of all basic actions of a hand. A wrist with a torque keeps its orientation at the start.
+    """Return a servo for all basic actions of a hand. A hand with a wrist torque keeps its initial orientation.
 
-    For a token without basic actions it returns no commands.
+    For a token without basic actions, the servo returns no commands.
     """
     actions = {action.name for action in hand.basic_actions}
     force = position_servo(hand) if "force" in actions else None
@@ -101,7 +107,7 @@ def hand_servo(hand: Token, start: State) -> Servo:
 
 
 def hand_system(binding: Binding, start: State) -> ContinuousSystem:
-    """Make the system of a gravity-compensated hand that touches nothing: a point mass (semi-implicit Euler)."""
+    """Return the system of a gravity-compensated hand without contact: a point mass, with semi-implicit Euler steps."""
     hand = get_token(binding, "hand")
     mass = hand["mass"]
 
@@ -114,5 +120,5 @@ def hand_system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def force_on(hand: Token, state: State, commands: Commands) -> FloatArray:
-    """Return the commanded force on a hand ``(..., 3)`` [N]; zero without a command."""
+    """Return the commanded force on a hand ``(..., 3)`` [N], or zero without a command."""
     return commands.get((hand.name, "force"), np.zeros_like(state[hand, "position"]))

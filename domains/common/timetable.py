@@ -1,4 +1,4 @@
-"""References by time alone, evaluated for many control periods at once, and durations in whole milliseconds."""
+"""References that depend on time only, evaluated for many control periods at once; and rounding of durations."""
 
 from collections.abc import Callable
 
@@ -10,13 +10,14 @@ _ROWS = 64
 """Number of control periods that are evaluated at once."""
 
 Reference = Callable[[FloatArray], tuple[FloatArray, ...]]
-"""Elapsed times ``(...)`` [s] to quantities, each ``(..., d)``."""
+"""Maps elapsed times ``(...)`` [s] to quantities, each ``(..., d)``."""
 
 
 class Timetable:
-    """A cache of a reference at whole control periods: 64 of them cost little more than one.
+    """A cache of a reference at whole control periods.
 
-    Its values depend on the elapsed time only, not on earlier calls.
+    Evaluating the reference for 64 periods at once costs little more than for one period. The values that a timetable
+    returns do not depend on earlier calls.
     """
 
     def __init__(self, read: Reference, start: State) -> None:
@@ -27,7 +28,7 @@ class Timetable:
         self._table: tuple[FloatArray, ...] = ()
 
     def __call__(self, elapsed: FloatArray) -> tuple[FloatArray, ...]:
-        """Return the quantities at an elapsed time [s]: a scalar, or one for each member of the batch ``(...)``."""
+        """Return the quantities at an elapsed time [s], which is a scalar or has the shape of the batch ``(...)``."""
         if np.ndim(elapsed) > 0:
             return self._read(elapsed)
         place = float(elapsed) / CONTROL_PERIOD
@@ -43,5 +44,5 @@ class Timetable:
 
 
 def round_up(seconds: FloatArray | float) -> float:
-    """Round a duration [s] up to whole milliseconds, in which schedules count."""
+    """Round a duration [s] up to whole milliseconds, the time unit of schedules."""
     return float(np.ceil(1e3 * seconds) / 1e3)

@@ -1,4 +1,4 @@
-"""Vectors that several domains use; batch dimensions first."""
+"""Vector operations that several domains use. Batch dimensions come first."""
 
 import numpy as np
 
@@ -10,16 +10,16 @@ HORIZONTAL = np.array([1.0, 1.0, 0.0])
 
 
 def dot(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the inner product over the last axis, ``(...)``."""
+    """Return the inner product ``(...)`` over the last axis."""
     return np.asarray(np.sum(one * other, axis=-1))
 
 
 def to_body(state: State, token: Token, vectors: FloatArray) -> FloatArray:
-    """Turn vectors ``(..., 3)`` from the world into a token's body frame."""
+    """Express vectors ``(..., 3)`` of the world frame in a token's body frame."""
     return rotate(quaternion_conjugate(state[token, "orientation"]), vectors)
 
 
 def depth_in_workspace(hand: Token, position: FloatArray) -> FloatArray:
-    """Return how far positions ``(..., 3)`` lie inside a hand's workspace, ``(...)`` [m]; negative outside."""
+    """Return the depth ``(...)`` [m] of positions ``(..., 3)`` inside a hand's workspace. It is negative outside."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
     return np.asarray(np.minimum(position - lower, upper - position).min(axis=-1))

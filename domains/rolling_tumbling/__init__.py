@@ -1,9 +1,10 @@
 """Rolling and tumbling (paper, Sec. III-A, Figs. 2 and 3): hands move heavy objects in a controlled manner.
 
-For rolling read the modules in this order: `classes`, `geometry` (directions and places), `predicates`, `rolling` (D1).
-For tumbling: `faces` (faces and postures of a box), `tumbling_geometry`, `standing`, `tumbling_predicates`, `tipping`
-(D2 to D4, with `turning`, how two hands turn a box), `reaching_around` (D5, with `detours`, curves around a box).
-REACHING to roll (D5) and RESTING (D6) come from `..common`. `probing_rolling` and `probing_tumbling` test membership.
+Modules of rolling, in reading order: `classes`, `geometry`, `predicates`, `rolling` (D1).
+Modules of tumbling, in reading order: `faces`, `tumbling_geometry`, `standing`, `tumbling_predicates`, `turning`,
+`tipping` (D2 to D4), `detours`, `reaching_around` (D5).
+`..common` provides RESTING (D6) and the REACHING (D5) of rolling. `probing_rolling` and `probing_tumbling` test whether
+new objects are members of the classes.
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
@@ -32,7 +33,7 @@ _EDGES = (
     ("ROLLING.hand", "REACHING:behind.hand"),
     ("ROLLING.hand", "RESTING.token"),
     ("ROLLING.object", "RESTING.token"),
-    # a box: from rest over an edge, back and forth while hands change, down on another face
+    # A box is tipped over an edge from rest, tilted back and forth while hands change, and lowered onto another face.
     ("RESTING.token", "TIPPING:opposite.object"),
     ("TIPPING:opposite.object", "TILTING.object"),
     ("TIPPING:opposite.object", "TIPPING:lower.object"),
@@ -40,7 +41,7 @@ _EDGES = (
     ("TIPPING:adjacent.object", "TILTING.object"),
     ("TILTING.object", "TIPPING:lower.object"),
     ("TIPPING:lower.object", "RESTING.token"),
-    # hands: the one over which the box leans holds it, the other one comes to its place through REACHING
+    # The hand on which the box leans holds the box. The other hand reaches its place through REACHING.
     ("REACHING:beside.hand", "TIPPING:opposite.first"),
     ("REACHING:beside.hand", "TIPPING:opposite.second"),
     ("REACHING:beside.hand", "TIPPING:adjacent.first"),
@@ -50,15 +51,15 @@ _EDGES = (
     ("TIPPING:adjacent.first", "TILTING.hand"),
     ("TILTING.hand", "TIPPING:adjacent.second"),
     ("TILTING.hand", "TIPPING:lower.first"),
-    # A hand leaves a box through REACHING only: resting where it is, it would be in the way as the box comes down.
-    # The hand on which the box does not lean goes straight to its next face.
+    # A hand must leave a box through REACHING: a resting hand would block the box when the box comes down.
+    # The hand on which the box does not lean can move directly to its next face.
     ("TIPPING:opposite.first", "REACHING:beside.hand"),
     ("TIPPING:adjacent.second", "REACHING:beside.hand"),
     ("TIPPING.first", "REACHING:away.hand"),
     ("TIPPING.second", "REACHING:away.hand"),
     ("TILTING.hand", "REACHING:away.hand"),
 )
-"""Reassignments (paper, Fig. 2); an edge that names an action alone holds for each of its modes."""
+"""Reassignments (paper, Fig. 2). An edge that names an action without a mode applies to each of the action's modes."""
 
 DOMAIN = Domain(
     name="rolling_tumbling",

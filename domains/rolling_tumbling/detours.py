@@ -1,4 +1,4 @@
-"""Curves of a hand round a box, in the plane across the hand's axis: polylines with rounded corners."""
+"""Curves that lead a hand around a box: rounded polylines in the plane perpendicular to the hand's axis."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,23 +21,26 @@ from .tumbling_geometry import (
 )
 
 _ROOM = 0.055
-"""Gap between the box and a hand that passes [m]: another hand may hold the box meanwhile."""
+"""Gap [m] between the box and a passing hand. It leaves room for another hand at the box."""
 _ROUNDING = 0.05
 _TOUCHING = 0.005
 _SAMPLES = 8
 _BLOCKED = 100.0
 _AWAY = 5.5
-"""Final distance of a hand from the box's longest reach, in its own radii: another hand may stand between."""
+"""Final distance of a hand from the space that the box may occupy, as a multiple of the hand's radius.
+
+It leaves room for another hand in between.
+"""
 _LONGEST = 7
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A curve from rest to rest.
+    """A curve along which a hand moves from rest to rest.
 
     Attributes:
-        points: densely sampled points ``(..., p, 3)`` [m].
-        arcs: arc length up to each point ``(..., p)`` [m].
+        points: densely sampled points of the curve ``(..., p, 3)`` [m].
+        arcs: arc length from the start to each point ``(..., p)`` [m].
     """
 
     points: FloatArray
@@ -45,11 +48,11 @@ class Curve:
 
     @property
     def length(self) -> FloatArray:
-        """Arc length ``(...)`` [m]."""
+        """Arc length of the curve ``(...)`` [m]."""
         return np.asarray(self.arcs[..., -1])
 
     def at(self, elapsed: FloatArray, duration: FloatArray, profile: Profile) -> tuple[FloatArray, FloatArray]:
-        """Return position [m] and velocity [m/s], each ``(..., 3)``; the profile says how it is travelled."""
+        """Return the position [m] and the velocity [m/s], each ``(..., 3)``, of a movement with the given profile."""
         phase = np.asarray(elapsed / duration)
         travelled = profile.share(phase) * self.length
         index = np.clip(np.sum(self.arcs <= travelled[..., None], axis=-1), 1, self.arcs.shape[-1] - 1)
@@ -66,7 +69,7 @@ class Curve:
 
 
 def off_the_face(start: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the outward normal ``(..., 3)`` of the face that the hand touches; zero if it touches none."""
+    """Return the outward normal ``(..., 3)`` of the face that the hand touches, or zero if the hand touches no face."""
     rows = [State(start.layout, row) for row in start.values.reshape(-1, start.values.shape[-1])]
     return np.array([_outward(state, hand, thing) for state in rows]).reshape(*start.values.shape[:-1], 3)
 
@@ -78,7 +81,7 @@ def _outward(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def curve_through(start: State, make: Callable[[State], list[FloatArray]]) -> Curve:
-    """Return the rounded curve through the corner points that `make` gives for each state of a batch."""
+    """Return the curve with rounded corners. `make` returns the corner points for each state of a batch."""
     rows = start.values.reshape(-1, start.values.shape[-1])
     polylines = [_padded(make(State(start.layout, row))) for row in rows]
     points = _rounded(np.array(polylines))
@@ -89,12 +92,12 @@ def curve_through(start: State, make: Callable[[State], list[FloatArray]]) -> Cu
 
 
 def _padded(corners: list[FloatArray]) -> FloatArray:
-    """Repeat the goal until the polyline has as many corners as the longest."""
+    """Repeat the last corner of a polyline until it has as many corners as the longest polyline."""
     return np.array(corners + [corners[-1]] * (_LONGEST - len(corners)))
 
 
 def _rounded(corners: FloatArray) -> FloatArray:
-    """Replace each inner corner of polylines ``(n, c, 3)`` by a short parabola; return ``(n, p, 3)``."""
+    """Replace each inner corner of polylines ``(n, c, 3)`` with a short parabola. Return points ``(n, p, 3)``."""
     pieces = [corners[:, :1]]
     part = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
     for index in range(1, corners.shape[1] - 1):
@@ -106,13 +109,13 @@ def _rounded(corners: FloatArray) -> FloatArray:
 
 
 def _shortened(leg: FloatArray) -> FloatArray:
-    """Return the part of a leg that the rounding of a corner uses: at most half of it."""
+    """Return the part of a leg that the rounding of a corner replaces: at most half of the leg."""
     length = np.linalg.norm(leg, axis=-1, keepdims=True)
     return np.asarray(leg * np.minimum(0.5, _ROUNDING / np.maximum(length, 1e-9)))
 
 
 def _around(state: State, hand: Token, thing: Token) -> tuple[str, str, str, str]:
-    """Return the faces across the hand's axis in their order around the box."""
+    """Return the faces that surround the hand's axis, in their order around the box."""
     one, _, other, _ = sides_across(state, hand, thing)
     return one, other, OPPOSITE[one], OPPOSITE[other]
 
@@ -126,14 +129,14 @@ def _face_beside(state: State, hand: Token, thing: Token) -> tuple[str, float]:
 
 
 def _off_face(state: State, hand: Token, thing: Token) -> tuple[str, FloatArray]:
-    """Return the face nearest to the hand, and the hand's place when it is clear of that face."""
+    """Return the face nearest to the hand, and the position ``(3,)`` [m] at which the hand is clear of that face."""
     face, distance = _face_beside(state, hand, thing)
     outward = normal(state, thing, face)
     return face, state[hand, "position"] + outward * max(0.0, hand["radius"] + _ROOM - distance)
 
 
 def corners_to_face(state: State, hand: Token, thing: Token, face: str) -> list[FloatArray]:
-    """Return the corners ``(3,)`` [m] from the hand's position to its place at a face."""
+    """Return the corners ``(3,)`` [m] of the shorter way around the box, from the hand's position to a face."""
     place = place_at(state, hand, thing, face)
     outward = normal(state, thing, face)
     before = place + outward * (_ROOM - STANDBY_GAP)
@@ -148,7 +151,7 @@ def corners_to_face(state: State, hand: Token, thing: Token, face: str) -> list[
 def _corners(
     state: State, hand: Token, thing: Token, faces: tuple[str, ...], origin: str, goal: str, step: int
 ) -> list[FloatArray]:
-    """Return the corners that a hand passes from one face to another, one way round the box."""
+    """Return the corners that a hand passes from one face to another. `step` gives the direction around the box."""
     here, found = faces.index(origin), []
     while faces[here] != goal:
         after = (here + step) % len(faces)
@@ -156,7 +159,7 @@ def _corners(
             (NORMALS[faces[i]] * (half_extent(thing, faces[i]) + hand["radius"] + _ROOM) for i in (here, after)),
             start=np.zeros(3),
         )
-        # The hand keeps its position along its own axis and moves in the plane across it.
+        # The hand moves in the plane perpendicular to its own axis.
         axis = to_body(state, thing, hand_axis(state, hand))
         offset = to_body(state, thing, place_at(state, hand, thing, goal) - state[thing, "position"])
         away = away + axis * (offset @ axis)
@@ -166,17 +169,17 @@ def _corners(
 
 
 def _cost(hand: Token, route: list[FloatArray]) -> float:
-    """Return the length of a route [m], with a penalty if it leads through the floor."""
+    """Return the length of a route [m], with a penalty if the route passes through the floor."""
     length = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(route))
     sunk = sum(float(np.linalg.norm(above_floor(hand, point) - point)) for point in route[2:-2])
     return length + _BLOCKED * (sunk > 0)
 
 
 def corners_away(state: State, hand: Token, thing: Token) -> list[FloatArray]:
-    """Return the corners ``(3,)`` [m] that take a hand off its face, out of the space where the box may come down."""
+    """Return the corners ``(3,)`` [m] that lead a hand off its face and out of the space that the box may occupy."""
     face, free = _off_face(state, hand, thing)
     outward = normal(state, thing, face) * HORIZONTAL
-    if np.linalg.norm(outward) < 0.2:  # above the box: to the side where the hand is
+    if np.linalg.norm(outward) < 0.2:  # The hand is above the box and moves to its own side.
         outward = (state[hand, "position"] - state[thing, "position"]) * HORIZONTAL
         outward = outward - hand_axis(state, hand) * (outward @ hand_axis(state, hand))
     outward = outward / max(float(np.linalg.norm(outward)), 1e-9)

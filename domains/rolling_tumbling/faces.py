@@ -1,9 +1,9 @@
-"""Faces and postures of a box, the symbols of tumbling, and the relations between them.
+"""Symbols of tumbling: the faces and postures of a box, and the relations between them.
 
-Faces are fixed to the body. A box lies flat on a face, or stands on the edge between two faces, tipped past the
-balance so that it leans over one of them: "over bottom right" was tipped from its bottom towards its right face and
-leans over the right one. Tilted back past the balance it leans over the bottom, as if tipped from its right face:
-that pose is "over right bottom", and no pose has two names.
+Faces are fixed to the body. A box either lies flat on a face or leans over a face: it stands on an edge and is tipped
+past its point of balance. A box in posture "over bottom right" was tipped from its bottom face towards its right face
+and leans over its right face. If the box is tilted back past its point of balance, it leans over its bottom face. That
+posture is "over right bottom". No pose has two names.
 """
 
 from itertools import product
@@ -24,9 +24,9 @@ NORMALS: dict[str, FloatArray] = {
 
 _OPPOSITE = {"left": "right", "front": "back", "bottom": "top"}
 OPPOSITE = _OPPOSITE | {other: one for one, other in _OPPOSITE.items()}
-"""Face to the face on the other side."""
+"""Maps each face to the opposite face."""
 
-FACE = SymbolSort("face", tuple(NORMALS), "a face of a box, fixed to it: -x, +x, -y, +y, -z, +z")
+FACE = SymbolSort("face", tuple(NORMALS), "a face of a box; its normal in the body frame is -x, +x, -y, +y, -z or +z")
 
 
 def adjacent(one: str, other: str) -> bool:
@@ -35,12 +35,12 @@ def adjacent(one: str, other: str) -> bool:
 
 
 def flat(face: str) -> str:
-    """Return the posture of a box that lies on a face."""
+    """Return the posture of a box that lies flat on a face."""
     return f"flat {face}"
 
 
 def over(down: str, forward: str) -> str:
-    """Return the posture of a box on the edge between two faces, leaning over the second."""
+    """Return the posture of a box that stands on the edge between two faces and leans over the second face."""
     return f"over {down} {forward}"
 
 
@@ -51,32 +51,38 @@ POSTURES = SymbolSort(
     # Not "posture": types and predicates share one namespace in PDDL.
     "posture of a box",
     (*map(flat, NORMALS), *(over(down, forward) for down, forward in EDGES)),
-    "how a box stands: flat on a face, or over the edge between two faces, leaning over the second",
+    "posture of a box: flat on a face, or on the edge between two faces and leaning over the second face",
 )
 
 
 def faces_of(posture: str) -> tuple[str, ...]:
-    """Return the faces that a posture names: one if the box lies flat, two if it stands on an edge."""
+    """Return the faces that a posture names: one face if the box lies flat, or two faces if it stands on an edge."""
     return tuple(posture.split()[1:])
 
 
 def edge_between(before: str, after: str) -> tuple[str, str]:
-    """Return the faces beside the edge about which a box turns from one posture to another, one of them tipped."""
+    """Return the two faces beside the edge about which a box turns from one posture to another.
+
+    At least one of the postures must name two faces.
+    """
     one, other = next(faces_of(posture) for posture in (before, after) if len(faces_of(posture)) == 2)
     return one, other
 
 
-# The relations, as sets of the arguments for which they hold.
+# Each relation is the set of the argument tuples for which it holds.
 
 TIPS_HOLD = {(OPPOSITE[f], f, flat(d), over(d, f)) for d, f in EDGES}
-"""near, far, before, outcome: pushed from the face opposite to `far`, the box turns over the edge below `far`."""
+"""Tuples of (near, far, before, outcome). Hands at two opposite faces tip a flat box over the edge below `far`."""
 LOWERS_HOLD = {(d, OPPOSITE[d], before, flat(f)) for d, f in EDGES for before in (over(d, f), over(f, d))}
-"""near, far, before, outcome: between the face that was down and its opposite, the box comes down on the other face."""
+"""Tuples of (near, far, before, outcome). Hands at `near`, a face beside the edge, and at the opposite face lower a
+tipped box onto the other face beside the edge."""
 LEANS_HOLD = {(d, f, over(d, f), over(f, d)) for d, f in EDGES}
-"""near, far, before, outcome: the box leans over `far`; tilted back, it leans over `near`."""
+"""Tuples of (near, far, before, outcome). Hands at both faces beside the edge tilt a box that leans over `far` back
+until the box leans over `near`."""
 HOLDS_HOLD = {(f, over(d, f)) for d, f in EDGES}
-"""face, posture: one hand on the face over which the box leans holds it."""
+"""Pairs of (face, posture). A single hand at the face over which the box leans can hold the box."""
 EXPOSED_HOLD = {(f, flat(d)) for d, f in EDGES} | {
     (face, over(d, f)) for d, f in EDGES for one in (d, f) for face in (one, OPPOSITE[one])
 }
-"""face, posture: a hand can stand at the face to turn the box: beside it, or above and below where it is tipped."""
+"""Pairs of (face, posture). A hand that turns the box can be placed at the face: at a side of a flat box, or at one of
+the two faces beside the edge of a tipped box or their opposites."""

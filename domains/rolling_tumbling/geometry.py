@@ -1,4 +1,4 @@
-"""Directions and places of a roll: all vectors in the world frame, batch dimensions first."""
+"""Directions and positions of a roll. All vectors are in the world frame, with batch dimensions first."""
 
 import numpy as np
 
@@ -7,26 +7,26 @@ from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, rotate
 from ..common.vectors import UP, dot
 
 STANDOFF = 0.03
-"""Gap between an object and a hand that stands by [m]."""
+"""Gap between an object and a hand in its standby position [m]."""
 FLOOR_CLEARANCE = 0.01
-"""Least gap between a hand and the floor [m]."""
+"""Smallest gap between a hand and the floor [m]."""
 
 
 def axis(state: State, thing: Token) -> FloatArray:
-    """Return the axis of rotation ``(..., 3)``."""
+    """Return an object's axis of rotation ``(..., 3)``, a unit vector."""
     return rotate(state[thing, "orientation"], np.asarray(thing["axis_of_rotation"]))
 
 
 def heading(state: State, thing: Token) -> FloatArray:
-    """Return the horizontal unit vector ``(..., 3)`` along which the thing rolls, up to its sign."""
+    """Return the horizontal unit vector ``(..., 3)`` along which an object rolls. Its sign is arbitrary."""
     across = np.cross(axis(state, thing), UP)
     length = np.linalg.norm(across, axis=-1, keepdims=True)
-    # A vertical axis has no heading: the result must stay finite, and LIES_ON_SIDE does not hold.
+    # If the axis is vertical, LIES_ON_SIDE does not hold, but the result must stay finite.
     return np.where(length > 1e-9, across / np.maximum(length, 1e-9), np.array([1.0, 0.0, 0.0]))
 
 
 def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:
-    """Return the direction ``(..., 3)`` of the roll to a region and the distance ``(...)`` [m] along it."""
+    """Return the direction ``(..., 3)`` of the roll to a region, and the distance ``(...)`` [m] in this direction."""
     along = heading(state, thing)
     distance = dot(state[region, "position"] - state[thing, "position"], along)
     forward = np.where(distance < 0, -1.0, 1.0)
@@ -34,26 +34,26 @@ def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArr
 
 
 def reach_of(hand: Token, state: State, direction: FloatArray) -> FloatArray:
-    """Return the distance ``(...)`` [m] from the hand's centre to its surface along a direction."""
+    """Return the extent ``(...)`` [m] of a hand from its centre in a direction."""
     shape = hand.shape
-    assert isinstance(shape, Cylinder), "a STATIC END-EFFECTOR is a cylinder"
+    assert isinstance(shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
     along = np.abs(dot(rotate(state[hand, "orientation"], UP), direction))
     return shape.radius * np.sqrt(np.maximum(0.0, 1.0 - along**2)) + shape.length / 2 * along
 
 
 def touching(state: State, hand: Token, thing: Token, direction: FloatArray) -> FloatArray:
-    """Return the distance ``(...)`` [m] between the centres of a hand and a thing that it pushes."""
+    """Return the distance ``(...)`` [m] between the centres of a hand and of the object that the hand pushes."""
     return np.asarray(thing["radius_of_rotation"] + reach_of(hand, state, direction))
 
 
 def working_height(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the height ``(...)`` [m] of a hand that pushes: the height of the axis, but clear of the floor."""
+    """Return the height ``(...)`` [m] at which a hand pushes: that of the object's centre, but clear of the floor."""
     half = reach_of(hand, state, np.broadcast_to(UP, state[hand, "position"].shape))
     return np.maximum(state[thing, "position"][..., 2], half + FLOOR_CLEARANCE)
 
 
 def standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Return the place ``(..., 3)`` [m], behind a thing, of a hand that stands by to push it to the region."""
+    """Return the standby position ``(..., 3)`` [m] of a hand: behind an object, ready to push it to the region."""
     direction, _ = way(state, thing, region)
     behind = touching(state, hand, thing, direction) + STANDOFF
     place = state[thing, "position"] - direction * behind[..., None]

@@ -1,4 +1,4 @@
-"""Metrics of rolling and tumbling for a finished run."""
+"""Metrics of rolling and tumbling in a finished run."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -11,9 +11,9 @@ from .faces import edge_between, faces_of
 from .tumbling_geometry import edge_axis, edge_position, tilt
 
 _TOUCHDOWN = np.radians(3.0)
-"""Touchdown is when a box first comes this close to lying flat [rad]."""
+"""Angle from lying flat [rad]. Touchdown is the first time at which a box is within this angle."""
 _AROUND = 0.1
-"""Time before and after touchdown over which its angular speed is taken [s]."""
+"""Time [s] before and after touchdown within which the largest angular speed counts as the touchdown speed."""
 
 CONTROLLED: Mapping[str, tuple[float, float]] = {
     "tilt [deg]": (85.0, 95.0),
@@ -21,16 +21,16 @@ CONTROLLED: Mapping[str, tuple[float, float]] = {
     "yaw [deg]": (0.0, 15.0),
     "touchdown [rad/s]": (0.0, 2.0),
 }
-"""Bounds of a controlled tumble. A box that one hand pushes over also ends on its next face, but it drops there."""
+"""Bounds of a controlled tumble. A box that a single hand pushes over also ends on its next face, but drops onto it."""
 
 
 def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
-    """Return the metrics of every rolling and every tumble by instance and metric.
+    """Return the metrics of every roll and every tumble. The result maps each (instance, metric) to its value.
 
-    Rolling: the distance covered, ``roll_ratio`` (radius times angle over distance, 1 without slip), and the final
-    distance of the object's centre from the region's.
-    Tumbling, for the instance that brings the box down: the final tilt, the slip of the pivot edge and the yaw of the
-    box since the tumble began, and the angular speed at touchdown.
+    A roll has the distance covered, the final distance between the centres of the object and the region, and
+    ``roll_ratio``: radius times angle, divided by distance, which is 1 without slip.
+    A tumble has its metrics at the instance that lowers the box: the final tilt, the slip of the pivot edge and the yaw
+    of the box since the tumble began, and the angular speed at touchdown.
     """
     return measure_instances(task, recording, {"ROLLING": _rolling, "TIPPING:lower": _tumble})
 
@@ -54,7 +54,7 @@ def _rolling(task: Task, recording: Recording, instance: BlockInstance) -> Itera
 def _tumble(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, float]]:
     thing = task.token_by_name[instance.slots["object"]]
     start = _beginning(recording.instances, instance, thing)
-    # The box still moves after its hands have let go.
+    # The box still moves after the hands have released it.
     run = run_of(recording, start, instance.end + _AROUND)
     (onto,) = faces_of(instance.targets["outcome"])
     edge = edge_between(instance.targets["before"], instance.targets["outcome"])
@@ -62,7 +62,7 @@ def _tumble(task: Task, recording: Recording, instance: BlockInstance) -> Iterat
 
 
 def _beginning(instances: Sequence[BlockInstance], last: BlockInstance, thing: Token) -> float:
-    """Return when the tumble that ends with an instance began [s]: when the box was last tipped from lying flat."""
+    """Return the start [s] of the tumble that ends with `last`: the box was last tipped from lying flat then."""
     begins = [
         i.start
         for i in instances
@@ -72,13 +72,13 @@ def _beginning(instances: Sequence[BlockInstance], last: BlockInstance, thing: T
 
 
 def tumble_measures(run: State, thing: Token, down: str, onto: str, timestep: float) -> Iterator[tuple[str, float]]:
-    """Yield tilt, slip, yaw and touchdown speed of a box that turned from one face onto another.
+    """Yield the tilt, slip, yaw and touchdown speed of a box that turned from one face onto another.
 
     Args:
         run: measured states ``(t, n)``.
         thing: the box.
-        down: the face on which it lay.
-        onto: the face on which it was to come down.
+        down: the face on which the box lay.
+        onto: the face on which the box should end.
         timestep: time between two states [s].
     """
     angle = tilt(run, thing, down, onto)

@@ -1,4 +1,4 @@
-"""Predicates of rolling."""
+"""Predicates for rolling."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ _REGION = Parameter("region", Region)
 _TILT_TOLERANCE = np.sin(np.radians(3.0))
 _STANDBY_TOLERANCE = 0.025
 _DRIFT = 0.002
-"""Drift of a rolling thing off its line [m] that does not count as infeasible before execution."""
+"""Drift [m] of a rolling object off its line that feasibility checks before execution tolerate."""
 
 
 def _levelness(state: State, thing: Token) -> FloatArray:
@@ -25,7 +25,7 @@ def _levelness(state: State, thing: Token) -> FloatArray:
 
 
 def _closeness_of_line(state: State, thing: Token, region: Token) -> FloatArray:
-    """Radius of the region, plus the drift, less the distance of the rolling line from its centre [m]."""
+    """Return the radius of a region plus the drift, minus the distance of the rolling line from the region's centre."""
     offset = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
     along = dot(offset, heading(state, thing))
     aside = np.sqrt(np.maximum(0.0, dot(offset, offset) - along**2))
@@ -33,10 +33,11 @@ def _closeness_of_line(state: State, thing: Token, region: Token) -> FloatArray:
 
 
 def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Depth in the workspace of the hand's place when the thing has come to the region.
+    """Return the depth [m] inside the workspace of the hand's position when the object has arrived in the region.
 
-    The direction of the roll is not known before search, so the better one counts: the fact is necessary for every
-    position of the thing. IN_WORKSPACE measures whether the hand stayed in its workspace.
+    The direction of the roll is unknown before the search, so the direction with the larger depth counts. A positive
+    depth is thus necessary for every initial position of the object. After the roll, IN_WORKSPACE measures whether the
+    hand stayed in its workspace.
     """
     along = heading(state, thing)
     ends = []
@@ -55,8 +56,8 @@ BEHIND = length_predicate(
     near(_STANDBY_TOLERANCE, standby),
     reads={"hand": ("position",), "object": POSE, "region": ("position",)},
     kind=Kind.MAINTAINED,
-    description="{hand} stands by behind {object} as seen from {region}",
-    denial="{hand} does not stand by behind {object} as seen from {region}",
+    description="{hand} is behind {object} as seen from {region}",
+    denial="{hand} is not behind {object} as seen from {region}",
 )
 LIES_ON_SIDE = Predicate(
     "lies_on_side",
@@ -66,7 +67,7 @@ LIES_ON_SIDE = Predicate(
     scale=0.05,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
-    description="{object} lies with its axis of rotation level",
+    description="the axis of rotation of {object} is level",
     denial="the axis of rotation of {object} is not level",
 )
 ON_ROLLING_LINE = length_predicate(
@@ -84,8 +85,8 @@ WITHIN_WORKSPACE = length_predicate(
     _room,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
-    description="{hand} can be behind {object} at {region} within its workspace",
-    denial="{hand} cannot be behind {object} at {region} within its workspace",
+    description="{hand} can push {object} to {region} within its workspace",
+    denial="{hand} cannot push {object} all the way to {region} within its workspace",
 )
 IN_WORKSPACE = length_predicate(
     "in_workspace",

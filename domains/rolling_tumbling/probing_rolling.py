@@ -1,4 +1,4 @@
-"""Test whether a new object is ROLLABLE: a hand rolls it 0.6 m like a labelled one."""
+"""The trial that tests whether a new object is ROLLABLE: a hand rolls the object 0.6 m like a labelled object."""
 
 from collections.abc import Mapping
 
@@ -32,17 +32,17 @@ from .predicates import WITHIN_WORKSPACE
 from .tumbling_geometry import hand_axis
 
 DISTANCE, TOLERANCE = 0.6, 0.05
-"""Distance of the trial roll, and largest final distance from its goal [m]."""
+"""Distance of the trial roll, and largest final distance from the goal [m]."""
 ROLLED: Mapping[str, tuple[float, float]] = {"final_distance [m]": (0.0, TOLERANCE), "roll_ratio": (0.9, 1.1)}
-"""Bounds of a passed trial. The ratio alone would pass an object that turns once and stops."""
+"""Bounds of a passed trial. The ratio alone would also pass an object that turns once and stops."""
 _OFFSET, _YAW = 0.02, float(np.radians(1.0))
-"""Largest random offset of the start [m], [rad]."""
+"""Largest random offset of the initial position [m] and of the initial yaw [rad]."""
 _HAND = (0.25, -0.45, 0.3)
-"""Start of the hand: along the way, beyond the token's end along the axis, up [m]."""
+"""Initial position of the hand [m]: along the roll, along the axis from the token's end, and up."""
 
 
 def mass_of(token: Token, labelled: Token) -> float:
-    """Return the known mass of a token [kg], or that of its volume at the density of a labelled one."""
+    """Return the mass of a token [kg]. If it is unknown, estimate it from the density of a labelled token."""
     if "mass" in token.properties:
         return float(token["mass"])
     assert token.shape is not None
@@ -57,12 +57,16 @@ def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
 
 
 def frame(axis: FloatArray) -> FloatArray:
-    """Return a rotation ``(3, 3)`` that turns z to an axis."""
+    """Return a rotation matrix ``(3, 3)`` that turns the z axis onto the given axis."""
     return np.column_stack([*across(axis), axis])
 
 
 def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estimate:
-    """Estimate properties: the axis goes through the carried ends of the labelled one, hands touch its side."""
+    """Return the estimated properties and contact points of a token.
+
+    The axis passes through the ends of the labelled token's axis, which `carry` maps to the token. The contact points
+    are on the token's side.
+    """
     assert token.shape is not None
     assert labelled.shape is not None
     old = np.asarray(labelled["axis_of_rotation"])
@@ -84,7 +88,10 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 
 
 def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
-    """Lay the token on its side, its axis along the hand's if that is level, with the region ahead."""
+    """Return the task of rolling a token to a region.
+
+    The token lies on its side. Its axis is parallel to the hand's axis if the hand's axis is level.
+    """
     hand = next((token for token in task.tokens if token.is_member(StaticEndEffector)), None)
     x, y, yaw = (0.0, 0.0, 0.0) if rng is None else rng.uniform(-1.0, 1.0, 3) * (_OFFSET, _OFFSET, _YAW)
     place = task.state[member, "position"] + np.array([x, y, 0.0])
@@ -118,7 +125,7 @@ def _towards(state: State, member: Token, hand: Token | None, region: Token, sig
 
 
 def _lying(task: Task, member: Token, hand: Token | None, yaw: float) -> tuple[FloatArray, float]:
-    """Return the orientation in which the token lies on its widest side, and the height of its centre then [m]."""
+    """Return the orientation of a token that lies on its widest side, and the height of the token's centre [m]."""
     assert member.shape is not None
     axis = np.asarray(member["axis_of_rotation"])
     along = np.array([0.0, 1.0, 0.0]) if hand is None else hand_axis(task.state, hand) * HORIZONTAL

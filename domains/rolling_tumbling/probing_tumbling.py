@@ -1,4 +1,4 @@
-"""Test whether a new object is TUMBLABLE: two hands tumble it onto its next face like a labelled one."""
+"""The trial that tests whether a new object is TUMBLABLE: two hands tumble it onto a face like a labelled object."""
 
 import numpy as np
 
@@ -27,18 +27,21 @@ from .standing import FLAT_TOLERANCE
 from .tumbling_geometry import GRIP, hand_axis, normal, sides_across, to_the_right
 
 _OFFSET, _YAW = 0.02, float(np.radians(2.0))
-"""Largest random offset of the start [m], [rad]."""
+"""Largest random offset of the initial position [m] and of the initial yaw [rad]."""
 _ASIDE, _UP = 0.35, 0.55
-"""Start of the hands beyond the token's longest half, and above the floor [m]."""
+"""Initial distance of the hands beyond the token's longest half extent, and initial height above the floor [m]."""
 
 
 def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
-    """Return no rotation: faces are fixed to the body's axes of both tokens."""
+    """Return the identity, because the faces of both tokens are fixed to their body axes."""
     return np.eye(3)
 
 
 def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estimate:
-    """Estimate properties: faces are those of the bounding box, hands touch the carried contact points."""
+    """Return the estimated properties and contact points of a token.
+
+    The faces are those of the token's bounding box. The contact points of the labelled token are mapped by `carry`.
+    """
     assert token.shape is not None
     halves = np.abs(points_of(token.shape)).max(axis=0)
     contacts: dict[str, tuple[float, float, float]] = {}
@@ -59,13 +62,13 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 
 
 def _turning_axis(task: Task, token: Token) -> int:
-    """Return the body axis of a token about which hands turn it: the nearest one to the hand's axis, else y."""
+    """Return the index of the body axis about which hands turn a token: the one nearest to a hand's axis, or else y."""
     hand = next((one for one in task.tokens if one.is_member(StaticEndEffector)), None)
     return 1 if hand is None else int(np.argmax(np.abs(to_body(task.state, token, hand_axis(task.state, hand)))))
 
 
 def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:
-    """Return the contact points on a labelled box that turns about an axis: each side at GRIP from either edge."""
+    """Return the contact points on a labelled box that turns about a body axis. Each side has two, at GRIP."""
     halves = np.asarray(labelled["half_extents"]) - np.asarray(labelled["hollow"])
     found = {}
     for face in FACE.symbols:
@@ -79,7 +82,10 @@ def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:
 
 
 def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
-    """Stand the token as it stands in the task, or upright, between two hands that come from their own sides."""
+    """Return the task of tumbling a token between two hands, each of which starts on its own side.
+
+    The token keeps its orientation from the original task if it lies flat there. Otherwise it starts upright.
+    """
     hands = tuple(token for token in task.tokens if token.is_member(StaticEndEffector))[:2]
     x, y, yaw = (0.0, 0.0, 0.0) if rng is None else rng.uniform(-1.0, 1.0, 3) * (_OFFSET, _OFFSET, _YAW)
     tokens = (*hands, member)
@@ -113,7 +119,7 @@ def _height(member: Token, orientation: FloatArray) -> float:
 
 
 def _onto(state: State, hands: tuple[Token, ...], member: Token) -> str:
-    """Return the face that turns most to the right of the first hand; without hands the right one."""
+    """Return the face whose normal points most to the right of the first hand, or the right face without hands."""
     if not hands:
         return "right"
     right = to_the_right(state, hands[0])

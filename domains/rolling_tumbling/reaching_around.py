@@ -1,8 +1,8 @@
-"""REACHING:beside and REACHING:away (paper, D5): a hand goes round a box to one of its faces, or away from it.
+"""The blocks REACHING:beside and REACHING:away (paper, D5): a hand moves around a box to a face, or away from the box.
 
-The curve lies in the plane across the hand's axis and goes round the box as a whole, with room for a hand in between:
-straight off the nearest face, round the corners that are clear of the floor, straight on to the wanted face. A motor
-primitive in one dimension moves the hand along it.
+The curve lies in the plane perpendicular to the hand's axis. It leaves the nearest face along a straight line, passes
+the corners of the box on the side that is clear of the floor, and approaches the goal face along a straight line.
+Everywhere it leaves room for another hand at the box. A one-dimensional motor primitive moves the hand along the curve.
 """
 
 from functools import partial
@@ -54,9 +54,9 @@ from .tumbling_predicates import (
 _SETTLING = 0.02
 _SHORTEST = 0.8
 _ASIDE = 0.02
-"""Distance that a hand jumps off a face that it has touched [m]; less than its gap to the box on its way."""
+"""Distance [m] by which a hand quickly retreats from a face that it touches. It is less than the gap on the curve."""
 _LETTING_GO = 0.1
-"""Duration of the jump [s]: the hand moves away faster than a box falls."""
+"""Duration of the retreat [s]. The hand moves away faster than a box falls."""
 _COMING_BACK = 0.5
 _SPEED = Hyperparameter("speed", "m/s", 0.1, 0.8, lambda b, s: np.asarray(0.4), "mean speed along the curve")
 
@@ -69,7 +69,7 @@ def _curve(binding: Binding, start: State) -> Curve:
 
 
 def _place(binding: Binding, state: State) -> FloatArray:
-    """Return the goal ``(..., 3)`` [m] beside a face; zero for a hand that goes away, whose goal is fixed."""
+    """Return the goal ``(..., 3)`` [m] at a face. A hand that moves away has a fixed goal, so its result is zero."""
     if "face" not in binding:
         return np.zeros(3)
     hand, thing = get_tokens(binding, "hand", "object")
@@ -81,9 +81,10 @@ def _time(curve: Curve, hyperparameters: Hyperparameters) -> FloatArray:
 
 
 def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the distance off its face ``(..., 1)`` [m], and its rate [m/s], that a hand adds to its curve.
+    """Return the retreat from a face that a hand adds to its curve: the distance ``(..., 1)`` [m] and its rate [m/s].
 
-    A curve begins slowly. A box that leans on the hand would follow it and press on it until other hands take over.
+    A curve begins slowly. Without the retreat, a box that leans on the hand would follow the hand and press on it until
+    other hands take over.
     """
     off, back = elapsed / _LETTING_GO, (elapsed - _LETTING_GO) / _COMING_BACK
     profile = straight_profile()
@@ -93,7 +94,7 @@ def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
-    """Return the time [s] on the curve until the hand is near enough and slow enough."""
+    """Return the time [s] until the hand on the curve is close enough to the goal and slow enough."""
     curve = _curve(binding, state)
     near = FACE_TOLERANCE if "face" in binding else np.inf
     return round_up(profile.arrival(curve.length, _time(curve, hyperparameters), near, REST_SPEED) + _SETTLING)
@@ -111,7 +112,7 @@ def _follow(binding: Binding, start: State, parameters: Parameters, profile: Pro
         position, velocity = curve.at(elapsed, duration, profile)
         aside, speed = _let_go(elapsed)
         position, velocity = position + outward * aside, velocity + outward * speed
-        # Other hands may still move the box: the end of the curve follows its face.
+        # Other hands may still move the box, so the end of the curve follows the face.
         share = profile.share(elapsed / duration)[..., None]
         position = position + share * (_place(binding, state) - planned)
         return {(hand.name, "force"): servo(state, position, velocity)}
@@ -120,7 +121,7 @@ def _follow(binding: Binding, start: State, parameters: Parameters, profile: Pro
 
 
 def _arrived(binding: Binding, state: State) -> State:
-    """The hand is at the end of the curve."""
+    """Return the state with the hand at the end of the curve."""
     return state.replace({(get_token(binding, "hand").name, "position"): _curve(binding, state).points[..., -1, :]})
 
 
@@ -133,7 +134,7 @@ def _reaching(
     description: str,
     primitive: DMP | None = None,
 ) -> Block:
-    """Return one mode; its primitive in one dimension moves the hand along the curve, by default straight."""
+    """Return one mode of REACHING. A one-dimensional primitive, by default straight, moves the hand along its curve."""
     profile = profile_of(primitive)
     return Block(
         name=f"REACHING:{mode}",
@@ -143,7 +144,7 @@ def _reaching(
         entry=entry,
         exit=(*arrived, AT_REST("hand")),
         writes={"hand": MOTION},
-        # The hands' workspace is not measured in the blocks of tumbling yet.
+        # Tumbling blocks do not measure the hands' workspace yet.
         keeps=(IN_WORKSPACE,),
         hyperparameters=(_SPEED,),
         duration=Duration(shortest, 15.0, partial(_expected, profile=profile)),
@@ -171,14 +172,14 @@ REACH_BESIDE = _reaching(
     ),
     (AT_FACE("hand", "object", "face"),),
     0.3,
-    "the hand goes round the box to its place at a face and holds there",
+    "the hand moves around the box to its place at a face and stays there",
 )
 REACH_AWAY = _reaching(
     "away",
-    # The hand reads the place of the box only at the start, so the box may move meanwhile.
+    # The hand reads the position of the box only at the start, so the box may move during the reach.
     (Target("object", Tumblable, reads=()),),
     (WITHIN_REACH("hand", "object"),),
     (),
     _SHORTEST,
-    "the hand lets go of the box and leaves it room to come down",
+    "the hand releases the box and leaves room for the box to come down",
 )

@@ -1,8 +1,8 @@
-"""ROLLING (paper, D1): a hand pushes an object from behind so that it rolls to a region and stops there.
+"""The block ROLLING (paper, D1): a hand pushes an object from behind until the object rests in a region.
 
-The hand follows the speed ``v = min(speed, sqrt(2 deceleration e))`` for the remaining distance e, so that the object
-comes to rest at the distance, and adds the force of the rolling resistance. Across the direction it stays behind the
-object's centre.
+The hand moves at the speed ``v = min(speed, sqrt(2 deceleration e))`` for the remaining distance e, so that the object
+stops after the chosen distance. It also compensates the rolling resistance with a force. Perpendicular to the rolling
+direction, the hand follows the object's centre.
 """
 
 import numpy as np
@@ -41,7 +41,7 @@ from .tumbling_predicates import FEASIBLE_TUMBLING, POSTURE
 _APPROACH_GAIN = 4.0
 _APPROACH_SPEED = 0.15
 _SPEED_RATE = 200.0
-"""Rate at which the hand approaches the wanted speed [1/s]."""
+"""Rate at which the hand's speed converges to the wanted speed [1/s]."""
 _FEASIBLE = (LIES_ON_SIDE("object"), ON_ROLLING_LINE("object", "region"), WITHIN_WORKSPACE("hand", "object", "region"))
 
 
@@ -67,7 +67,7 @@ def _initial_distance(binding: Binding, state: State) -> FloatArray:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    """Return the duration [s] of the approach, constant speed and constant deceleration."""
+    """Return the duration [s] of the approach, the roll at constant speed and the constant deceleration."""
     speed, slowing = float(hyperparameters["speed"]), float(hyperparameters["deceleration"])
     distance = float(hyperparameters["distance"])
     braking = min(distance, speed**2 / (2 * slowing))
@@ -92,7 +92,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
         velocity = dot(state[hand, "velocity"], direction)
         push = rate * (wanted + closing - velocity)
         push = push + np.where((remaining > 0) & (gap < STANDOFF / 2), resistance, 0.0)
-        # The hand controls its position across the direction, and its speed along it.
+        # The hand controls its speed along the rolling direction, and its position perpendicular to that direction.
         beside = centre.copy()
         beside[..., 2] = working_height(state, hand, thing)
         across = servo(state, beside)
@@ -103,7 +103,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Make the system: a hand pushes, never pulls, a solid cylinder that rolls without slip; no bounce."""
+    """Return the system of a hand and a solid cylinder. The hand pushes only, without bounce or slip."""
     hand, thing, region = _roles(binding)
     mass, radius = hand["mass"], thing["radius_of_rotation"]
     inertia = 1.5 * thing["mass"]  # m + I / R^2 of a solid cylinder
@@ -112,7 +112,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
     def system(state: State, commands: Commands, dt: float) -> State:
         direction, _ = way(state, thing, region)
-        # The roll keeps its direction; `way` turns round past the region.
+        # The roll keeps its direction, whereas `way` reverses its result once the object has passed the region.
         moving = dot(state[thing, "velocity"], direction)
         direction = np.where((moving < -1e-9)[..., None], -direction, direction)
         pushed = touching(state, hand, thing, direction)
@@ -143,7 +143,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def _outcome(binding: Binding, state: State) -> State:
-    """The object lies in the middle of the region, the hand behind it as it was."""
+    """Return the state with the object at the centre of the region, and with the hand still behind the object."""
     hand, thing, region = _roles(binding)
     rolled = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
     return state.replace({(token.name, "position"): state[token, "position"] + rolled for token in (hand, thing)})
@@ -157,13 +157,13 @@ ROLLING = Block(
     entry=(*_FEASIBLE, BEHIND("hand", "object", "region"), AT_REST("object")),
     exit=(~INSIDE("object", ANY), INSIDE("object", "region"), AT_REST("object"), AT_REST("hand"), IN_WORKSPACE("hand")),
     writes={"hand": MOTION, "object": BODY},
-    # Rolling keeps the axis level and the centre on its line, so feasibility does not change.
-    # A thing that tumbles is a box and does not roll.
+    # Rolling keeps the axis level and the centre on its line, so the feasibility facts do not change.
+    # Objects that tumble are boxes, which do not roll.
     keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, POSTURE, *FEASIBLE_TUMBLING),
     hyperparameters=(
-        Hyperparameter("distance", "m", 0.0, 10.0, _initial_distance, "how far to roll"),
+        Hyperparameter("distance", "m", 0.0, 10.0, _initial_distance, "distance to roll"),
         Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(0.4), "largest speed"),
-        Hyperparameter("deceleration", "m/s^2", 0.05, 0.3, lambda b, s: np.asarray(0.15), "slowing before the end"),
+        Hyperparameter("deceleration", "m/s^2", 0.05, 0.3, lambda b, s: np.asarray(0.15), "deceleration at the end"),
     ),
     duration=Duration(0.2, 40.0, _expected),
     policy=_policy,

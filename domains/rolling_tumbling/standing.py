@@ -1,4 +1,4 @@
-"""How well the pose of a box fits a posture, and whether tumbling can begin from it."""
+"""Margins of a box's postures, and checks of whether tumbling can begin from a pose."""
 
 from collections.abc import Iterable
 
@@ -12,9 +12,9 @@ from .faces import FACE, NORMALS, POSTURES, faces_of, flat
 from .tumbling_geometry import hand_axis, lowest_point, nominal_tilt, normal, tilt
 
 SLENDERNESS = 1.6
-"""Largest ratio of the edges of a box for which the method has been tested."""
+"""Largest ratio of the edges of a box for which the tumbling method has been tested."""
 FLAT_TOLERANCE = np.radians(5.0)
-# Less than the angle past the balance: a box never leans both ways at once.
+# The tolerance is less than PAST_BALANCE, so no box fulfils the postures of both ways of leaning at once.
 _TIPPED_TOLERANCE = np.radians(5.0)
 _TWIST_TOLERANCE = np.radians(5.0)
 _FLOOR_TOLERANCE = 0.015
@@ -23,9 +23,10 @@ _LEVEL = 0.5
 
 
 def standing(state: State, thing: Token, posture: str) -> FloatArray:
-    """Return the margin ``(...)`` [rad] of a posture: zero or positive if the box stands in it.
+    """Return the margin ``(...)`` [rad] of a posture. It is zero or positive if the box is in the posture.
 
-    It is the least of the margin of the orientation and the margin of the lowest point's height, scaled to an angle.
+    The margin is the smaller one of two: the margin of the orientation, and the margin of the lowest point's height,
+    which is scaled to an angle.
     """
     contact = 1.0 - np.abs(lowest_point(state, thing)) / _FLOOR_TOLERANCE
     return np.asarray(np.minimum(_fit(state, thing, posture), FLAT_TOLERANCE * contact))
@@ -36,7 +37,7 @@ def _fit(state: State, thing: Token, posture: str) -> FloatArray:
     if len(faces) == 1:
         return np.asarray(FLAT_TOLERANCE - np.arccos(np.clip(-normal(state, thing, faces[0])[..., 2], -1.0, 1.0)))
     angle = tilt(state, thing, *faces) - nominal_tilt(thing, posture, *faces)
-    # Both faces beside the edge must face down: their common axis is level.
+    # Both faces beside the edge must face down, so the edge must be level.
     level = np.cross(NORMALS[faces[0]], NORMALS[faces[1]])
     heights = np.abs(dot(to_body(state, thing, UP), level))
     twist = _TWIST_TOLERANCE - np.arcsin(np.clip(heights, 0.0, 1.0))
@@ -44,12 +45,12 @@ def _fit(state: State, thing: Token, posture: str) -> FloatArray:
 
 
 def start_complaint(thing: Token, state: State, tokens: Iterable[Token]) -> str | None:
-    """Return why a box cannot be tumbled from where it starts, or None.
+    """Return why a box cannot be tumbled from its initial pose, or None if it can be tumbled.
 
     Args:
         thing: the box.
-        state: the initial state, a single one.
-        tokens: all tokens of the task; the box tumbles about the axes of its hands.
+        state: the initial state, a single state.
+        tokens: all tokens of the task, among them the hands. The box tumbles about the hands' axes.
     """
     if not any(float(standing(state, thing, posture)) >= 0 for posture in POSTURES.symbols):
         return _unsupported(thing, state)
@@ -60,9 +61,9 @@ def start_complaint(thing: Token, state: State, tokens: Iterable[Token]) -> str 
     if height <= SLENDERNESS * base * (1.0 + _ROUNDING):
         return None
     return (
-        f"it is {height:.3g} m high on a base of {base:.3g} m, {height / base:.3g} times as high as its base, and "
+        f"a box {height:.3g} m high on a base of {base:.3g} m is {height / base:.3g} times as high as its base, but "
         f"the tumbling method has been demonstrated only for boxes up to {SLENDERNESS} times as high; "
-        "lay it on another face, or leave it out of TUMBLABLE"
+        "lay the box on another face, or remove its class TUMBLABLE"
     )
 
 
@@ -72,17 +73,20 @@ def _unsupported(thing: Token, state: State) -> str:
     height = float(lowest_point(state, thing))
     said = []
     if off > FLAT_TOLERANCE:
-        said.append(f"it is {np.degrees(off):.3g} degrees off {nearest!r}, the nearest of its postures")
+        said.append(f"it is {np.degrees(off):.3g} degrees off its nearest posture, {nearest!r}")
     if abs(height) > _FLOOR_TOLERANCE:
         said.append(f"its lowest point is {height:.3g} m above the floor")
     return (
-        f"it has no face to stand on: {', and '.join(said)}; what is TUMBLABLE lies flat on a face, or leans over the "
-        "edge between two"
+        f"the box is in no posture: {', and '.join(said)}; a TUMBLABLE token must lie flat on a face, or lean over the "
+        "edge between two faces"
     )
 
 
 def _proportions(thing: Token, state: State, tokens: Iterable[Token], down: str) -> tuple[float, float]:
-    """Return the height and the base [m] of a box that lies flat, across the most favourable axis of the hands."""
+    """Return the height [m] and the width of the base [m] of a box that lies flat on the face `down`.
+
+    The width is measured perpendicular to a hand's axis. If the hands' axes differ, the largest width counts.
+    """
     extents = 2.0 * np.asarray(thing["half_extents"])
     upright = int(np.argmax(np.abs(NORMALS[down])))
     hands = (token for token in tokens if token.is_member(StaticEndEffector))
@@ -92,7 +96,7 @@ def _proportions(thing: Token, state: State, tokens: Iterable[Token], down: str)
 
 
 def _edge_along(thing: Token, state: State, hand: Token) -> int | None:
-    """Return the axis of the box nearest to that of a level hand, or None for an upright hand."""
+    """Return the index of the body axis of the box that is nearest to a level hand's axis, or None for other hands."""
     axis = hand_axis(state, hand)
     if abs(float(axis[2])) > _LEVEL:
         return None

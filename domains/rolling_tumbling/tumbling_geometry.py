@@ -1,4 +1,7 @@
-"""Edges of a tumbling box and contact points of hands: world frame unless a name says otherwise, batch first."""
+"""Edges of a tumbling box, and contact points of the hands.
+
+Vectors are in the world frame unless a name says otherwise. Batch dimensions come first.
+"""
 
 import numpy as np
 
@@ -9,44 +12,46 @@ from .faces import NORMALS, faces_of
 from .geometry import FLOOR_CLEARANCE
 
 GRIP = 0.72
-"""Height of the contact of a hand on its face, as a share of the face's extent from the edge below.
+"""Height of a hand's contact point above the lower edge of its face, as a share of the face's extent.
 
-Measured: lower, the tipping force is too large; higher, the hands lift the pivot edge.
+The value was found by experiment. If it is lower, the tipping force is too large. If it is higher, the hands lift the
+pivot edge.
 """
 _HIGHEST = 0.9
 STANDBY_GAP = 0.012
-"""Gap between a face and a hand that stands by [m]."""
+"""Gap between a face and a hand in its standby position [m]."""
 PAST_BALANCE = float(np.radians(6.0))
-"""Angle of a tipped box past the balance [rad]: enough to stay there, little enough for one hand to hold."""
+"""Angle by which a tipped box leans past its point of balance [rad]. The box does not fall back at this angle, and a
+single hand can hold it."""
 
 
 def half_extent(thing: Token, face: str) -> float:
-    """Return the distance of a face from the box's centre [m]."""
+    """Return the distance of a face from the centre of the box [m]."""
     return float(np.abs(NORMALS[face]) @ np.asarray(thing["half_extents"]))
 
 
 def contact_distance(thing: Token, face: str) -> float:
-    """Return the distance from the centre, along a face's normal, at which hands touch the face [m]."""
+    """Return the distance [m], along a face's normal, from the centre of the box to the hands' contact points."""
     return float(np.abs(NORMALS[face]) @ (np.asarray(thing["half_extents"]) - np.asarray(thing["hollow"])))
 
 
 def normal(state: State, thing: Token, face: str) -> FloatArray:
-    """Return a face's outward normal ``(..., 3)``."""
+    """Return the outward unit normal ``(..., 3)`` of a face."""
     return rotate(state[thing, "orientation"], NORMALS[face])
 
 
 def balance(thing: Token, down: str, forward: str) -> float:
-    """Return the tilt [rad] from `down` towards `forward` at which the centre is above the edge."""
+    """Return the tilt [rad] from `down` towards `forward` at which the centre of the box is above the edge."""
     return float(np.arctan2(half_extent(thing, forward), half_extent(thing, down)))
 
 
 def tilt(state: State, thing: Token, down: str, forward: str) -> FloatArray:
-    """Return the angle ``(...)`` [rad] turned from lying on `down` towards lying on `forward`."""
+    """Return the angle ``(...)`` [rad] by which the box has turned from lying on `down` towards lying on `forward`."""
     return np.arctan2(-normal(state, thing, forward)[..., 2], -normal(state, thing, down)[..., 2])
 
 
 def nominal_tilt(thing: Token, posture: str, down: str, forward: str) -> float:
-    """Return the tilt [rad] from `down` towards `forward` of a posture about the edge between these faces."""
+    """Return the tilt [rad], from `down` towards `forward`, of a box in a posture. The posture names one or both."""
     faces = faces_of(posture)
     if len(faces) == 1:
         return 0.0 if faces[0] == down else np.pi / 2
@@ -55,25 +60,26 @@ def nominal_tilt(thing: Token, posture: str, down: str, forward: str) -> float:
 
 
 def edge_position(state: State, thing: Token, down: str, forward: str) -> FloatArray:
-    """Return the middle of the edge between two faces ``(..., 3)`` [m]."""
+    """Return the midpoint ``(..., 3)`` [m] of the edge between two faces."""
     middle = NORMALS[down] * half_extent(thing, down) + NORMALS[forward] * half_extent(thing, forward)
     return state[thing, "position"] + rotate(state[thing, "orientation"], middle)
 
 
 def edge_axis(state: State, thing: Token, down: str, forward: str) -> FloatArray:
-    """Return the axis ``(..., 3)`` about which the box turns forward over that edge."""
+    """Return the axis ``(..., 3)`` about which the box turns over an edge, from `down` towards `forward`."""
     return rotate(state[thing, "orientation"], np.cross(NORMALS[forward], NORMALS[down]))
 
 
 def hand_axis(state: State, hand: Token) -> FloatArray:
-    """Return the axis ``(..., 3)`` of a cylindrical hand: its z axis, constant as the wrist is stiff."""
+    """Return the axis ``(..., 3)`` of a cylindrical hand: its z axis, which is constant because the wrist is rigid."""
     return rotate(state[hand, "orientation"], UP)
 
 
 def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the normal ``(..., 3)``, in the body frame, of the lower neighbour of a face across the hand's axis.
+    """Return the outward normal ``(..., 3)``, in the body frame, of the face that lies below a face.
 
-    The height of a hand on `face` is measured from the edge to this neighbour.
+    Only faces whose normals are perpendicular to the hand's axis count. The height of a hand on `face` is measured from
+    the edge that `face` shares with the face below.
     """
     along = np.abs(to_body(state, thing, hand_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
     across = np.eye(3)[np.argmin(along, axis=-1)]
@@ -82,11 +88,11 @@ def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray
 
 
 def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the point ``(..., 3)`` [m] of a face, in the body frame, that a hand touches in the current pose."""
+    """Return the contact point ``(..., 3)`` [m] of a hand on a face, in the body frame, for the current pose."""
     halves = np.asarray(thing["half_extents"])
     below = side_below(state, hand, thing, face)
     extent = 2.0 * dot(np.abs(below), halves)
-    # A box that leans over the face is at this angle from lying on it: a hand there must not touch the floor.
+    # Angle between the face and the floor if the box leans over the face. A hand at the face must not touch the floor.
     angle = np.arctan2(extent / 2.0, half_extent(thing, face)) - PAST_BALANCE
     clear = hand["radius"] * (1.0 + np.cos(angle)) / np.sin(angle) + FLOOR_CLEARANCE
     height = np.clip(clear, GRIP * extent, _HIGHEST * extent)
@@ -94,14 +100,14 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
 
 
 def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:
-    """Return the centre ``(..., 3)`` [m] of a hand that stands at a face of a box."""
+    """Return the position ``(..., 3)`` [m] of the centre of a hand in its standby position at a face of a box."""
     contact = contact_in_body(state, hand, thing, face) + NORMALS[face] * (hand["radius"] + gap)
     return above_floor(hand, state[thing, "position"] + rotate(state[thing, "orientation"], contact))
 
 
 def above_floor(hand: Token, position: FloatArray) -> FloatArray:
-    """Raise positions ``(..., 3)`` [m] of a level hand until it is clear of the floor."""
-    assert isinstance(hand.shape, Cylinder), "a STATIC END-EFFECTOR is a cylinder"
+    """Return positions ``(..., 3)`` [m] of a level hand, raised where necessary to be clear of the floor."""
+    assert isinstance(hand.shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
     lowest = np.array([-np.inf, -np.inf, hand.shape.radius + FLOOR_CLEARANCE])
     return np.asarray(np.maximum(position, lowest))
 
@@ -114,17 +120,18 @@ def lowest_point(state: State, thing: Token) -> FloatArray:
 
 
 def sides_across(state: State, hand: Token, thing: Token) -> tuple[str, ...]:
-    """Return the four faces of a box (single state) that a hand can touch along its whole length."""
+    """Return the four faces of a box whose normals are perpendicular to the hand's axis, for a single state."""
     along = np.abs(to_body(state, thing, hand_axis(state, hand)))
     own = int(np.argmax(along))
     return tuple(face for face in NORMALS if not NORMALS[face][own])
 
 
 def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> float:
-    """Return the component of a face's normal to the hand's right, -1 to 1, with the box in a posture (single state).
+    """Return the component, from -1 to 1, of a face's normal towards the hand's right, for a box in a posture.
 
-    Boxes turn about the hand's axis only, so the posture and the current pose determine the direction. Right is the
-    axis times up. For a face that the axis crosses the result is 0.
+    The state must be a single state. Boxes turn about the hand's axis only, so the posture and the current pose
+    determine the normal. The hand's right is the cross product of its axis and the upward direction. If the hand's
+    axis crosses the face, the result is 0.
     """
     if not {face, *faces_of(posture)} <= set(sides_across(state, hand, thing)):
         return 0.0
@@ -137,11 +144,11 @@ def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) ->
 
 
 def to_the_right(state: State, hand: Token) -> FloatArray:
-    """Return the level unit vector ``(..., 3)`` across a hand's axis."""
+    """Return the horizontal unit vector ``(..., 3)`` that points to the right of a level hand's axis."""
     return np.asarray(np.cross(hand_axis(state, hand), UP))
 
 
 def _angle(state: State, hand: Token, thing: Token, face: str) -> float:
-    """Return the direction of a face's normal in the plane across the hand's axis, from its right upwards [rad]."""
+    """Return the angle [rad] from the hand's right upwards to a face's normal, in the plane across the hand's axis."""
     outward = normal(state, thing, face)
     return float(np.arctan2(outward[2], outward @ to_the_right(state, hand)))

@@ -1,4 +1,4 @@
-"""Predicates of tumbling."""
+"""Predicates for tumbling."""
 
 import numpy as np
 
@@ -18,25 +18,25 @@ _OBJECT = Parameter("object", Tumblable)
 _FACE = Parameter("face", FACE)
 _POSTURE = Parameter("posture", POSTURES)
 FACE_TOLERANCE = 0.06
-"""Largest distance of a hand from its place at a face [m]."""
+"""Largest distance of a hand from its position at a face [m]."""
 _ABOVE = 0.05
 _LEAST_OUTLOOK = 0.1
 _ALIGNMENT = np.sin(np.radians(6.0))
 SQUEEZE = 0.5
 """Force with which two hands squeeze a box, as a share of its weight.
 
-With more force the hands carry the weight, and the pivot edge unloads and slides.
+If the force is larger, the hands carry the weight, so the pivot edge is unloaded and slides.
 """
 
 
 def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """The hand's axis is level and lies in the face, up to a tolerance."""
+    """Return the margin of a hand's axis being level and parallel to a face."""
     along = hand_axis(state, hand)
     return np.asarray(_ALIGNMENT - np.maximum(np.abs(dot(along, normal(state, thing, face))), np.abs(along[..., 2])))
 
 
 def _sections(state: State, hand: Token, thing: Token) -> tuple[float, float]:
-    """Return the edges [m] of the box across the hand's axis."""
+    """Return the lengths [m] of the two edges of the box that are perpendicular to the hand's axis."""
     across = {int(np.argmax(np.abs(NORMALS[face]))) for face in sides_across(state, hand, thing)}
     one, other = (2.0 * thing["half_extents"][axis] for axis in sorted(across))
     return one, other
@@ -45,9 +45,9 @@ def _sections(state: State, hand: Token, thing: Token) -> tuple[float, float]:
 def strength_needed(state: State, hand: Token, thing: Token) -> float:
     """Return the force [N] that each of two hands needs to tumble the box about the hand's axis.
 
-    A force at height h on a box of weight m g tips it over its edge w/2 away if h F = m g w/2 (moments about the
-    edge); it is largest where the box lies on its long side, h = GRIP times the short one. Two hands squeeze with
-    `SQUEEZE` m g and share that force as the difference of theirs.
+    A box of weight m g lies on a side of width w. A force F at height h tips the box over an edge of this side if the
+    moments about the edge balance: h F = m g w/2. F is largest if the box lies on its long side, with h = GRIP times
+    the short side. Each hand squeezes with `SQUEEZE` m g. One hand pushes with F/2 more and the other with F/2 less.
     """
     short, long = sorted(_sections(state, hand, thing))
     tipping = long / (2.0 * GRIP * short)
@@ -55,10 +55,10 @@ def strength_needed(state: State, hand: Token, thing: Token) -> float:
 
 
 def _share(state: State, hand: Token, thing: Token) -> tuple[float, float]:
-    """Return the force [N] that a hand needs and the one that it has.
+    """Return the force [N] that a hand needs to tumble an object, and the force [N] that the hand has.
 
-    Two hands bear equal shares: they squeeze the box between them, so neither can push harder than the other one
-    withstands, and while hands change, each of them holds the box alone.
+    Two hands bear equal shares. They squeeze the box between them, so neither hand can push harder than the other hand
+    can resist. While hands change, each of them holds the box alone.
     """
     return strength_needed(state, hand, thing), float(hand["maximal_force"])
 
@@ -68,7 +68,7 @@ def _strength(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Least depth in the workspace of the hand's places beside the box, and above the tipped box."""
+    """Return the least depth [m] in the workspace of the hand's positions beside the box and above the tipped box."""
     beside = [
         place_at(state, hand, thing, face)
         for face in sides_across(state, hand, thing)
@@ -85,7 +85,7 @@ def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
-    """Component of the face's normal to the side of the hand; a hand above the box may go to either side."""
+    """Return how far a face's normal points to the side of the hand. A hand above the box may use either side."""
     if (face, posture) not in EXPOSED_HOLD:
         return np.asarray(-1.0)
     offset = float((state[hand, "position"] - state[thing, "position"]) @ to_the_right(state, hand))
@@ -102,8 +102,8 @@ POSTURE = Predicate(
     reads={"object": POSE},
     kind=Kind.FUNCTIONAL,
     value_of="posture",
-    description="{object} stands {posture}",
-    denial="{object} does not stand {posture}",
+    description="{object} is in posture {posture}",
+    denial="{object} is not in posture {posture}",
 )
 AT_FACE = length_predicate(
     "at_face",
@@ -111,8 +111,8 @@ AT_FACE = length_predicate(
     near(FACE_TOLERANCE, place_at),
     reads={"hand": ("position",), "object": POSE},
     kind=Kind.MAINTAINED,
-    description="{hand} stands at the {face} face of {object}",
-    denial="{hand} does not stand at the {face} face of {object}",
+    description="{hand} is at the {face} face of {object}",
+    denial="{hand} is not at the {face} face of {object}",
 )
 ALIGNED = Predicate(
     "aligned",
@@ -122,8 +122,8 @@ ALIGNED = Predicate(
     scale=0.05,
     reads={"hand": ("orientation",), "object": ("orientation",)},
     kind=Kind.STATIC,
-    description="the axis of {hand}, whose wrist is stiff, is level and lies in the {face} face of {object}",
-    denial="the axis of {hand}, whose wrist is stiff, is not level or not along the {face} face of {object}",
+    description="the axis of {hand} is level and parallel to the {face} face of {object}",
+    denial="the axis of {hand}, which cannot turn, is not level or not parallel to the {face} face of {object}",
 )
 ON_SIDE = Predicate(
     "on_side",
@@ -131,13 +131,16 @@ ON_SIDE = Predicate(
     one_by_one(_outlook),
     unit="1",
     scale=0.1,
-    # The side where the hand starts does not change, so the position of the hand is not listed.
+    # The side on which the hand starts does not change, so the position of the hand is not listed.
     reads={"hand": ("orientation",), "object": POSE},
     kind=Kind.STATIC,
-    description="{face} of {object}, when it is {posture}, looks to the side where {hand} starts",
-    denial="the {face} face of {object}, when it is {posture}, does not point to the side on which {hand} starts",
+    description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
+    denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
 )
-"""Hands stay on their side of a box: two that changed sides at once would collide above it."""
+"""The hand starts on the side of the box to which the face points.
+
+Hands stay on their side of a box because two hands that changed sides at the same time would collide above the box.
+"""
 STRONG_ENOUGH = Predicate(
     "strong_enough",
     (_HAND, _OBJECT),
@@ -147,7 +150,7 @@ STRONG_ENOUGH = Predicate(
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
     description="{hand} is strong enough to bear its share of {object}",
-    denial="{object} is too heavy for {hand} to bear its share of it",
+    denial="{object} is too heavy for {hand} as one of two hands that tumble it",
     share=_share,
 )
 WITHIN_REACH = length_predicate(
@@ -156,8 +159,8 @@ WITHIN_REACH = length_predicate(
     one_by_one(_reach),
     reads={"object": POSE},
     kind=Kind.STATIC,
-    description="{hand} reaches the places beside and above {object}",
-    denial="{object} is too far for {hand}, whose workspace does not reach the places beside and above it",
+    description="{hand} can reach its positions beside and above {object}",
+    denial="{hand} cannot reach its positions beside and above {object} within its workspace",
 )
 LOW_ENOUGH = Predicate(
     "low_enough",
@@ -167,16 +170,16 @@ LOW_ENOUGH = Predicate(
     scale=0.1,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
-    description=f"{{object}} is at most {SLENDERNESS} times as high as its base where {{hand}} tumbles it",
-    denial=f"{{object}} has an edge of more than {SLENDERNESS} times the other one across the axis of {{hand}}",
+    description=f"the section of {{object}} across the axis of {{hand}} is at most {SLENDERNESS} times as long as wide",
+    denial=f"the section of {{object}} across the axis of {{hand}} is more than {SLENDERNESS} times as long as wide",
 )
 
 
 def _pair_relation(name: str, rows: set[tuple[str, str, str, str]], effect: str) -> Predicate:
-    """Return the relation of what two hands do with a box; the effect is a verb phrase in the plural."""
+    """Return a relation that describes what two hands do with a box. The effect is a plural verb phrase."""
     sorts = {"near": FACE, "far": FACE, "before": POSTURES, "outcome": POSTURES}
     parameters = tuple(Parameter(role, sort) for role, sort in sorts.items())
-    hands = "hands at {near} and {far}"
+    hands = "hands at the {near} and {far} faces"
     return Predicate.relation(
         name, parameters, rows, description=f"{hands} {effect}", denial=f"{hands} do not {effect}"
     )
@@ -189,15 +192,15 @@ HOLDS = Predicate.relation(
     "holds",
     (_FACE, _POSTURE),
     HOLDS_HOLD,
-    description="one hand at {face} holds a box that stands {posture}",
-    denial="no single hand at {face} holds a box that stands {posture}",
+    description="a single hand at the {face} face can hold a box in posture {posture}",
+    denial="a single hand at the {face} face cannot hold a box in posture {posture}",
 )
 EXPOSED = Predicate.relation(
     "exposed",
     (_FACE, _POSTURE),
     EXPOSED_HOLD,
-    description="a hand can stand at {face} of a box that is {posture}",
-    denial="no hand can stand at {face} of a box that is {posture}",
+    description="a hand can be placed at the {face} face of a box in posture {posture}",
+    denial="no hand can be placed at the {face} face of a box in posture {posture}",
 )
 FEASIBLE_TUMBLING = (ALIGNED, ON_SIDE, STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
 TUMBLING_PREDICATES = (POSTURE, AT_FACE, *FEASIBLE_TUMBLING, TIPS, LOWERS, LEANS, HOLDS, EXPOSED)

@@ -1,9 +1,9 @@
-"""How two hands turn a box about an edge: the policy and the forward model that all modes of TIPPING share.
+"""Policy and forward model of two hands that turn a box about an edge. All modes of TIPPING share them.
 
-Each hand follows the rigid motion of the planned tilt. Its reference c is the point beside its face, turned about the
-edge by the tilt of a motor primitive. It pushes with F = K (c - x) + D (c' - v) - S n; n is the outward normal of its
-face and S the squeeze. The hands close and squeeze before the box turns, and loosen their grip at the end if the box
-comes to lie. A box whose edge slides stays behind the plan; then the hands turn further.
+A motor primitive plans the tilt of the box. Each hand's reference c is a point beside its face that turns about the
+edge with the planned tilt. The hand pushes with F = K (c - x) + D (c' - v) - S n, where n is the outward normal of its
+face and S is the squeeze. The hands close and squeeze before the box turns. If the box ends flat on a face, the hands
+loosen their grip towards the end. If the edge slides, the box lags behind the plan and the hands turn further.
 """
 
 from dataclasses import dataclass
@@ -44,18 +44,18 @@ from .tumbling_geometry import (
 )
 
 CLOSING = 0.35
-"""Time for the hands to close on the box and to squeeze it [s]."""
+"""Time that the hands take to close on the box and to squeeze it [s]."""
 _TOUCH = 1e-4
 _CATCHING_UP = 0.7
-"""Extra turn of the hands per angle that the box is behind the plan: its edge may have slid a little."""
+"""Extra turn of the hands, per angle by which the box lags behind the plan."""
 _LEAD = 0.3
-"""Largest extra turn [rad]."""
+"""Largest extra turn of the hands [rad]."""
 _LOOSENING = (0.82, 0.94)
-"""Shares of a turn onto a face between which the hands loosen their grip: the box almost lies."""
+"""Shares of a turn onto a face between which the hands loosen their grip. The box is almost flat by then."""
 _LYING = float(np.radians(0.7))
-"""Angle from lying on a face at which they begin to loosen, if the box comes down before the plan [rad]."""
+"""Angle [rad] from lying flat at which the hands begin to loosen their grip if the box is ahead of the plan."""
 _TOUCHING_FORCE = 1.0
-"""Largest force of a hand on a box that lies [N]."""
+"""Largest force of a hand on a box that lies flat [N]."""
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,12 @@ class Roles:
     """Tokens and symbols of an instance of TIPPING.
 
     Attributes:
-        hands: the hand at the near and the hand at the far face.
+        hands: the hand at the near face and the hand at the far face.
         thing: the box.
-        faces: the faces of the hands, in their order.
-        edge: the faces beside the edge about which the box turns; the tilt is from the first towards the second.
-        outcome: the posture wanted.
+        faces: the near face and the far face.
+        edge: the two faces beside the edge about which the box turns. The tilt is measured from the first face towards
+            the second.
+        outcome: the posture after the turn.
     """
 
     hands: tuple[Token, ...]
@@ -85,17 +86,17 @@ class Roles:
 
     @property
     def wanted(self) -> float:
-        """The tilt of the posture wanted [rad]."""
+        """The tilt of the box after the turn [rad]."""
         return nominal_tilt(self.thing, self.outcome, *self.edge)
 
 
 def turning_time(angle: FloatArray | float, rate: FloatArray | float) -> FloatArray:
-    """Return how long a turn by an angle [rad] at a mean rate [rad/s] takes, ``(...)`` [s]."""
+    """Return the duration ``(...)`` [s] of a turn by an angle [rad] at a mean rate [rad/s]."""
     return np.asarray(np.maximum(np.abs(angle), 0.05) / rate)
 
 
 def make_turning(binding: Binding, start: State, parameters: Parameters, profile: Profile) -> Policy:
-    """Return the impedance policy of both hands; the profile is that of the tilt between the postures."""
+    """Return the impedance policy of both hands. The tilt of the box follows the profile."""
     roles = Roles.of(binding)
     thing, wanted = roles.thing, roles.wanted
     rate, squeeze = (np.asarray(parameters.hyperparameters[name]) for name in ("rate", "squeeze"))
@@ -136,11 +137,13 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
 
 
 def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:
-    """Return how much the hands have loosened their grip ``(...)``, 0 to 1: by plan, or earlier with the box.
+    """Return how far the hands have loosened their grip, from 0 to 1, ``(...)``.
+
+    The hands loosen their grip as planned, or earlier if the box comes down earlier.
 
     Args:
-        phase: planned share of the turn, ``(...)``.
-        left: angle from lying on the face wanted, ``(...)`` [rad].
+        phase: elapsed share of the planned turn ``(...)``.
+        left: angle ``(...)`` [rad] that is left until the box lies on its next face.
     """
     by_plan = (phase - _LOOSENING[0]) / (_LOOSENING[1] - _LOOSENING[0])
     by_angle = 1.0 - np.abs(left) / _LYING
@@ -148,20 +151,20 @@ def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:
 
 
 def _loosened(push: FloatArray, outward: FloatArray, hand: Token, grip: FloatArray) -> FloatArray:
-    """Limit the force of a hand on its face to a share of the maximal force plus a light touch."""
+    """Limit the normal force of a hand on its face to a share `grip` of its maximal force, plus a light touch."""
     inward = -dot(push, outward)
     most = _TOUCHING_FORCE + grip * hand["maximal_force"]
     return np.asarray(push + outward * np.maximum(inward - most, 0.0)[..., None])
 
 
 def _gap(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the distance ``(...)`` [m] along the normal between a hand's surface and its contact on a face."""
+    """Return the distance ``(...)`` [m], along a face's normal, between a hand's surface and its contact point."""
     offset = to_body(state, thing, state[hand, "position"] - state[thing, "position"])
     return np.asarray(dot(offset, NORMALS[face]) - contact_distance(thing, face) - hand["radius"])
 
 
 def after_turning(binding: Binding, state: State) -> State:
-    """Return the state ``(...)`` after the turn: box and hands as one body about the edge, the hands at their faces."""
+    """Return the state ``(...)`` after the turn. The box and the hands on its faces turn about the edge as one body."""
     roles = Roles.of(binding)
     thing = roles.thing
     pivot, axis = edge_position(state, thing, *roles.edge), edge_axis(state, thing, *roles.edge)
@@ -177,9 +180,10 @@ def after_turning(binding: Binding, state: State) -> State:
 
 
 def turning_system(binding: Binding, start: State) -> ContinuousSystem:
-    """Make the system: a rigid box on a fixed edge, with hands that stick to it on contact; the floor stops it.
+    """Return the system of a rigid box that turns about a fixed edge until the floor stops it.
 
-    The moments of the hands' forces and of the weight about the edge turn box and hands as one body.
+    A hand sticks to the box on contact. Once both hands are in contact, their forces and the weight of the box turn the
+    hands and the box about the edge as one body.
     """
     roles = Roles.of(binding)
     thing, hands = roles.thing, tuple(zip(roles.hands, roles.faces, strict=True))
@@ -199,7 +203,7 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
         speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
         angle = tilt(state, thing, *roles.edge)
         after = np.clip(angle + speed * dt, 0.0, np.pi / 2)
-        # The floor takes all speed; the step ends exactly on the floor.
+        # The floor stops the box: the step ends exactly on the floor, with zero speed.
         blocked = np.abs(after - angle - speed * dt) > 1e-12
         spin = axis * ((after - angle) / dt)[..., None]
         changes: dict[tuple[str, str], FloatArray] = {}
@@ -222,7 +226,7 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def _free_velocity(state: State, hand: Token, thing: Token, face: str, commands: Commands, dt: float) -> FloatArray:
-    """Return the velocity ``(..., 3)`` [m/s] of a hand under its own force that stops at its face."""
+    """Return the velocity ``(..., 3)`` [m/s] of a hand that its own force moves and that its face stops."""
     velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
     outward = normal(state, thing, face)
     gap = np.maximum(_gap(state, hand, thing, face), 0.0)

@@ -80,7 +80,7 @@ def test_strong_enough_but_too_far() -> None:
     assert reason.atom == Atom("within_reach", ("hand-2", "box"))
     assert reason.margin == pytest.approx(-0.697)
     assert "(off by 0.697 m)" in reason.message
-    assert "box is too far for hand-2, whose workspace does not reach" in reason.message
+    assert "hand-2 cannot reach its positions beside and above box" in reason.message
 
 
 def test_no_hand_on_the_other_side() -> None:
