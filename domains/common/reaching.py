@@ -18,7 +18,6 @@ from hybrid_tamp.authoring import (
     Duration,
     FloatArray,
     Hyperparameter,
-    Hyperparameters,
     Literal,
     Movement,
     Parameters,
@@ -63,9 +62,22 @@ class ReachGoal:
     keeps: tuple[Predicate, ...] = ()
 
 
-def estimate_duration(distance: FloatArray) -> FloatArray:
-    """Return the initial value of a reach's duration [s] for a distance [m], both ``(...)``."""
-    return np.asarray(1.2 + (distance + 2 * _LIFT) / (2 * _MEAN_SPEED))
+def time_of_reach(
+    distance: Callable[[Binding, State], FloatArray], least: float, settling: float
+) -> tuple[Hyperparameter, Duration]:
+    """Return the hyperparameter ``duration`` of a reach, and the duration of its block.
+
+    Args:
+        distance: ``distance(binding, state)`` of the reach, ``(...)`` [m]. The initial value depends on it.
+        least: least value of the hyperparameter [s].
+        settling: time from the end of the reach until the hand is at rest [s].
+    """
+
+    def initial_value(binding: Binding, state: State) -> FloatArray:
+        return np.asarray(1.2 + (distance(binding, state) + 2 * _LIFT) / (2 * _MEAN_SPEED))
+
+    chosen = Hyperparameter("duration", "s", least, 8.0, initial_value, "duration of the reach")
+    return chosen, Duration(0.3, 12.0, lambda binding, state, values: float(values["duration"]) + settling)
 
 
 def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
@@ -77,12 +89,9 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         primitive: three-dimensional motor primitive of the movement; the demonstrated reach by default.
     """
 
-    def initial_duration(binding: Binding, state: State) -> FloatArray:
+    def distance(binding: Binding, state: State) -> FloatArray:
         way = goal.position(binding, state) - state[get_token(binding, "hand"), "position"]
-        return estimate_duration(np.linalg.norm(way, axis=-1))
-
-    def expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-        return float(hyperparameters["duration"]) + _SETTLING
+        return np.asarray(np.linalg.norm(way, axis=-1))
 
     def make_policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
         hand = get_token(binding, "hand")
@@ -100,6 +109,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
     def outcome(binding: Binding, state: State) -> State:
         return state.replace({(get_token(binding, "hand").name, "position"): goal.position(binding, state)})
 
+    chosen, duration = time_of_reach(distance, 0.8, _SETTLING)
     return Block(
         name="REACHING" if mode is None else f"REACHING:{mode}",
         slots=(Slot("hand", goal.hand_class),),
@@ -109,8 +119,8 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         exit=(*goal.arrived, AT_REST("hand")),
         writes={"hand": MOTION},
         keeps=goal.keeps,
-        hyperparameters=(Hyperparameter("duration", "s", 0.8, 8.0, initial_duration, "duration of the reach"),),
-        duration=Duration(0.3, 12.0, expected),
+        hyperparameters=(chosen,),
+        duration=duration,
         hold=True,
         policy=make_policy,
         system=hand_system,

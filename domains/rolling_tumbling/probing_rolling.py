@@ -45,15 +45,12 @@ def mass_of(token: Token, labelled: Token) -> float:
     """Return the mass of a token [kg]. If it is unknown, estimate it from the density of a labelled token."""
     if "mass" in token.properties:
         return float(token["mass"])
-    assert token.shape is not None
-    assert labelled.shape is not None
-    return round(float(labelled["mass"]) * volume_of(token.shape) / volume_of(labelled.shape), 3)
+    return round(float(labelled["mass"]) * volume_of(token.solid) / volume_of(labelled.solid), 3)
 
 
 def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
     """Return the rotation that turns the labelled axis onto the roundest axis of the new shape."""
-    assert token.shape is not None
-    return np.asarray(frame(roundest_axis(token.shape)) @ frame(np.asarray(labelled["axis_of_rotation"])).T)
+    return np.asarray(frame(roundest_axis(token.solid)) @ frame(np.asarray(labelled["axis_of_rotation"])).T)
 
 
 def frame(axis: FloatArray) -> FloatArray:
@@ -67,10 +64,8 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
     The axis passes through the ends of the labelled token's axis, which `carry` maps to the token. The contact points
     are on the token's side.
     """
-    assert token.shape is not None
-    assert labelled.shape is not None
     old = np.asarray(labelled["axis_of_rotation"])
-    end = old * float((points_of(labelled.shape) @ old).max())
+    end = old * float((points_of(labelled.solid) @ old).max())
     ends = carry(np.array([end, -end]))
     axis = ends[0] - ends[1]
     axis /= np.linalg.norm(axis)
@@ -78,7 +73,7 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
     sides = carry(labelled["radius_of_rotation"] * np.array([one, -one, other, -other]))
     properties = {
         "axis_of_rotation": tuple(round(float(component), 4) + 0.0 for component in axis),
-        "radius_of_rotation": round(rolling_radius(token.shape, axis), 4),
+        "radius_of_rotation": round(rolling_radius(token.solid, axis), 4),
         "mass": mass_of(token, labelled),
         "friction": token.properties.get("friction", labelled["friction"]),
         "rolling_friction": token.properties.get("rolling_friction", labelled["rolling_friction"]),
@@ -115,9 +110,8 @@ def _towards(state: State, member: Token, hand: Token | None, region: Token, sig
     centre = state[member, "position"]
     changes = {(region.name, "position"): (centre + DISTANCE * along) * HORIZONTAL}
     if hand is not None:
-        assert member.shape is not None
         ahead, beyond, up = _HAND
-        aside = beyond - float(np.abs(points_of(member.shape) @ np.asarray(member["axis_of_rotation"])).max())
+        aside = beyond - float(np.abs(points_of(member.solid) @ np.asarray(member["axis_of_rotation"])).max())
         start = centre * HORIZONTAL + ahead * along + aside * np.cross(UP, along) + up * UP
         inside = np.clip(start, hand["workspace_lower"], hand["workspace_upper"])
         changes[hand.name, "position"] = inside
@@ -126,11 +120,10 @@ def _towards(state: State, member: Token, hand: Token | None, region: Token, sig
 
 def _lying(task: Task, member: Token, hand: Token | None, yaw: float) -> tuple[FloatArray, float]:
     """Return the orientation of a token that lies on its widest side, and the height of the token's centre [m]."""
-    assert member.shape is not None
     axis = np.asarray(member["axis_of_rotation"])
     along = np.array([0.0, 1.0, 0.0]) if hand is None else hand_axis(task.state, hand) * HORIZONTAL
     along = along / np.linalg.norm(along) if np.linalg.norm(along) > 0.5 else np.array([0.0, 1.0, 0.0])
-    points = points_of(member.shape)
+    points = points_of(member.solid)
     reach = silhouette(points, axis)
     one, other = across(axis)
     angle = 2.0 * np.pi * int(np.argmin(reach)) / len(reach)

@@ -42,8 +42,7 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 
     The faces are those of the token's bounding box. The contact points of the labelled token are mapped by `carry`.
     """
-    assert token.shape is not None
-    halves = np.abs(points_of(token.shape)).max(axis=0)
+    halves = np.abs(points_of(token.solid)).max(axis=0)
     contacts: dict[str, tuple[float, float, float]] = {}
     depths = halves.copy()
     turn = _turning_axis(task, token)
@@ -114,8 +113,7 @@ def _standing(task: Task, member: Token) -> FloatArray:
 
 
 def _height(member: Token, orientation: FloatArray) -> float:
-    assert member.shape is not None
-    return float(-rotate(orientation, points_of(member.shape))[:, 2].min())
+    return float(-rotate(orientation, points_of(member.solid))[:, 2].min())
 
 
 def _onto(state: State, hands: tuple[Token, ...], member: Token) -> str:

@@ -59,6 +59,10 @@ from .turning import CLOSING, Roles, after_turning, make_turning, turning_system
 
 _LEAN_SQUEEZE = 25.0
 _SETTLING = 0.05
+_AT_FACES = (AT_FACE("first", "object", "near"), AT_FACE("second", "object", "far"))
+_ABLE = tuple(
+    feasible(hand, "object") for hand in ("first", "second") for feasible in (STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
+)
 _KEPT = (*FEASIBLE_TUMBLING, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
 
 
@@ -94,25 +98,8 @@ def _tipping(
         slots=(Slot("first", StaticEndEffector), Slot("second", StaticEndEffector), Slot("object", Tumblable)),
         anchor="object",
         targets=(Target("near", FACE), Target("far", FACE), Target("before", POSTURES), Target("outcome", POSTURES)),
-        entry=(
-            relation("near", "far", "before", "outcome"),
-            POSTURE("object", "before"),
-            AT_FACE("first", "object", "near"),
-            AT_FACE("second", "object", "far"),
-            *(
-                feasible(hand, "object")
-                for hand in ("first", "second")
-                for feasible in (STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
-            ),
-        ),
-        exit=(
-            POSTURE("object", "outcome"),
-            AT_FACE("first", "object", "near"),
-            AT_FACE("second", "object", "far"),
-            AT_REST("object"),
-            AT_REST("first"),
-            AT_REST("second"),
-        ),
+        entry=(relation("near", "far", "before", "outcome"), POSTURE("object", "before"), *_AT_FACES, *_ABLE),
+        exit=(POSTURE("object", "outcome"), *_AT_FACES, *map(AT_REST, ("object", "first", "second"))),
         writes={"first": MOTION, "second": MOTION, "object": BODY},
         # A box turns only about the axis of the hands and moves by little more than its own size, so its feasibility
         # facts do not change. Boxes do not roll, so the facts of rolling do not change either. Tumbling blocks do not

@@ -14,10 +14,7 @@ from hybrid_tamp.authoring import (
     Block,
     Commands,
     ContinuousSystem,
-    Duration,
     FloatArray,
-    Hyperparameter,
-    Hyperparameters,
     Literal,
     Parameters,
     Policy,
@@ -31,7 +28,7 @@ from hybrid_tamp.authoring import (
 from ..common.classes import Region
 from ..common.predicates import AT_REST
 from ..common.primitives import reach_over, straight_profile
-from ..common.reaching import estimate_duration
+from ..common.reaching import time_of_reach
 from ..common.roles import BODY, get_token, get_tokens
 from ..common.timetable import Timetable
 from ..common.vectors import HORIZONTAL, UP
@@ -140,18 +137,15 @@ def _carrying(
     arrived: tuple[Literal, ...],
     description: str,
 ) -> Block:
-    def initial_duration(binding: Binding, state: State) -> FloatArray:
-        place, _, _ = goal(binding, state)
-        return estimate_duration(norm(place - state[get_token(binding, "hand"), "position"]))
-
-    def expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-        return float(hyperparameters["duration"]) + _SETTLING
+    def distance(binding: Binding, state: State) -> FloatArray:
+        return norm(goal(binding, state)[0] - state[get_token(binding, "hand"), "position"])
 
     def outcome(binding: Binding, state: State) -> State:
         hand, tool = get_tokens(binding, "hand", "tool")
         place, direction, angle = goal(binding, state)
         return state.replace(pose_tool(state, hand, tool, place, tool_orientation(direction, angle)))
 
+    chosen, duration = time_of_reach(distance, 1.2, _SETTLING)
     return Block(
         name=f"CARRYING:{mode}",
         slots=(Slot("hand", DexterousHand), Slot("tool", tool_class)),
@@ -162,8 +156,8 @@ def _carrying(
         writes={"hand": BODY, "tool": BODY},
         # These facts concern the place where the tool stood first.
         keeps=(HANDLE_WITHIN_REACH, HOME),
-        hyperparameters=(Hyperparameter("duration", "s", 1.2, 8.0, initial_duration, "duration of the reach"),),
-        duration=Duration(0.3, 12.0, expected),
+        hyperparameters=(chosen,),
+        duration=duration,
         hold=True,
         policy=_policy(goal),
         system=_system,

@@ -128,14 +128,12 @@ def tool_orientation(direction: FloatArray, angle: FloatArray | float) -> FloatA
 
 def foot(tool: Token) -> float:
     """Return the distance [m] from the centre of mass to the end of the head, on which the tool stands."""
-    assert tool.shape is not None, "a tool has a shape"
-    return max(map(_ahead, solids_of(tool.shape)))
+    return max(map(_ahead, solids_of(tool.solid)))
 
 
 def butt(tool: Token) -> FloatArray:
     """Return the corner of the handle's end ``(3,)`` [m], in the body frame, that comes near a struck thing."""
-    assert tool.shape is not None, "a tool has a shape"
-    back = max(_ahead(part, -1.0) for part in solids_of(tool.shape))
+    back = max(_ahead(part, -1.0) for part in solids_of(tool.solid))
     return np.array([-back, 0.0, tool["handle_to"][2] - tool["handle_width"] / 2])
 
 

@@ -30,7 +30,7 @@ class Passages:
 
     def start(self, token: Token) -> SlotName:
         """Return the slot in which a token starts."""
-        block = self._task.domain.block_by_name[self._task.assignment.get(token.name, self._task.domain.resting)]
+        block = self._task.start_block(token.name)
         return (block.name, block.slots[0].name)
 
     def slots(self, token: Token) -> frozenset[SlotName]:

@@ -107,7 +107,7 @@ def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
         if not at(clock, plan.makespan):
             fault = "in no slot" if clock < plan.makespan else "in a slot beyond the plan's end"
             yield Violation(1, clock, token.name, fault)
-        wanted = task.assignment.get(token.name, task.domain.resting)
+        wanted = task.start_block(token.name).name
         if timeline and timeline[0][0].block != wanted:
             yield Violation(7, 0.0, token.name, f"starts in {timeline[0][0].block}, assigned to {wanted}")
 

@@ -115,6 +115,10 @@ class Task:
         """The tokens that must be in a slot at every instant: all but places."""
         return tuple(token for token in self.tokens if not token.place)
 
+    def start_block(self, name: str) -> Block:
+        """Return the block in which a token starts."""
+        return self.domain.block_by_name[self.assignment.get(name, self.domain.resting)]
+
     def replaced(self, **changes: object) -> "Task":
         """Return a copy with other values of some attributes."""
         return replace(self, **changes)  # type: ignore[arg-type]

@@ -146,6 +146,17 @@ class Token:
     def __repr__(self) -> str:
         return f"Token({self.name!r}: {', '.join(member.name for member in self.classes)})"
 
+    @property
+    def solid(self) -> Shape:
+        """The shape of a token that must have one.
+
+        Raises:
+            ValueError: the token has no shape.
+        """
+        if self.shape is None:
+            raise ValueError(f"{self.name} has no shape")
+        return self.shape
+
     def is_member(self, object_class: type[ObjectClass]) -> bool:
         """Say whether the token is a member of the class."""
         return any(issubclass(member, object_class) for member in self.classes)

@@ -61,16 +61,6 @@ class DMP:
         n_weights = self.weights.shape[-2]
         return TransformationSystem(n_weights, self.alpha, self.beta, self.alpha_phase, self.soft_start)
 
-    @property
-    def centres(self) -> FloatArray:
-        """Centres of the basis functions in s, from 1 downwards, shape ``(k,)``."""
-        return self.system.centres()
-
-    @property
-    def widths(self) -> FloatArray:
-        """Factors of ``(s - centre)^2`` in the basis functions' exponents, shape ``(k,)``."""
-        return self.system.widths()
-
     @classmethod
     def imitate(
         cls,

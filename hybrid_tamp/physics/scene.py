@@ -100,13 +100,12 @@ def _find_action_faults(token: Token, where: str) -> list[Issue]:
 
 
 def _make_body(token: Token) -> Body:
-    assert token.shape is not None, "make_bodies must reject tokens without a shape"
     driven = bool(token.basic_actions)
     mass = _number(token, "mass", MASS)
-    round_thing = not driven and isinstance(token.shape, Cylinder | Sphere)
+    round_thing = not driven and isinstance(token.solid, Cylinder | Sphere)
     return Body(
         token=token.name,
-        shape=token.shape,
+        shape=token.solid,
         mass=mass,
         inertia=_find_inertia(token, mass),
         friction=_number(token, "friction", FRICTION),
@@ -122,9 +121,8 @@ def _find_inertia(token: Token, mass: float) -> tuple[float, float, float]:
     if token.basic_actions:
         # The simulation has no arm, so the hand gets infinite inertia to keep its orientation.
         return (0.0, 0.0, 0.0)
-    assert token.shape is not None, "make_bodies must reject tokens without a shape"
     given: Any = token.properties.get("inertia")
-    return compute_inertia(token.shape, mass) if given is None else (float(given[0]), float(given[1]), float(given[2]))
+    return compute_inertia(token.solid, mass) if given is None else (float(given[0]), float(given[1]), float(given[2]))
 
 
 def _number(token: Token, name: str, default: float) -> float:

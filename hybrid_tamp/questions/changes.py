@@ -104,7 +104,7 @@ def _add_token(
     agents: Mapping[str, tuple[str, ...]],
 ) -> Task:
     tokens = (*task.tokens, token)
-    start = task.assignment.get(like.name, task.domain.resting) if like else task.domain.resting
+    start = task.start_block(like.name).name if like else task.domain.resting
     state = State.of(tokens, {**_given(task), **given})
     return task.replaced(tokens=tokens, state=state, agents=agents, assignment={**task.assignment, token.name: start})
 

@@ -103,7 +103,7 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
     task, chains = compilation.task, compilation.encoded.chains
     decoding = _Decoding(task)
     for token in task.assigned:
-        block = task.domain.block_by_name[task.assignment.get(token.name, task.domain.resting)]
+        block = task.start_block(token.name)
         decoding.start(block.name, {block.anchor: token.name}, {})
     claimed: dict[tuple[str, str], dict[str, str]] = {}
     for action in actions:

@@ -53,7 +53,7 @@ def test_shift_and_unit_of_time_do_not_matter() -> None:
     reference = DMP.imitate(TIME, POSITIONS)
     moved = DMP.imitate(7.0 * TIME - 3.0, POSITIONS + np.array([5.0, -2.0, 1.0]))
     # The weights of late basis functions, which act through a small s, are large.
-    scale = reference.centres[:, None]
+    scale = reference.system.centres()[:, None]
     np.testing.assert_allclose(moved.weights * scale, reference.weights * scale, atol=1e-8)
 
 

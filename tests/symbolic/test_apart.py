@@ -22,9 +22,9 @@ from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess
 from hybrid_tamp.symbolic.find_plan import WHOLE, find_plan
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
+from hybrid_tamp.symbolic.strategies.allocation import cheapest_matching
 from hybrid_tamp.symbolic.strategies.goals_apart import APART, plan_goals_apart
 from hybrid_tamp.symbolic.strategies.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
-from hybrid_tamp.symbolic.strategies.matching import cheapest_matching
 from hybrid_tamp.symbolic.strategies.search import Search, SearchResult
 
 

@@ -99,7 +99,7 @@ class _Search:
 
     def _beginning(self) -> Iterator[Hypothesis]:
         for token in self.task.assigned:
-            name = self.task.assignment.get(token.name, self.task.domain.resting)
+            name = self.task.start_block(token.name).name
             slots = ((self.hypotheses.block(name).slots[0].name, token.name),)
             yield next(iter(self.hypotheses.find(name, slots, (), 0)), None) or self.hypotheses.unexplained(
                 token.name, 0

@@ -217,6 +217,6 @@ def _bystanders(task: Task, acting: set[str]) -> Iterator[OrderedInstance]:
     """Yield instances for the tokens without a role: they stay where they start."""
     for token in task.assigned:
         if token.name not in acting:
-            block = task.domain.block_by_name[task.assignment.get(token.name, task.domain.resting)]
+            block = task.start_block(token.name)
             slots = {block.anchor: token.name}
             yield OrderedInstance(f"{block.action}-of-{token.name}", block.name, slots, {}, 0)

@@ -82,19 +82,16 @@ class Prober:
         """
         token = _token(task, name)
         wanted = _classes(task, token, classes)
-        shape = token.shape
-        assert shape is not None, "refused before"
-        ranked = sorted(wanted, key=lambda each: (-each.features(shape), each.name))
+        ranked = sorted(wanted, key=lambda each: (-each.features(token.solid), each.name))
         verdicts = []
         for number, object_class in enumerate(ranked):
             self.tell(number / len(ranked), f"probing {token.name} as {object_class.name}")
             verdicts.append(self._verdict(task, token, object_class, seed))
-        return MembershipResult(task.name, name, seed, resting_poses(shape), tuple(verdicts))
+        return MembershipResult(task.name, name, seed, resting_poses(token.solid), tuple(verdicts))
 
     def _verdict(self, task: Task, token: Token, object_class: type[ObjectClass], seed: int) -> Verdict:
         recipe = next((each for each in task.domain.trials if each.object_class is object_class), None)
-        assert token.shape is not None
-        likelihood = object_class.features(token.shape)
+        likelihood = object_class.features(token.solid)
         untried = Verdict(object_class.name, likelihood)
         if recipe is None:
             return replace(untried, obstacle=f"the domain {task.domain.name} does not say how it is tried")
@@ -192,8 +189,7 @@ def _nearest(task: Task, token: Token, recipe: TrialRecipe[Task]) -> tuple[Token
     found = []
     for labelled in task.tokens:
         if labelled.is_member(recipe.object_class) and labelled.shape is not None and labelled.name != token.name:
-            assert token.shape is not None
-            found.append((labelled, warp(labelled.shape, token.shape, recipe.align(task, token, labelled))))
+            found.append((labelled, warp(labelled.shape, token.solid, recipe.align(task, token, labelled))))
     return min(found, key=lambda each: each[1].residual, default=None)
 
 

@@ -13,7 +13,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.encoding.assignment import COUNT, locked_targets
 from hybrid_tamp.symbolic.encoding.encoder import EncodedDomain, encode_domain, encode_task
 from hybrid_tamp.symbolic.encoding.task_words import TaskWords, settle_goal
-from hybrid_tamp.symbolic.pddl.naming import Naming, legal
+from hybrid_tamp.symbolic.pddl.naming import legal
 from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem, ground
 
 
@@ -40,14 +40,13 @@ class Compilation:
     @cached_property
     def problem(self) -> PlanningProblem:
         """The planning problem. Its number of feasibility facts grows fast with the number of tokens."""
-        vocabulary, writer = self.encoded.vocabulary, _Writer(self.encoded, self.words, self.counts)
-        tokens = sorted(self.task.tokens, key=lambda token: token.name)
+        writer = _Writer(self.encoded, self.words, self.counts)
         return PlanningProblem(
             name=legal(self.task.name),
             domain=self.encoded.planning,
             objects=(
-                *((self.words.name(token.name), vocabulary.token_type(token)) for token in tokens),
-                *((f"n{i}", vocabulary.type_of(COUNT)) for i in range(1, self.counts + 1)),
+                *self.words.objects,
+                *((f"n{i}", self.encoded.vocabulary.type_of(COUNT)) for i in range(1, self.counts + 1)),
             ),
             init=tuple(sorted({*writer.changing(), *writer.lasting(self.feasible)})),
             goal=self.goal,
@@ -115,8 +114,7 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
     own = {name for name, _ in encoded.planning.predicates}
     counts = _counts(task)
     taken = encoded.vocabulary.names.all | own | {f"n{i}" for i in range(1, counts + 1)}
-    tokens = Naming({token.name: token.name for token in task.tokens}, taken)
-    words = TaskWords(task, encoded.vocabulary, tokens)
+    words = TaskWords.of(task, encoded.vocabulary, taken)
     goal = tuple(sorted(set(_Writer(encoded, words, counts).goal())))
     return Compilation(task, encoded, words, counts, goal, whole.feasible if whole else StaticFacts(task))
 
@@ -182,7 +180,7 @@ class _Writer:
         yield ("idle",)
         for token in self.task.assigned:
             name = self.words.name(token.name)
-            block = self.task.domain.block_by_name[self.task.assignment.get(token.name, self.task.domain.resting)]
+            block = self.task.start_block(token.name)
             yield (self.vocabulary.state("in", block), name)
             yield from ((word, name) for word in ("settled", "unclaimed", "completed"))
             yield ("readers", name, none)

@@ -1,6 +1,6 @@
 """The PDDL names of a task's tokens, and the facts that the classical and the temporal encoding share."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import permutations, product
 
@@ -26,6 +26,17 @@ class TaskWords:
     task: Task
     vocabulary: Vocabulary
     tokens: Naming[str]
+
+    @classmethod
+    def of(cls, task: Task, vocabulary: Vocabulary, taken: Collection[str]) -> "TaskWords":
+        """Return the words of a task; its tokens get names that are not taken."""
+        return cls(task, vocabulary, Naming({token.name: token.name for token in task.tokens}, taken))
+
+    @property
+    def objects(self) -> tuple[tuple[str, str], ...]:
+        """The names and types of the tokens, sorted by the user's names."""
+        tokens = sorted(self.task.tokens, key=lambda token: token.name)
+        return tuple((self.tokens.pddl(token.name), self.vocabulary.token_type(token)) for token in tokens)
 
     def name(self, user: str) -> str:
         """Return the PDDL name of a token or symbol."""

@@ -14,7 +14,6 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.symbolic.strategies.groups import Group, Helpers, Signature
-from hybrid_tamp.symbolic.strategies.matching import cheapest_matching
 
 _NEAR = 6
 """Smallest number of the closest helpers that are considered for a group; others are used if these do not suffice."""
@@ -120,6 +119,24 @@ class Allocation:
                 if view.signature(name) == kind:
                     costs[row, names.index(name)] = view.distance(name)
         return costs
+
+
+def cheapest_matching(costs: FloatArray) -> list[int] | None:
+    """Return a different column for each row such that the sum of the costs is least, or None if there is no matching.
+
+    Args:
+        costs: costs ``(rows, columns)``; infinity forbids a pair.
+    """
+    # The import takes half a second, and most tasks match nothing.
+    from scipy.optimize import linear_sum_assignment
+
+    if costs.shape[0] > costs.shape[1]:
+        return None
+    # A forbidden pair costs more than all allowed pairs together, so it is chosen only if nothing else is possible.
+    allowed = np.isfinite(costs)
+    finite = np.where(allowed, costs, 1.0 + costs[allowed].sum())
+    rows, columns = linear_sum_assignment(finite)
+    return [int(column) for column in columns] if allowed[rows, columns].all() else None
 
 
 def _mark_returns(waves: list[list[Share]]) -> list[list[Share]]:

@@ -158,5 +158,5 @@ class Helpers:
             for atom in (*static_facts(own, self._feasible), *self._holding)
             if helper.name in atom.arguments and others.isdisjoint(atom.arguments)
         ]
-        block = self._task.assignment.get(helper.name, self._task.domain.resting)
+        block = self._task.start_block(helper.name).name
         return Signature(tuple(c.name for c in helper.classes), block, tuple(sorted(known)))

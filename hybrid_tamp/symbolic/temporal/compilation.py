@@ -8,7 +8,7 @@ from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.predicate import Atom, name_of
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.encoding.task_words import TaskWords, settle_goal
-from hybrid_tamp.symbolic.pddl.naming import Naming, legal
+from hybrid_tamp.symbolic.pddl.naming import legal
 from hybrid_tamp.symbolic.pddl.operators import Fact
 from hybrid_tamp.symbolic.temporal.encoder import TemporalEncoding, encode_durative
 from hybrid_tamp.symbolic.temporal.grounding import Run, reachable
@@ -43,18 +43,15 @@ def compile_durative(task: Task) -> TemporalCompilation:
     encoding = encode_durative(task.domain)
     fluents = {fluent.name for fluent in encoding.planning.fluents}
     taken = encoding.vocabulary.names.all | encoding.names.all | fluents
-    tokens = Naming({token.name: token.name for token in task.tokens}, taken)
-    runs = reachable(task)
-    words = TaskWords(task, encoding.vocabulary, tokens)
-    writer = _Writer(encoding, words, runs)
-    ordered = sorted(task.tokens, key=lambda token: token.name)
+    words = TaskWords.of(task, encoding.vocabulary, taken)
+    writer = _Writer(encoding, words, reachable(task))
     problem = TemporalProblem(
         name=legal(task.name),
         domain=encoding.planning,
-        objects=tuple((tokens.pddl(token.name), encoding.vocabulary.token_type(token)) for token in ordered),
+        objects=words.objects,
         init=tuple(sorted(set(writer.init()), key=str)),
         goal=tuple(sorted(set(writer.goal()), key=str)),
-        comments=tokens.changed,
+        comments=words.tokens.changed,
     )
     return TemporalCompilation(task, encoding, words, problem)
 
@@ -116,7 +113,7 @@ class _Writer:
             yield (self.words("passes"), self.words.slot(blocks[old], before), self.words.slot(blocks[new], slot)), True
         for token in self.task.assigned:
             name = self.name(token.name)
-            block = self.task.domain.block_by_name[self.task.assignment.get(token.name, self.task.domain.resting)]
+            block = self.task.start_block(token.name)
             yield (self.words("place"), name), (self.words.slot(block, block.anchor),)
             yield (self.words("partner"), name), (nobody,)
             yield (self.words("completed"), name), True

@@ -57,7 +57,7 @@ class _Reaching:
         self.places: dict[tuple[str, SlotName], _Cause] = {}
         self.known: dict[tuple[str, tuple[tuple[str, str], ...], SlotName], tuple[float, float, Estimate]] = {}
         for token in task.assigned:
-            block = task.domain.block_by_name[task.assignment.get(token.name, task.domain.resting)]
+            block = task.start_block(token.name)
             self.places[token.name, (block.name, block.anchor)] = start
 
     def runs(self) -> tuple[Run, ...]:
