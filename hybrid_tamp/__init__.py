@@ -1,7 +1,7 @@
 """hybrid_tamp: task and motion planning with affordances as resources.
 
-Users import every public name from here: the verbs, their arguments and their results. Each name is loaded at its
-first use, so that ``import hybrid_tamp`` stays cheap. Authors of domains import from `hybrid_tamp.authoring`.
+Users import every public name from this package: the verbs, their arguments and their results. Each name is loaded at
+its first use, so that ``import hybrid_tamp`` stays fast. Authors of domains import from `hybrid_tamp.authoring`.
 """
 
 from importlib import import_module
@@ -91,7 +91,7 @@ _NAMES = {
     "verbs.replay": "replay",
     "verbs.run": "run",
 }
-"""Module to the public names that it defines."""
+"""Maps each module to its public names, separated by blanks."""
 _HOME_OF = {name: home for home, names in _NAMES.items() for name in names.split()}
 
 __version__ = "0.1.0"

@@ -1,6 +1,7 @@
-"""The names for authors of domains: classes, predicates, blocks, shapes, rotations, motor primitives, constants.
+"""The public names for authors of domains: classes, predicates, blocks, shapes, rotations, motor primitives, constants.
 
-This module only re-exports. Domains import nothing else of the framework but `hybrid_tamp` and `hybrid_tamp.testing`.
+This module only re-exports names. A domain imports this module, `hybrid_tamp` and `hybrid_tamp.testing`, and no other
+module of the framework.
 """
 
 from hybrid_tamp.geometry.features import across as across

@@ -1,16 +1,16 @@
-"""The exception tree; foreign errors are translated to it at one boundary each.
+"""The exceptions of the library. Errors of other libraries are translated to these where the libraries are called.
 
 ::
 
     HybridTampError                 exit status
-    ├── InputError                  30   the input is wrong; carries every fault found
-    │   └── DomainError             30   what a domain declares contradicts itself or computes nothing
-    ├── NoPlan                      10   proven unsolvable, or 11, none found
-    ├── LimitReached                20   a time or memory limit
-    ├── ExecutionFailed             40   the plan was run and the goal was not reached
-    └── LawBroken                    1   a plan or recording that we made breaks the law of assignment
+    ├── InputError                  30   the input is wrong; `issues` lists every fault
+    │   └── DomainError             30   a domain is contradictory or yields values that are not finite
+    ├── NoPlan                  10, 11   the task is proven unsolvable (10), or no plan was found (11)
+    ├── LimitReached                20   a time or memory limit was reached
+    ├── ExecutionFailed             40   the plan was executed but the goal was not reached
+    └── LawBroken                    1   a plan or recording of the library breaks the law of assignment
 
-Any other exception that escapes is a bug of hybrid_tamp, exit status 1.
+Any other exception is a bug of hybrid_tamp and gives exit status 1.
 """
 
 from collections.abc import Iterable, Sequence
@@ -20,14 +20,14 @@ from difflib import get_close_matches
 
 @dataclass(frozen=True)
 class Issue:
-    """One fault of an input, as data from which the message is built.
+    """One fault of an input, split into the parts of its message.
 
     Attributes:
-        where: place of the fault: ``file:line:column`` or ``block.slot``.
-        wanted: what was expected there.
-        came: what was found instead; empty if nothing was found.
-        available: the values that would have been accepted, if they are few.
-        remedy: what the user can do; empty if ``wanted`` says enough.
+        where: place of the fault, e.g. ``file:line:column`` or ``block.slot``.
+        wanted: the requirement that is not met.
+        came: the value that was given; empty if there is none.
+        available: the accepted values, if there are only a few.
+        remedy: advice on how to repair the fault; empty if ``wanted`` makes the repair clear.
     """
 
     where: str
@@ -52,20 +52,20 @@ class Issue:
 
 
 def did_you_mean(word: str, available: Sequence[str]) -> str | None:
-    """Return the available word closest to a mistyped one, or None if none is close."""
+    """Return the available word that is closest to a mistyped word, or None if no word is close."""
     folded = {name.casefold(): name for name in available}
     close = get_close_matches(word.casefold(), folded, n=1, cutoff=0.7)
     return folded[close[0]] if close else None
 
 
 class HybridTampError(Exception):
-    """Root of every error that the library raises on purpose."""
+    """Base class of the errors that the library raises on purpose."""
 
     exit_status = 1
 
 
 class InputError(HybridTampError):
-    """The input is wrong; `issues` has every fault that was found."""
+    """Error for a wrong input; `issues` lists every fault."""
 
     exit_status = 30
 
@@ -75,16 +75,16 @@ class InputError(HybridTampError):
 
 
 class DomainError(InputError):
-    """A domain's declarations contradict each other, or what they compute is not finite."""
+    """Error for a domain whose declarations contradict each other or yield values that are not finite."""
 
 
 class NoPlan(HybridTampError):
-    """There is no plan, or none was found.
+    """Error for a task without a plan.
 
     Attributes:
-        proven: True if no plan can exist, False if the planner merely found none.
+        proven: True if it is proven that no plan exists, False if the planner found no plan.
         kind: ``unsolvable``, ``not_found``, ``planner_crashed``, ``plan_refused`` or ``class_unknown``.
-        probes: task and token of each probe that finds out whether there can be a plan.
+        probes: pairs of (task, token). A probe of the token shows whether the task can have a plan.
     """
 
     def __init__(self, message: str, *, proven: bool, kind: str, probes: Sequence[tuple[str, str]] = ()) -> None:
@@ -95,12 +95,12 @@ class NoPlan(HybridTampError):
 
     @property
     def exit_status(self) -> int:  # type: ignore[override]
-        """10 if proven, else 11."""
+        """Exit status: 10 if the task is proven unsolvable, else 11."""
         return 10 if self.proven else 11
 
 
 class LimitReached(HybridTampError):
-    """A time or memory limit ended the work; `limit` names it (``time`` or ``memory``)."""
+    """Error for a time or memory limit that was reached; `limit` is ``time`` or ``memory``."""
 
     exit_status = 20
 
@@ -110,10 +110,10 @@ class LimitReached(HybridTampError):
 
 
 class ExecutionFailed(HybridTampError):
-    """The plan was run and the goal was not reached."""
+    """Error for a plan that was executed without reaching the goal."""
 
     exit_status = 40
 
 
 class LawBroken(HybridTampError):
-    """A plan or a recording breaks the law of assignment; the message lists the violations."""
+    """Error for a plan or recording that breaks the law of assignment; the message lists the violations."""

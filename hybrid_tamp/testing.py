@@ -1,4 +1,4 @@
-"""For authors of domains: check that the declared exit conditions of blocks agree with their forward models."""
+"""Checks for authors of domains: the forward model of a block must fulfil the block's declared exit conditions."""
 
 import math
 from collections import Counter
@@ -21,7 +21,7 @@ _STEPS_A_BLOCK = 4  # Length of a walk, in steps per block of the domain.
 
 @dataclass(frozen=True)
 class Disagreement:
-    """An exit condition of a block that does not hold after the block's forward model has run."""
+    """A declared exit condition that does not hold at the end of a rollout of its block."""
 
     block: str
     binding: tuple[tuple[str, str], ...]
@@ -32,25 +32,25 @@ class Disagreement:
         if not self.binding:
             return f"{self.block}: {self.literal}"
         bound = ", ".join(f"{role}={name}" for role, name in self.binding)
-        return f"{self.block}({bound}): {self.literal} ends with margin {self.margin:.4g}"
+        return f"{self.block}({bound}): the rollout ends with {self.literal} at margin {self.margin:.4g}"
 
 
 def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 / 240) -> list[Disagreement]:
-    """Roll every block out from reachable states and compare the final states with the declared exit conditions.
+    """Roll out every block from reachable states and check the declared exit conditions in the final states.
 
-    Each walk begins in the task's initial state with hands displaced at random. Each step of a walk rolls out a block
-    whose entry conditions hold and prefers a block that was never rolled out. The next step begins where the block
-    ended, so a box is tipped before it is lowered.
+    Each random walk starts in the initial state of the task with the hands displaced at random. Each step of a walk
+    rolls out one block whose entry conditions hold. Blocks without a rollout so far are preferred. The next step
+    starts in the final state of the block, so a walk can tip a box and then lower it.
 
     Args:
         task: a task of the domain, with tokens for every block to check.
-        samples: least number of roll-outs of each block, if it can begin that often.
+        samples: minimum number of rollouts of each block. A block has fewer if its entry conditions hold less often.
         seed: seed of the displacements and choices.
-        dt: time step of the roll-out [s].
+        dt: time step of the rollouts [s].
 
     Returns:
-        Every declared exit condition that did not hold at the end of its block's longest duration, and every block
-        that no walk could enter although the task has tokens for its slots.
+        Every declared exit condition that does not hold after the longest duration of its block. Also every block that
+        no walk could enter although the task has tokens for its slots.
     """
     rng = np.random.default_rng(seed)
     blocks = [block for block in task.domain.blocks if all(map(task.values_of, block.roles.values()))]
@@ -67,12 +67,15 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
             longest = min(block.duration.maximum, _LONGEST_HOLD) if block.hold else block.duration.maximum
             state = roll_out(block, binding, state, longest, dt)[-1]
             found.extend(_disagreements(block, binding, state))
-    never = "its entry conditions held in no state that the other blocks bring about"
+    never = "its entry conditions held in none of the states that were reached"
     return found + [Disagreement(name, (), never, math.nan) for name, times in done.items() if not times]
 
 
 def _displaced(task: Task, rng: np.random.Generator) -> State:
-    """Return the initial state with slightly displaced hands; other tokens stay, so that the task's facts hold."""
+    """Return the initial state with slightly displaced hands.
+
+    Other tokens keep their positions, so that the facts of the task still hold.
+    """
     moves = {
         (token.name, "position"): task.state[token, "position"] + rng.uniform(-0.05, 0.05, 3)
         for token in task.tokens
@@ -84,10 +87,13 @@ def _displaced(task: Task, rng: np.random.Generator) -> State:
 def _next(
     task: Task, blocks: list[Block], state: State, done: Counter[str], rng: np.random.Generator, samples: int
 ) -> tuple[Block, Binding] | None:
-    """Return a block that can begin in the state, if possible one that never began; None if all began often enough."""
+    """Return a block with a binding that fulfils the entry conditions in the state.
+
+    Blocks without a rollout so far are preferred. None if there is no such block or every block has enough rollouts.
+    """
     if min(done.values()) >= samples:
         return None
-    # Blocks that have been rolled out are equal: some states are reached only through blocks that occur often.
+    # Among blocks that were rolled out before, counts do not matter: some states follow only after frequent blocks.
     for block in sorted(blocks, key=lambda block: (done[block.name] > 0, rng.random())):
         possible = list(enumerate_bindings(task.choices(block), block.entry, partial(_holds, task, state)))
         if possible:

@@ -1,6 +1,6 @@
-"""The command line: arguments, printing, exit statuses. Heavy modules are imported only when a verb needs them.
+"""The command line: parse arguments, call a verb, print its result and return an exit status.
 
-Each verb has a module, and `app` registers them all.
+Each verb has a module, and `app` registers all verbs. Heavy modules are imported inside the verbs' functions.
 """
 
 import sys
@@ -16,7 +16,7 @@ from hybrid_tamp.errors import HybridTampError, InputError, Issue
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status."""
     words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
-    # UsageError of the click that typer comes with.
+    # The class UsageError of click, which typer does not export.
     usage_error = cast(type[Exception], typer.BadParameter.__mro__[1])
     try:
         status = app(args=words, prog_name="hybrid-tamp", standalone_mode=False)
@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:
         return output_failed(error)
     except SystemExit as end:
-        # typer raises it when the reader of standard output has gone, e.g. `| head`.
+        # typer raises SystemExit when the reader of standard output closes the pipe, e.g. `| head`.
         if not isinstance(end.__context__, BrokenPipeError):
             raise
         return output_failed(end.__context__)

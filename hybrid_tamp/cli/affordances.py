@@ -16,12 +16,12 @@ def affordances(
     agent: Annotated[str | None, typer.Option("--agent", metavar="NAME", help="only this agent of the task")] = None,
     what_if: Annotated[
         list[str] | None,
-        typer.Option("--what-if", metavar="+CLASS|-TOKEN", help="show what one more or one less token would change"),
+        typer.Option("--what-if", metavar="+CLASS|-TOKEN", help="show the effect of adding or removing a token"),
     ] = None,
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Show which object affords which block to whom, and what one more or one less token would change."""
+    """Show which objects afford which blocks to which agents, and how an added or removed token changes this."""
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.question_tables import affordances_table
     from hybrid_tamp.verbs.affordances import affordances as find_affordances

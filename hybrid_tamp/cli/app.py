@@ -1,4 +1,4 @@
-"""The command with its verbs, and the options that stand before a verb."""
+"""The command ``hybrid-tamp`` with its verbs and global options."""
 
 import logging
 import sys

@@ -5,7 +5,7 @@ from hybrid_tamp.cli.console import say
 
 
 def check(task: options.Task, as_json: options.Json = False, domain: options.Domain = None) -> None:
-    """Check a task file; report every fault with its place and what is expected there."""
+    """Check a task file and report every fault with its place and the rule that it breaks."""
     from hybrid_tamp.verbs.check import check as check_task
     from hybrid_tamp.verbs.loading import Settings
 
@@ -18,4 +18,5 @@ def check(task: options.Task, as_json: options.Json = False, domain: options.Dom
         "goal": [atom.text for atom in checked.goal],
         "status": "ok",
     }
-    say(summary, as_json, lambda: f"{checked.source}: ok, {len(checked.tokens)} tokens of {checked.domain.name}")
+    text = f"{checked.source}: ok, {len(checked.tokens)} tokens in the domain {checked.domain.name}"
+    say(summary, as_json, lambda: text)

@@ -1,4 +1,4 @@
-"""What the command line prints: text for people, one JSON document for programs."""
+"""Print results and errors as text for people or as one JSON document for programs."""
 
 import json
 import os
@@ -23,11 +23,11 @@ _FLAGS = {
     "token": "--token",
     "view": "--view",
 }
-"""Argument of a verb's function to the flag or argument of the command line."""
+"""Maps each argument of a verb's function to the flag or argument of the command line."""
 
 
 def say(document: dict[str, Any], as_json: bool, *texts: "Callable[[], RenderableType]") -> None:
-    """Print the document for programs, or the texts and tables for people."""
+    """Print the document as JSON if `as_json` is true, else print the texts and tables."""
     if as_json:
         typer.echo(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
         return
@@ -36,7 +36,7 @@ def say(document: dict[str, Any], as_json: bool, *texts: "Callable[[], Renderabl
 
 
 def show(renderable: "RenderableType", *, stderr: bool = False) -> None:
-    """Print a string as it is, if it is not empty, or a table or text of rich within the width of the terminal."""
+    """Print a string unchanged, or fit a rich table or text to the terminal. Print nothing for an empty string."""
     if isinstance(renderable, str):
         if renderable:
             typer.echo(renderable, err=stderr)
@@ -45,30 +45,30 @@ def show(renderable: "RenderableType", *, stderr: bool = False) -> None:
 
     class Plain(Console):
         def on_broken_pipe(self) -> None:
-            # Rich would end the process with status 1, but a reader may stop reading, e.g. `| head`.
+            # Rich would exit with status 1. A reader that closes the pipe (e.g. `| head`) is no error.
             raise
 
     Plain(stderr=stderr, highlight=False, markup=False).print(renderable)
 
 
 def output_failed(error: OSError) -> int:
-    """Return the exit status for a failure to write to standard output.
+    """Return the exit status after standard output could not be written.
 
     Raises:
-        OSError: the error is about a file.
+        OSError: the error concerns a file instead of standard output.
     """
     if error.filename is not None:
         raise error
-    # Otherwise the interpreter tries to write again when it exits.
+    # Redirect standard output, because the interpreter writes to standard output again when it exits.
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if isinstance(error, BrokenPipeError):
-        return 0  # the reader has gone, e.g. `| head`
-    typer.echo(f"standard output cannot be written: {error.strerror}", err=True)
+        return 0  # the reader closed the pipe, e.g. `| head`
+    typer.echo(f"cannot write to standard output: {error.strerror}", err=True)
     return 1
 
 
 def report_error(error: HybridTampError, as_json: bool) -> None:
-    """Print an error on standard error, and for programs also as one JSON document on standard output."""
+    """Print an error on standard error; if `as_json` is true, also print a JSON document on standard output."""
     error = _with_flags(error)
     typer.echo(str(error), err=True)
     issues: tuple[Issue, ...] = error.issues if isinstance(error, InputError) else ()
@@ -83,7 +83,7 @@ def report_error(error: HybridTampError, as_json: bool) -> None:
 
 
 def _with_flags(error: HybridTampError) -> HybridTampError:
-    """Return the error with flags of the command line in place of the arguments that its issues name."""
+    """Return the error with command-line flags in place of the names of function arguments."""
     if isinstance(error, LimitReached):
         return LimitReached(str(error).replace("time_limit", "--time-limit"), limit=error.limit)
     if isinstance(error, NoPlan) and error.probes:

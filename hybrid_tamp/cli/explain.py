@@ -15,12 +15,15 @@ def explain(
     as_json: options.Json = False,
     domain: options.Domain = None,
     planner: options.Planner = None,
-    seconds: Annotated[float, typer.Option("--seconds", min=0, help="time to search for single changes [s]")] = 20.0,
-    most: Annotated[int, typer.Option("--most", min=1, help="number of single changes after which to stop")] = 5,
+    seconds: Annotated[float, typer.Option("--seconds", min=0, help="time limit for finding changes [s]")] = 20.0,
+    most: Annotated[int, typer.Option("--most", min=1, help="maximum number of changes to find")] = 5,
     time_limit: options.Time = None,
     memory_limit: options.Memory = None,
 ) -> None:
-    """Explain why a task has no plan and which single change would give it one, or why each token is in its plan."""
+    """Explain why a task has no plan and which single changes would make it solvable.
+
+    If the task has a plan, explain why each token is in the plan.
+    """
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.question_tables import explanation_table
     from hybrid_tamp.verbs.explain import explain as explain_task

@@ -24,12 +24,12 @@ def imitate(
     as_json: options.Json = False,
     domain: options.Domain = None,
     actor: Annotated[
-        str | None, typer.Option("--actor", metavar="TASK", help="task whose tokens a FILE shows; default: TASK")
+        str | None, typer.Option("--actor", metavar="TASK", help="the demonstrator's task, for a FILE; default: TASK")
     ] = None,
     backend: options.Backend = "pybullet",
     force: options.Force = False,
 ) -> None:
-    """Imitate another agent's run, and show which blocks it consisted of."""
+    """Segment another agent's run into blocks, show the blocks and imitate the run."""
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.verbs.imitate import imitate as imitate_agent
@@ -59,16 +59,16 @@ def _show_segmentation(name: str, as_json: bool, segmentation: "Segmentation") -
     from hybrid_tamp.report.tables import timetable
 
     if not as_json:
-        show(timetable(f"What {name} shows", segmentation.plan))
+        show(timetable(f"Blocks in {name}", segmentation.plan))
         for movement in segmentation.unexplained:
-            typer.echo(f"not explained: {movement.text}", err=True)
+            typer.echo(movement.text, err=True)
 
 
 def _show(result: "ImitationResult", output: Path | None) -> None:
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.tables import result_table
 
-    typer.echo(f"roles: {', '.join(f'{name} as {token}' for token, name in result.roles.items())}")
+    typer.echo(f"roles: {', '.join(f'{name} in place of {token}' for token, name in result.roles.items())}")
     if result.primitives:
         typer.echo(f"learnt: {', '.join(result.primitives)}")
     show(result_table(document(result.run)))

@@ -11,7 +11,7 @@ from hybrid_tamp.cli.console import say
 
 def learn(
     block: Annotated[
-        str, typer.Argument(metavar="BLOCK", help="a block, or an action all of whose modes move in the same way")
+        str, typer.Argument(metavar="BLOCK", help="a block, or an action whose modes all move in the same way")
     ],
     demonstrations: Annotated[
         list[Path], typer.Argument(metavar="DEMO...", help="CSV files of time and position or pose, or folders of runs")
@@ -39,6 +39,6 @@ def learn(
         "rms": primitive.rms,
         "unit": primitive.unit,
     }
-    error = f"{primitive.rms:.2g} {primitive.unit} rms from the demonstrations ({', '.join(primitive.sources)})"
+    error = f"rms error {primitive.rms:.2g} {primitive.unit} over the demonstrations {', '.join(primitive.sources)}"
     text = f"{output}: primitive of {block} with {weights} weights per dimension, {error}"
     say(document, as_json, lambda: text)

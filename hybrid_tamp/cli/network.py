@@ -13,7 +13,7 @@ def network(
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Show the reassignment network: the slots that a token may go to from each slot."""
+    """Show the reassignment network: for each slot, the slots that a token may enter next."""
     from hybrid_tamp.report.domain_documents import network_document
     from hybrid_tamp.report.tables import network_table
     from hybrid_tamp.verbs.network import find_network

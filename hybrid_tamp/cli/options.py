@@ -28,7 +28,7 @@ Evaluations = Annotated[
 ]
 Refine = Annotated[
     Literal["none", "physics"] | None,
-    typer.Option("--refine", help="physics: continue from the analytic optimum in the physics backend"),
+    typer.Option("--refine", help="physics: continue in the physics backend from the optimum of the forward models"),
 ]
 Backend = Annotated[str, typer.Option("--backend", metavar="NAME", help="physics backend")]
 Force = Annotated[bool, typer.Option("--force", help="replace the files of another run")]

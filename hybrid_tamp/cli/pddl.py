@@ -17,11 +17,11 @@ def pddl(
     force: options.Force = False,
     encoding: Annotated[
         Literal["classical", "temporal"],
-        typer.Option("--encoding", help="one action per slot without time, or one durative action per block"),
+        typer.Option("--encoding", help="classical: one action per slot; temporal: one durative action per block"),
     ] = "classical",
     solve: Annotated[bool, typer.Option("--solve", help="also plan the task and write plan.pddl")] = False,
 ) -> None:
-    """Write a task as PDDL that any planner can read."""
+    """Write a task as PDDL files for other planners."""
     from hybrid_tamp.verbs.loading import Settings, load
     from hybrid_tamp.verbs.pddl import pddl as write_pddl
 

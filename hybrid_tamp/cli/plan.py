@@ -29,9 +29,9 @@ def plan(
     evaluations: options.Evaluations = None,
     refine: options.Refine = None,
 ) -> None:
-    """Plan a task; show the checked plan, or why there is none."""
+    """Plan a task and show the checked plan, or explain why there is no plan."""
     if not optimise and (optimiser, evaluations, refine) != (None, None, None):
-        wanted = "--optimiser, --evaluations and --refine say how to optimise: they go with --optimise"
+        wanted = "--optimiser, --evaluations and --refine must be used together with --optimise"
         raise InputError([Issue("", wanted)])
     from hybrid_tamp.verbs.planner import start_planner
 

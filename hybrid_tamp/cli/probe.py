@@ -11,24 +11,24 @@ from hybrid_tamp.cli.console import say
 
 def probe(
     task: options.Task,
-    token: Annotated[str, typer.Option("--token", metavar="NAME", help="the token to find the classes of")],
+    token: Annotated[str, typer.Option("--token", metavar="NAME", help="the token whose classes are to be found")],
     classes: Annotated[
         list[str] | None, typer.Option("--class", metavar="CLASS", help="class to try; default: all unknown classes")
     ] = None,
     as_json: options.Json = False,
     write: Annotated[
-        Path | None, typer.Option("--write", metavar="NEW.yaml", help="write a task in which the token is a member")
+        Path | None, typer.Option("--write", metavar="NEW.yaml", help="write a task with the confirmed classes")
     ] = None,
-    starts: Annotated[int, typer.Option("--seeds", min=1, max=1000, help="number of trials of each class")] = 4,
+    starts: Annotated[int, typer.Option("--seeds", min=1, max=1000, help="initial number of trials per class")] = 4,
     most_starts: Annotated[
-        int, typer.Option("--most-seeds", min=1, max=1000, help="largest number of trials while the verdict is unsure")
+        int, typer.Option("--most-seeds", min=1, max=1000, help="maximum number of trials per class")
     ] = 16,
     domain: options.Domain = None,
     force: options.Force = False,
     seed: options.Seed = None,
-    time_limit: Annotated[float | None, typer.Option("--time-limit", min=0.001, help="time for the probe [s]")] = None,
+    time_limit: Annotated[float | None, typer.Option("--time-limit", min=0.001, help="time limit [s]")] = None,
 ) -> None:
-    """Find the classes of a token: rank them by its shape, predict, and try them in physics."""
+    """Find the classes of a token by predictions from its shape and by trials in physics."""
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.report.question_tables import membership_lines, membership_table, resting_text

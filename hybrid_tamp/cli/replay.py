@@ -14,7 +14,7 @@ def replay(
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Run the recorded commands again and report whether the states are the same, bit for bit."""
+    """Run the recorded commands again and report whether the states are bit-identical."""
     from hybrid_tamp.verbs.loading import domain_finder
     from hybrid_tamp.verbs.replay import replay as replay_run
 
@@ -31,8 +31,8 @@ def replay(
     if result.identical:
         text = f"{result.steps} steps replayed, bit-identical"
     elif difference is not None:
-        where = f"first at {difference.time:.4f} s, {difference.property} of {difference.token}"
-        text = f"not identical; {where} differs by {difference.size:.3g}"
+        where = f"{difference.property} of {difference.token} first differs at {difference.time:.4f} s"
+        text = f"not identical; {where}, by {difference.size:.3g}"
     else:
         text = f"not identical; {result.refusal}"
     say(document, as_json, lambda: f"{directory}: {text}")

@@ -29,7 +29,7 @@ def run(
     evaluations: options.Evaluations = None,
     refine: options.Refine = None,
 ) -> None:
-    """Plan a task, optimise its hyperparameters, execute the plan in physics, record and judge it."""
+    """Plan a task, optimise its hyperparameters, execute the plan in physics and evaluate the recorded run."""
     from hybrid_tamp.verbs.planner import start_planner
 
     with start_planner() as process:
@@ -50,10 +50,10 @@ def run(
 
 
 def _judge(result: "RunResult", as_json: bool) -> None:
-    """Print what failed, or that the goal was reached.
+    """Print every failure, or a message that the goal was reached.
 
     Raises:
-        Exit: the goal was not reached or the recording breaks the law of assignment.
+        Exit: the goal was not reached, or the recording breaks the law of assignment.
     """
     failure = result.recording.failure
     if failure is not None:
@@ -61,7 +61,7 @@ def _judge(result: "RunResult", as_json: bool) -> None:
     for breach in result.law:
         typer.echo(f"the recording breaks {breach.text}", err=True)
     if not result.success or result.law:
-        typer.echo("The plan was run and the goal was not reached.", err=True)
+        typer.echo("The plan was executed but the goal was not reached.", err=True)
         raise typer.Exit(40)
     if not as_json:
         typer.echo(f"The goal was reached after {result.recording.duration:.2f} s of simulated time.")

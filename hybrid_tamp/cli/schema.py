@@ -15,7 +15,7 @@ def schema(
         bool, typer.Option("--reference", help="print the reference page of task files in Markdown instead")
     ] = False,
 ) -> None:
-    """Print the JSON Schema of task files, or of a document that the verbs print and write."""
+    """Print the JSON Schema of task files or of a document that a verb prints or writes."""
     from hybrid_tamp.verbs.schema import find_schema, write_reference
 
     if reference and document == "task":

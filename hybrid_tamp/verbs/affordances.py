@@ -1,4 +1,4 @@
-"""The verb ``affordances``: which object affords which block to whom, and what one more or less token would change."""
+"""The verb ``affordances``: find which objects afford which blocks, and the effect of adding or removing a token."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,17 +19,17 @@ def affordances(
     agent: str | None = None,
     questions: Sequence[str] = (),
 ) -> AffordanceResult:
-    """Find which object affords which block in a perspective, and what each question changes.
+    """Find which objects afford which blocks, and the effect of each proposed change.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         settings: settings that replace those of the task file.
-        view: the perspective.
-        agent: name of an agent; leaves out what is not afforded to it or to a group with it. All agents by default.
-        questions: changes to examine: ``+CLASS`` adds a token of a class, ``-TOKEN`` removes a token.
+        view: the perspective: ``environment``, ``agent``, ``observer`` or ``team``.
+        agent: name of an agent. If given, only affordances for this agent or for a group with this agent are returned.
+        questions: proposed changes: ``+CLASS`` adds a token of a class, ``-TOKEN`` removes a token.
 
     Raises:
-        InputError: the task file is wrong, there is no such agent, or a question has neither form.
+        InputError: the task file is wrong, the agent is unknown, or a question has neither form.
     """
     task = load(source, settings)
     _check_agents(task, view, agent)
@@ -44,13 +44,13 @@ def affordances(
 
 
 def _check_agents(task: Task, view: View, agent: str | None) -> None:
-    """Check that the task has the agent, and the agents that a view needs.
+    """Check that the given agent exists and that the view has enough agents.
 
     Raises:
-        InputError: an agent is missing.
+        InputError: the agent is unknown, or the task has no agents although the view needs an agent.
     """
     if agent is not None and agent not in task.agents:
-        raise InputError([Issue("agent", f"unknown agent in the task {task.name}", repr(agent), tuple(task.agents))])
+        raise InputError([Issue("agent", f"must be an agent of the task {task.name}", repr(agent), tuple(task.agents))])
     if view != "environment" and not task.agents:
-        wanted = f"the {view} view needs an agent, but the task {task.name} has none"
+        wanted = f"the {view} view needs an agent, but the task {task.name} has no agents"
         raise InputError([Issue("view", wanted, remedy="list each agent's capability tokens under 'agents:'")])

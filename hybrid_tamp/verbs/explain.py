@@ -1,4 +1,4 @@
-"""The verb ``explain``: why each token is in the plan of a task, or why there is no plan and what would give one."""
+"""The verb ``explain``: explain why each token is in the plan, or why there is no plan and which changes would help."""
 
 from pathlib import Path
 
@@ -11,9 +11,9 @@ from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.verbs.loading import Settings, load
 
 SECONDS = 20.0
-"""Default time to search for single changes [s]."""
+"""Default time limit of the search for single changes [s]."""
 MOST = 5
-"""Default number of single changes after which the search stops."""
+"""Default maximum number of single changes that the search finds."""
 
 
 def explain(
@@ -23,18 +23,18 @@ def explain(
     seconds: float = SECONDS,
     most: int = MOST,
 ) -> TaskExplanation:
-    """Explain why each token is in the plan of a task, or why the task has no plan.
+    """Explain why each token is in the plan of a task, or explain why the task has no plan.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         settings: settings that replace those of the task file.
-        seconds: time to search for single changes that would give a plan [s].
-        most: number of changes after which the search stops.
+        seconds: time limit of the search for single changes that make the task solvable [s].
+        most: maximum number of single changes to find.
 
     Raises:
         InputError: the task file is wrong, or the planner is unknown or not installed.
     """
-    # The planner's process starts while the task file is read.
+    # Start the planner process first, so that it starts up while the task file is read.
     with PlannerProcess() as process:
         task = load(source, settings, plans=True)
         outcome = plan_task(task, process)

@@ -1,6 +1,7 @@
 """The verb ``imitate`` (paper, Sec. II-E): an agent imitates another agent with the same capability classes.
 
-The demonstration is segmented into a plan, which is transferred to the imitator together with primitives, and then run.
+The demonstration is segmented into a plan. The plan and the learnt motor primitives are transferred to the imitator,
+which then executes the plan.
 """
 
 import logging
@@ -35,7 +36,7 @@ from hybrid_tamp.verbs.run import run
 
 _WAY = "imitation"
 _ALLOWANCE_OF_POSES = 1.0
-"""Allowance for a file, which has no velocities and noisy poses."""
+"""Tolerance for demonstrations in files, because their poses are noisy and have no velocities."""
 _logger = logging.getLogger(__name__)
 
 
@@ -54,19 +55,19 @@ def imitate(
     """Imitate a demonstration by another agent.
 
     Args:
-        shown: the demonstration: the folder of a run, of which only the states and the task are read; a file of
-            poses of tokens; or what `read_shown` returned for either.
+        shown: the demonstration. Either the folder of a run, a file of token poses, or a result of `read_shown`. Only
+            the states and the task of a run are read.
         source: the imitator's task, the path of its file, or the name of a bundled task.
         folder: folder for the files of the run.
         settings: settings that replace those of the task file.
-        actor: the demonstrator's task, if a file of poses is shown; by default the imitator's task.
+        actor: the demonstrator's task, if the demonstration is a file of poses; by default the imitator's task.
         backend: name of the physics backend.
         force: whether to replace the files of another run.
         progress: called with the finished share and the current activity.
         on_segmentation: called with the segmentation before the run.
 
     Raises:
-        NoPlan: the imitator cannot do what the demonstration shows; the message says why.
+        NoPlan: the imitator cannot execute the demonstrated plan; the message gives the reason.
         InputError: a task or the demonstration is wrong, the folder is in use, or the backend is unknown.
         NotFinite: every rollout of the plan failed.
     """
@@ -98,8 +99,8 @@ def read_shown(
     """Read a demonstration.
 
     Args:
-        path: the folder of a run, or a file of poses of tokens.
-        task: the task whose tokens a file names, unless `actor` is given.
+        path: the folder of a run, or a file of token poses.
+        task: the imitator's task. If `path` is a file, the task is also the demonstrator's, unless `actor` is given.
         settings: settings that replace those of the task file.
         actor: the demonstrator's task, if `path` is a file.
 
@@ -114,14 +115,14 @@ def read_shown(
         demonstrator = load_task(path / "task.yaml", domain_finder(settings.domain))
         layout = StateLayout.of(demonstrator.tokens)
         if recording.layout != layout:
-            raise InputError([Issue(str(path), "a recording of the tokens in task.yaml", "one of other tokens")])
+            raise InputError([Issue(str(path), "the recording must have the tokens of task.yaml", "other tokens")])
         times, states = recording.times, State(layout, recording.states)
     observation = Observation.of(times, states, allowance, noise)
     return Shown(path.name, demonstrator.replaced(state=observation.at(0.0)), observation)
 
 
 def _learn_primitives(shown: Shown, plan: TaskPlan, task: Task) -> dict[str, PrimitiveFile]:
-    """Return the primitives of all demonstrated blocks that can be taught."""
+    """Return a primitive for each demonstrated block whose movements can be learnt."""
     found = {}
     for name in sorted({instance.block for instance in plan.instances}):
         block = shown.task.domain.block_by_name[name]
@@ -133,15 +134,18 @@ def _learn_primitives(shown: Shown, plan: TaskPlan, task: Task) -> dict[str, Pri
             movements = demonstrated_movements(shown.source, seen.times, seen.trajectory, instances, block.movement)
             found[name] = fit_primitive(name, list(movements), block.movement)
         except InputError as error:
-            _logger.warning("%s keeps the motor primitive of the domain: %s", name, error)
+            _logger.warning("no motor primitive was learnt for %s, which keeps that of the domain: %s", name, error)
     return found
 
 
 def _outcome(task: Task, moved: Transfer, seconds: float) -> PlanOutcome:
-    """Return the transferred plan as the outcome of planning; replanning may have excluded it from the task."""
+    """Return the transferred plan as the outcome of planning.
+
+    Replanning may have excluded bindings of the plan from the task.
+    """
     outcome = PlanOutcome(task, PlannerFigures(_WAY, seconds, _WAY), PlannedNetwork.of(task, task))
     breaches = check_law(task, moved.plan)
     if breaches:
-        detail = f"the demonstration is not a plan of the task: {breaches[0].text}"
+        detail = f"the demonstrated plan does not solve the task: {breaches[0].text}"
         return replace(outcome, failure=PlanningFailure(KIND, detail))
     return replace(outcome, plan=moved.plan, chosen=moved.task)

@@ -1,4 +1,4 @@
-"""The verb ``learn``: fit a motor primitive to demonstrations: files of poses over time, or folders of runs."""
+"""The verb ``learn``: fit a motor primitive to demonstrations, which are files of poses or folders of runs."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -28,22 +28,23 @@ def learn(
     """Fit a block's motor primitive to demonstrations.
 
     Args:
-        block: name of a block, e.g. ``"REACHING:behind"``, or of an action all of whose modes move in the same way.
-        demonstrations: CSV files of time and position or pose, or folders of runs. In a run, every instance of the
-            block is a demonstration, from its start until its exit conditions hold.
+        block: name of a block, e.g. ``"REACHING:behind"``, or of an action whose modes all move in the same way.
+        demonstrations: CSV files of time and position or pose, or folders of runs. Every instance of the block in a
+            run is a demonstration, from its start until its exit conditions hold.
         domain: the domain or its name; by default the installed domain that has the block.
-        token: the token to follow in a run with several.
+        token: the token to follow in the runs, if several tokens take part in the block.
         weights: number of basis functions.
 
     Returns:
-        The primitive with its sources and its distance from them, for `save_primitive`.
+        The primitive with the names of its demonstrations and its error, for `save_primitive`.
 
     Raises:
         InputError: a demonstration, the block, the domain or the number of weights is wrong.
     """
     paths = [Path(path) for path in demonstrations]
     if not paths or weights < 1:
-        raise InputError([Issue("learn", "at least one demonstration and one weight", f"{len(paths)} and {weights}")])
+        given = f"{len(paths)} demonstrations and {weights} weights"
+        raise InputError([Issue("learn", "needs at least one demonstration and one weight", given)])
     blocks, movement = _find_blocks(block, domain)
     shown = []
     for path in paths:
@@ -56,39 +57,40 @@ def learn(
 def fit_primitive(
     block: str, shown: Sequence[ShownMovement], movement: Movement, weights: int = WEIGHTS
 ) -> PrimitiveFile:
-    """Fit a primitive to movements.
+    """Fit a primitive to demonstrated movements.
 
     Args:
         block: name of the block or action.
         shown: the demonstrated movements.
-        movement: what the primitive of the block moves.
+        movement: the kind of movement that the primitive generates.
         weights: number of basis functions.
 
     Raises:
-        InputError: the block cannot learn from the movements.
+        InputError: no primitive can be fitted to the movements.
     """
     try:
         primitive, rms = learnt(shown, movement.moves, movement.dimensions, weights)
     except ValueError as error:
-        raise InputError([Issue(block, f"cannot be learnt: {error}")]) from error
+        raise InputError([Issue(block, f"cannot fit a motor primitive: {error}")]) from error
     unit = "rad" if movement.dimensions == 1 and movement.moves == "orientation" else "m"
     return PrimitiveFile.of(primitive, block, [one.source for one in shown], rms, unit)
 
 
 def save_primitive(primitive: PrimitiveFile, path: Path, *, force: bool = False) -> None:
-    """Write a primitive as JSON. The file appears under its name only when it is complete.
+    """Write a primitive as JSON, under a temporary name until the file is complete.
 
     Raises:
-        InputError: the file exists and `force` is false, or it cannot be written.
+        InputError: the file exists and `force` is false, or the file cannot be written.
     """
     if path.is_dir() or (path.exists() and not force):
         came = "a folder" if path.is_dir() else "an existing file"
-        raise InputError([Issue(str(path), "a new file for the primitive", came, remedy="force=True replaces a file")])
+        wanted = "the file for the primitive must not exist yet"
+        raise InputError([Issue(str(path), wanted, came, remedy="force=True replaces a file")])
     RunFolder(path.parent).write_text(path.name, primitive.text)
 
 
 def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], Movement]:
-    """Return the block of a name, or the blocks of an action, and what their primitive moves."""
+    """Return the block with a name, or the blocks of an action, and the kind of movement of their primitive."""
     if domain is None:
         domains = [find_domain(installed) for installed in available_domains()]
     else:
@@ -98,17 +100,19 @@ def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], M
     found = [block for block in able if name in (block.name, block.action)]
     if not found:
         known = sorted({word for block in able for word in (block.name, block.action)})
-        said = "has no motor primitive" if any(name in (b.name, b.action) for b in blocks) else "is not a block"
-        raise InputError([Issue("block", f"{name} {said}", repr(name), tuple(known))])
+        exists = any(name in (block.name, block.action) for block in blocks)
+        wanted = "the block must have a motor primitive" if exists else "must be the name of a block or action"
+        raise InputError([Issue("block", wanted, repr(name), tuple(known))])
     movements = {block.movement for block in found if block.movement}
     if len(movements) > 1:
         modes = tuple(block.name for block in found)
-        raise InputError([Issue("block", f"the modes of {name} move differently: name one", available=modes)])
+        wanted = f"the modes of {name} move in different ways, so one mode must be named"
+        raise InputError([Issue("block", wanted, available=modes)])
     return found, movements.pop()
 
 
 def _read_run(path: Path, blocks: Sequence[Block], movement: Movement, token: str | None) -> list[ShownMovement]:
-    """Return the movements of all instances of the blocks in a recording."""
+    """Return the movements of all instances of the blocks in a recorded run."""
     from hybrid_tamp.execution.storage import load_recording
 
     recording = load_recording(path / "recording.npz")
@@ -117,19 +121,19 @@ def _read_run(path: Path, blocks: Sequence[Block], movement: Movement, token: st
     there = sorted({one.slots[movement.slot] for one in instances})
     chosen = [one for one in instances if token in (None, one.slots[movement.slot])]
     if not chosen:
-        wanted = f"a run with an instance of {' or '.join(names)}" + (f" with {token}" if token and there else "")
+        wanted = f"the run must contain {' or '.join(names)}" + (f" with {token}" if token and there else "")
         raise InputError([Issue(str(path), wanted, available=tuple(there))])
     return list(demonstrated_movements(path.name, recording.times, recording.trajectory, chosen, movement))
 
 
 def _check_movements(path: Path, shown: Iterable[ShownMovement], block: Block, movement: Movement) -> None:
-    """Check that each movement shows what the primitive of a block moves.
+    """Check that each movement is of the kind that the primitive of a block generates.
 
     Raises:
-        InputError: a movement does not.
+        InputError: a movement is of another kind.
     """
     for one in shown:
         try:
             one.way(movement.moves, movement.dimensions)
         except ValueError as error:
-            raise InputError([Issue(str(path), f"{one.source} does not show {block.name}: {error}")]) from error
+            raise InputError([Issue(str(path), f"{one.source} cannot teach {block.name}: {error}")]) from error

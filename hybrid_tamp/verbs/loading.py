@@ -16,7 +16,7 @@ Record = TypeVar("Record", Task, Limits, MidLevel)
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings that replace those of the task file; None keeps the setting of the file.
+    """Settings that replace the settings of a task file. None keeps the setting of the file.
 
     Attributes:
         domain: the domain: a name, ``package.module:ATTRIBUTE`` or a Python file.
@@ -27,7 +27,7 @@ class Settings:
         memory_limit: memory limit of the planner [MiB].
         optimiser: optimiser of hyperparameters, ``cma`` or ``grid``.
         evaluations: largest number of rollouts of the optimiser.
-        refine: ``none``, or ``physics`` to continue from the analytic optimum in the physics backend.
+        refine: ``none``, or ``physics`` to continue in the physics backend from the optimum of the forward models.
     """
 
     domain: str | None = None
@@ -44,15 +44,15 @@ class Settings:
 def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: bool = False) -> Task:
     """Load a task.
 
-    A task file cannot import code; only the settings can.
+    A task file cannot name a domain by a module or Python file. Only the settings can, because this imports code.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         settings: settings that replace those of the task file.
-        plans: whether the verb plans; if so, the planner of the file is checked, unless the settings replace it.
+        plans: whether the verb plans. If true, the planner of the file is checked unless the settings replace it.
 
     Raises:
-        InputError: the file has faults; each issue has its place.
+        InputError: the file has faults; each issue names the place of a fault.
     """
     check = check_engine if plans and not settings.planner else None
     task = load_task(source, domain_finder(settings.domain), check)
@@ -65,13 +65,16 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
 
 
 def _replaced(record: Record, **values: Any) -> Record:
-    """Return a record with the values that are not None, or the record itself if they change nothing."""
+    """Return a record with new values of fields, or the same record if no value changes. None keeps a value."""
     changed = {name: value for name, value in values.items() if value not in (None, getattr(record, name))}
     return replace(record, **changed) if changed else record
 
 
 def domain_finder(name: str | None) -> Callable[[str], Domain]:
-    """Return a function that finds the domain of a task file: the given domain, or the installed one of that name."""
+    """Return a function that finds the domain of a task file by its name in the file.
+
+    The function always returns the domain `name`, unless `name` is None. Then it finds an installed domain.
+    """
     if name is None:
         return installed_domain
     chosen = find_domain(name)

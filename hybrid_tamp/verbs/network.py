@@ -1,4 +1,4 @@
-"""The verb ``network``: find the domain whose reassignment network is shown."""
+"""The verb ``network``: find the domain of a reassignment network."""
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.taskfile.domains import available_domains, find_domain
@@ -6,14 +6,14 @@ from hybrid_tamp.verbs.loading import Settings, load
 
 
 def find_network(name: str, domain: str | None = None) -> Domain:
-    """Return a domain, or the domain of a task.
+    """Return the domain that is named directly or used by a task.
 
     Args:
         name: an installed domain, ``package.module:ATTRIBUTE``, a Python file, or a task.
-        domain: replaces the domain of a task.
+        domain: domain that replaces the domain of the task.
 
     Raises:
-        InputError: there is no such domain or task, or it has faults.
+        InputError: no domain or task has this name, or the domain or task has faults.
     """
     if name in available_domains() or name.endswith(".py") or ":" in name:
         return find_domain(name)

@@ -1,4 +1,4 @@
-"""The verb ``pddl``: write a task as PDDL files that any planner can read."""
+"""The verb ``pddl``: write a task as PDDL files for other planners."""
 
 from pathlib import Path
 from typing import Literal
@@ -18,7 +18,7 @@ from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
 from hybrid_tamp.verbs.loading import Settings, load
 
 Encoding = Literal["classical", "temporal"]
-"""One action per slot without time, or one durative action per block."""
+"""How blocks become planning actions: classical has one action per slot, temporal one durative action per block."""
 
 
 def pddl(
@@ -44,8 +44,8 @@ def pddl(
         The written files.
 
     Raises:
-        InputError: the task file is wrong, the folder cannot be used, or the goal leaves a choice and there is no plan.
-        NoPlan: there is no plan, or none was found.
+        InputError: the task file is wrong, the folder cannot be used, or the goal has wildcards and there is no plan.
+        NoPlan: there is no plan, or no plan was found.
         LimitReached: the planner reached a limit.
     """
     task = load(source, settings)
@@ -58,7 +58,7 @@ def pddl(
 
 
 def export(task: Task, folder: RunFolder, plan: TaskPlan | None = None, encoding: Encoding = "classical") -> list[Path]:
-    """Write the PDDL of a task, and of a plan if there is one.
+    """Write the PDDL of a task, and of a plan if a plan is given.
 
     Args:
         task: the task.
@@ -67,7 +67,7 @@ def export(task: Task, folder: RunFolder, plan: TaskPlan | None = None, encoding
         encoding: how blocks become planning actions.
 
     Raises:
-        InputError: the goal leaves a choice, and there is no plan that makes it.
+        InputError: the goal has wildcards, and no plan is given from which they could be bound.
     """
     if plan is not None and len(task.alternatives()) > 1:
         task = next(each for each in task.alternatives() if not check_law(each, plan))

@@ -1,4 +1,4 @@
-"""The verb ``plan``: find a checked plan of a task, or the reason why there is none."""
+"""The verb ``plan``: find and check a plan of a task, or explain why there is no plan."""
 
 from contextlib import ExitStack
 from dataclasses import replace
@@ -20,7 +20,7 @@ from hybrid_tamp.verbs.loading import Settings, load
 from hybrid_tamp.verbs.pddl import export
 
 SECONDS = 4.0
-"""Default time to search for a single change that would give a plan [s]."""
+"""Default time limit of the search for a single change that makes the task solvable [s]."""
 
 
 def plan(
@@ -34,16 +34,16 @@ def plan(
     planner: Planner | None = None,
     progress: Progress | None = None,
 ) -> PlanOutcome:
-    """Plan a task and check the plan; if there is none, the outcome explains why.
+    """Plan a task and check the plan. If there is no plan, the outcome explains why.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         settings: settings that replace those of the task file.
-        folder: folder for plan.json, PDDL and the task file, if they are wanted.
+        folder: folder for plan.json, the PDDL files and the task file; by default no files are written.
         force: whether to replace the files of another run.
-        optimise: whether to optimise the hyperparameters, and to replan if none satisfy the plan.
-        seconds: time to search for a single change that would give a plan, if there is none [s].
-        planner: a running planner process; by default this call starts one.
+        optimise: whether to optimise the hyperparameters, and to replan if no hyperparameters satisfy the plan.
+        seconds: time limit of the search for a single change that makes the task solvable, if there is no plan [s].
+        planner: a running planner process; by default a new process is started.
         progress: called with the finished share and the current activity.
 
     Raises:
@@ -51,7 +51,7 @@ def plan(
         NotFinite: every rollout of a plan failed.
     """
     with ExitStack() as stack:
-        # The planner's process starts while the task file is read.
+        # Start the planner process first, so that it starts up while the task file is read.
         process = planner or stack.enter_context(PlannerProcess())
         task = load(source, settings, plans=True)
         target = None if folder is None else RunFolder.open(folder, force=force)
@@ -67,11 +67,11 @@ def plan(
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Replace the files of a folder by the task file, the files that it names, the plan, its curve and its PDDL.
+    """Replace the files of a folder by the plan, its PDDL, its convergence curve, the task file and files named in it.
 
-    Without a plan, a goal that leaves a choice, or whose tokens have unknown classes, has no PDDL.
+    If there is no plan, PDDL is left out for goals with wildcards or with tokens of unknown classes.
     """
-    # Read the task file first, because it may be in this folder.
+    # Read the task file before the folder is cleared, because the task file may be in this folder.
     text, named = portable(outcome.task)
     folder.clear()
     for name, content in {"task.yaml": text, **named}.items():

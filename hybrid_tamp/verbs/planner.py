@@ -1,8 +1,8 @@
-"""The planner's process. The command line starts it before it imports a verb, to save time."""
+"""The planner process. To save time, the command line starts the process before it imports a verb."""
 
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 
 
 def start_planner() -> PlannerProcess:
-    """Return a planner's process for `plan` and `run`; it starts when its context is entered."""
+    """Return a planner process for `plan` and `run`. The process starts when its context is entered."""
     return PlannerProcess()

@@ -1,4 +1,4 @@
-"""The verb ``probe``: find the classes of a token, and write a task file in which it is a member of them."""
+"""The verb ``probe``: find the classes of a token and write a task file with the confirmed classes."""
 
 import time
 from collections.abc import Sequence
@@ -35,20 +35,21 @@ def probe(
     """Find the classes of a token by predictions from its shape and by trials in physics.
 
     Args:
-        source: a task, the path of a task file, or the name of a bundled task; its other tokens
-            serve as hands and as labelled members.
+        source: a task, the path of a task file, or the name of a bundled task. The other tokens of the task
+            serve as hands and as known members of classes.
         token: name of the token.
-        classes: names of the classes to try; by default all classes whose membership is unknown.
-        settings: settings that replace those of the task file; the seed draws the starts.
-        starts: number of trials of each class at first, each from another start.
-        most_starts: largest number of trials, if fewer leave the verdict unsure.
+        classes: names of the classes to test; by default all classes whose membership is unknown.
+        settings: settings that replace those of the task file. The seed determines the start states.
+        starts: initial number of trials of each class, each from another start state.
+        most_starts: maximum number of trials of each class, used if fewer trials give no clear verdict.
         seconds: wall-clock time limit [s]; unlimited by default.
         backend: name of the physics backend.
         tell: called with the finished share and the current activity.
 
     Raises:
-        InputError: the task file is wrong, there is no such token, class or backend, or no class is unknown.
-        LimitReached: the time is up.
+        InputError: the task file is wrong, the token, a class or the backend does not exist, or the token has no
+            unknown classes.
+        LimitReached: the time limit was reached.
     """
     from hybrid_tamp.physics.protocol import open_backend
 
@@ -74,10 +75,10 @@ def save_members(
     *,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write a task file in which the token is a member of the confirmed classes.
+    """Write a task file that lists the confirmed classes among the classes of the token.
 
     Args:
-        source: the probed task, or its file.
+        source: the probed task, or its file or name.
         result: the result of the probe.
         target: the new file.
         settings: the settings of the probe.
@@ -88,17 +89,17 @@ def save_members(
 
     Raises:
         ExecutionFailed: no class was confirmed.
-        InputError: the file exists or cannot be written, or the token is not in a valid pose for a member.
+        InputError: the file exists or cannot be written, or a confirmed class refuses the pose of the token.
     """
     joined = [verdict for verdict in result.verdicts if verdict.verdict == "yes"]
     if not joined:
         said = ", ".join(f"{verdict.object_class}: {verdict.verdict}" for verdict in result.verdicts)
-        raise ExecutionFailed(f"nothing is written, because no class of {result.token} was confirmed; {said}")
+        raise ExecutionFailed(f"no file was written, because no class of {result.token} was confirmed; {said}")
     if target.is_dir() or (target.exists() and not force):
         remedy = "force=True replaces a file"
-        raise InputError([Issue(str(target), "a new task file", "an existing file", remedy=remedy)])
+        raise InputError([Issue(str(target), "the new task file must not exist yet", remedy=remedy)])
     task = load(source, settings)
-    assert task.source is not None, "a task that came from a file"
+    assert task.source is not None, "the task must come from a file"
     names = tuple(verdict.object_class for verdict in joined)
     settled = [verdict.object_class for verdict in result.verdicts if verdict.verdict in ("yes", "no")]
     properties: dict[str, Any] = {}

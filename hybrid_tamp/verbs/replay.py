@@ -1,4 +1,4 @@
-"""The verb ``replay``: check whether the recorded commands give the same states again, bit for bit."""
+"""The verb ``replay``: check whether the recorded commands reproduce the recorded states bit for bit."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -13,14 +13,14 @@ from hybrid_tamp.taskfile.loader import load_task
 
 
 def replay(directory: Path | str, find_domain: Callable[[str], Domain] = installed_domain) -> ReplayResult:
-    """Run the commands of a recording again and compare the states, bit for bit.
+    """Run the commands of a recording again and compare the states bit for bit.
 
     Args:
         directory: the folder of a run.
-        find_domain: finds the domain that the task file names.
+        find_domain: function that finds the domain by the name in the task file.
 
     Raises:
-        InputError: the folder has no complete run; the message says what is wrong.
+        InputError: the folder has no complete run; the message names the fault.
     """
     folder = Path(directory)
     recording = load_recording(folder / "recording.npz")

@@ -1,4 +1,4 @@
-"""The verb ``report``: write the page of a run again."""
+"""The verb ``report``: write the report page of a run anew."""
 
 import logging
 from pathlib import Path
@@ -13,11 +13,11 @@ _LOG = logging.getLogger(__name__)
 
 
 def write_report(directory: Path | str, settings: Settings = Settings()) -> Path:  # noqa: B008
-    """Write report.html again from the documents in a folder, and return its path.
+    """Write report.html from the documents in a folder and return its path.
 
     Args:
         directory: the folder that `plan` or `run` wrote.
-        settings: name the domain of the task, if it is not installed.
+        settings: settings that name the domain of the task, if the domain is not installed.
 
     Raises:
         InputError: a document is missing or wrong, or the folder cannot be written to.
@@ -26,7 +26,7 @@ def write_report(directory: Path | str, settings: Settings = Settings()) -> Path
     try:
         resting = load(folder / "task.yaml", settings).domain.resting
     except InputError as error:
-        # The documents say everything except which block tokens rest in.
+        # The documents have everything except the name of the resting block.
         _LOG.info("the page assumes that tokens rest in %s: %s", Domain.resting, error)
         resting = Domain.resting
     return write_page(RunFolder(folder), resting)

@@ -1,4 +1,4 @@
-"""The verb ``run``: plan and optimise a task, execute the plan in physics, record and judge it."""
+"""The verb ``run``: plan and optimise a task, execute the plan in physics and evaluate the recorded run."""
 
 import time
 from contextlib import ExitStack
@@ -45,21 +45,21 @@ def run(
     find_plan: FindPlan | None = None,
     progress: Progress | None = None,
 ) -> RunResult:
-    """Plan a task, optimise its hyperparameters, execute the plan, record it and judge the recording.
+    """Plan a task, optimise its hyperparameters, execute the plan and evaluate the recorded run.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         folder: folder for the files of the run.
         settings: settings that replace those of the task file.
         backend: name of the physics backend.
-        video: file for a video; without it, only one picture per step is drawn.
+        video: file for a video; by default only one picture per step is drawn.
         force: whether to replace the files of another run.
-        planner: a running planner process; by default this call starts one.
-        find_plan: finds a plan; by default the planner does.
+        planner: a running planner process; by default a new process is started.
+        find_plan: function that returns a plan; by default the planner is called.
         progress: called with the finished share and the current activity.
 
     Raises:
-        NoPlan: there is no plan, or the forward models can execute none of the plans found.
+        NoPlan: there is no plan, or no plan that was found succeeds in the forward models.
         LimitReached: the planner reached a limit.
         InputError: the task file, the folder, the planner or the backend cannot be used.
         NotFinite: every rollout of a plan failed.
@@ -67,7 +67,7 @@ def run(
     began = time.monotonic()
     tell = progress or (lambda share, what: None)
     with ExitStack() as stack:
-        # The planner's process starts while the task file is read.
+        # Start the planner process first, so that it starts up while the task file is read.
         process = planner or stack.enter_context(PlannerProcess())
         task = load(source, settings, plans=find_plan is None)
         target = RunFolder.open(folder, force=force)
@@ -77,7 +77,7 @@ def run(
         if outcome.plan is None:
             outcome = replace(outcome, explanation=explain_failure(outcome, SECONDS))
         save_plan(outcome, target)
-        write_page(target, task.domain.resting)  # of the plan, or of why there is none
+        write_page(target, task.domain.resting)  # shows the plan, or the reasons why there is no plan
         plan = outcome.required()
         with EventLog(target.path / "events.jsonl") as events:
             recording = execute(task, plan, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
@@ -93,14 +93,14 @@ def run(
 
 
 def judge(outcome: PlanOutcome, recording: Recording, seconds: float) -> RunResult:
-    """Judge a recording by the predictions, the law of assignment and the domain's measures.
+    """Evaluate a recording by the predicted margins, the law of assignment and the domain's measures.
 
     Args:
-        outcome: the outcome of planning, with the refined plan that was run.
+        outcome: the outcome of planning, with the refined plan that was executed.
         recording: the recording of the run.
         seconds: wall-clock time from planning to the end of the run [s].
     """
-    assert outcome.refinement is not None, "a plan is refined before it runs"
+    assert outcome.refinement is not None, "a plan must be refined before it is executed"
     task = outcome.task
     recording = add_predictions(recording, outcome.refinement.expected)
     own = task.domain.metrics(task, recording) if task.domain.metrics else {}

@@ -1,4 +1,4 @@
-"""The verb ``schema``: the JSON Schemas of task files and documents, and the reference page of task files."""
+"""The verb ``schema``: return the JSON Schemas of task files and documents, and the reference page of task files."""
 
 from typing import Any
 

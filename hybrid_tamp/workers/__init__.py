@@ -1,1 +1,1 @@
-"""Parallel work on the processors of this machine."""
+"""Parallel work on the processors of the local machine."""

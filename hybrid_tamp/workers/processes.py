@@ -9,19 +9,19 @@ _Result = TypeVar("_Result")
 
 
 def map_in_processes(function: Callable[[_Item], _Result], items: Sequence[_Item], processes: int) -> list[_Result]:
-    """Return the results of a function for some items, in their order.
+    """Apply a function to items in parallel and return the results in the order of the items.
 
-    A single item or a single process is handled in this process.
+    The current process does the work if there is only one item or one process.
 
     Args:
-        function: the function; it is pickled, and so are the items and the results.
-        items: its arguments.
-        processes: largest number of processes at once.
+        function: function of one item. The function, the items and the results must be picklable.
+        items: the items.
+        processes: maximum number of processes.
     """
     count = min(processes, len(items))
     if count <= 1:
         return [function(item) for item in items]
-    # joblib is slow to import and used only here.
+    # Imported here because joblib is slow to import.
     from joblib import Parallel, delayed
 
     found: list[_Result] = Parallel(n_jobs=count, backend="loky")(delayed(function)(item) for item in items)
@@ -29,5 +29,5 @@ def map_in_processes(function: Callable[[_Item], _Result], items: Sequence[_Item
 
 
 def count_processors() -> int:
-    """Return the number of processors that this process may use."""
+    """Return the number of processors available to this process."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

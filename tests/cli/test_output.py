@@ -25,7 +25,7 @@ def test_a_reader_that_leaves_is_no_fault(verb: str) -> None:
 def test_a_full_disk_is_said_in_a_sentence(verb: str) -> None:
     done = shell(f"{SHELL} {verb} > /dev/full")
     assert done.returncode == 1
-    assert done.stderr == "standard output cannot be written: No space left on device\n"
+    assert done.stderr == "cannot write to standard output: No space left on device\n"
 
 
 def test_without_an_output_the_status_still_tells() -> None:

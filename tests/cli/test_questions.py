@@ -63,7 +63,7 @@ def test_what_if_there_were_one_more_hand(command: Command) -> None:
     [
         (
             ("--view", "agent", "--agent", "C"),
-            "--agent: unknown agent in the task tumble_two_robots; got 'C'; available: A, B",
+            "--agent: must be an agent of the task tumble_two_robots; got 'C'; available: A, B",
         ),
         (("--view", "bird"), "'bird' is not one of 'environment', 'agent', 'observer', 'team'"),
         (("--what-if", "+STATIC END-EFECTOR"), "did you mean 'STATIC END-EFFECTOR'?"),

@@ -127,7 +127,7 @@ def test_a_changed_recording_is_told_apart(command: Command, ran: tuple[Path, ob
     np.savez(folder / "recording.npz", **arrays)
     done = command("replay", folder)
     assert done.returncode == 40
-    assert "not identical; first at" in done.stdout
+    assert "first differs at" in done.stdout
 
 
 @pytest.mark.parametrize("damage", ["truncated", "empty", "text", "missing", "no task"])

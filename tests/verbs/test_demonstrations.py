@@ -122,9 +122,9 @@ def test_what_cannot_be_learnt_exits_30(
 @pytest.mark.parametrize(
     ("block", "words"),
     [
-        ("ROLLING", "ROLLING has no motor primitive"),
+        ("ROLLING", "the block must have a motor primitive"),
         ("REECHING", "did you mean 'REACHING'"),
-        ("REACHING", "name one; available: .*REACHING:behind, REACHING:beside, REACHING:away"),
+        ("REACHING", "one mode must be named; available: .*REACHING:behind, REACHING:beside, REACHING:away"),
     ],
 )
 def test_blocks_that_cannot_be_taught(tmp_path: Path, block: str, words: str) -> None:

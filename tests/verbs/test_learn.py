@@ -124,7 +124,7 @@ def test_poses_teach_the_course_of_a_tilt(tmp_path: Path, block: str) -> None:
     assert learnt.rms < 2e-3
     np.testing.assert_allclose(Profile(learnt.primitive).share(PHASE), course, atol=3e-3)
     low_reach(tmp_path / "low.csv")
-    with pytest.raises(InputError, match=r"low.csv does not show TIPPING.*orientations are needed"):
+    with pytest.raises(InputError, match=r"low.csv cannot teach TIPPING.*orientations are needed"):
         hybrid_tamp.learn(block, [tmp_path / "low.csv"])
 
 
