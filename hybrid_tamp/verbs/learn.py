@@ -121,7 +121,9 @@ def _read_run(path: Path, blocks: Sequence[Block], movement: Movement, token: st
     there = sorted({one.slots[movement.slot] for one in instances})
     chosen = [one for one in instances if token in (None, one.slots[movement.slot])]
     if not chosen:
-        wanted = f"the run must contain {' or '.join(names)}" + (f" with {token}" if token and there else "")
+        wanted = f"the run must contain an instance of {' or '.join(names)}" + (
+            f" with {token}" if token and there else ""
+        )
         raise InputError([Issue(str(path), wanted, available=tuple(there))])
     return list(demonstrated_movements(path.name, recording.times, recording.trajectory, chosen, movement))
 
