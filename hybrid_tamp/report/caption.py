@@ -1,4 +1,4 @@
-"""Captions under pictures: the step, the time, and which tokens are in which blocks (as under the paper's Fig. 3)."""
+"""Captions under pictures. A caption shows the step, the time and the tokens in each block, as the paper's Fig. 3."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 
 Picture = NDArray[np.uint8]
-"""Array ``(height, width, 3)`` of red, green and blue."""
+"""Array of shape ``(height, width, 3)`` with red, green and blue."""
 
 _BACKGROUND = (255, 255, 255)
 _RULE = (205, 210, 216)
@@ -26,7 +26,7 @@ _VERDICT_TIME = 0.5
 
 
 def allocation(instance: BlockInstance) -> str:
-    """Return which token is in which slot, e.g. ``ROLLING-1: hand=hand object=drum -> goal``."""
+    """Return the slots of an instance with their tokens, e.g. ``ROLLING-1: hand=hand object=drum -> goal``."""
     slots = " ".join(f"{slot}={token}" for slot, token in instance.slots.items())
     targets = ", ".join(instance.targets.values())
     return f"{instance.name}: {slots}" + (f" -> {targets}" if targets else "")
@@ -39,18 +39,18 @@ class _Line:
 
 
 class Captions:
-    """Adds captions to the pictures of one recording; all pictures get the same height.
+    """Writer of captions for the pictures of one recording. All pictures get the same height.
 
     Args:
         task: the task of the run.
         recording: the recording of the run.
-        width: width of the pictures [pixels].
+        width: width of the pictures in pixels.
     """
 
     def __init__(self, task: Task, recording: Recording, width: int) -> None:
         self._recording = recording
         self._resting = task.domain.resting
-        # Width and height are even, because the colours of the video have half the resolution.
+        # Video codecs halve the resolution of colours, so the width and height must be even.
         self._width = width + width % 2
         self._headline = ImageFont.load_default(_HEADLINE)
         self._body = ImageFont.load_default(_BODY)
@@ -59,7 +59,15 @@ class Captions:
         self._height = 2 * _MARGIN + _LINE + _LINE * max(map(len, self._lines))
 
     def under(self, picture: Picture, time: float) -> Picture:
-        """Return the picture ``(h, w, 3)`` with the caption of an instant [s] below it: ``(h + caption, w, 3)``."""
+        """Return a picture with the caption of an instant added below.
+
+        Args:
+            picture: the picture, shape ``(h, w, 3)``.
+            time: the instant [s].
+
+        Returns:
+            A picture of shape ``(h + caption height, w, 3)``.
+        """
         height = picture.shape[0] + self._height
         canvas = Image.new("RGB", (self._width, height + height % 2), _BACKGROUND)
         canvas.paste(Image.fromarray(picture), (0, 0))
@@ -79,7 +87,7 @@ class Captions:
         return np.asarray(canvas)
 
     def index_at(self, time: float) -> int:
-        """Return the index, from 0, of the step at an instant [s]; at a reassignment, that of the later step."""
+        """Return the index (from 0) of the step at an instant [s]. At a reassignment, return the later step."""
         started = sum(step.start <= time + TIME_TOLERANCE for step in self.steps)
         return max(0, started - 1)
 
@@ -91,7 +99,7 @@ class Captions:
         return _Line("goal reached", _GOOD) if self._recording.success else _Line("goal missed", _BAD)
 
     def _wrapped(self, step: Step) -> list[_Line]:
-        """Return the lines of a step: a paragraph for each busy instance, and a pale one for all resting tokens."""
+        """Return the lines of a step: a paragraph per busy instance and a pale paragraph for all resting tokens."""
         busy = sorted((i for i in step.instances if i.block != self._resting), key=lambda i: (i.start, i.name))
         lines = [_Line(text, _INK) for instance in busy for text in self._fitted(allocation(instance))]
         resting = sorted(t for i in step.instances if i.block == self._resting for t in i.slots.values())
@@ -100,7 +108,7 @@ class Captions:
         return lines
 
     def _fitted(self, text: str) -> list[str]:
-        """Break a text into lines that fit, between words if possible."""
+        """Break a text into lines that fit the picture, between words if possible."""
         room = self._width - 2 * _MARGIN
         lines = [""]
         for word in text.split(" "):

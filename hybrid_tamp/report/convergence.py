@@ -1,4 +1,4 @@
-"""A picture of the convergence curve: the best value over the number of rollouts."""
+"""The convergence curve of the optimiser: a picture of the best value over the number of rollouts."""
 
 from io import BytesIO
 from typing import TYPE_CHECKING
@@ -12,18 +12,19 @@ _BLUE, _RED, _GREY = "#1f5fa8", "#be2823", "#5c6570"
 
 
 def convergence_picture(entry: Json) -> bytes | None:
-    """Return the curve as a PNG, or None if nothing was optimised.
+    """Return the convergence curve as a PNG, or None if nothing was optimised.
 
-    As long as conditions are missed, the curve shows the violation (red, right axis), then the value (blue).
+    The curve shows the violation (red, right axis) until all conditions hold. From then on, the curve shows the value
+    (blue, left axis).
     """
     if not entry["optimiser"] or not entry["history"]:
         return None
-    # Not pyplot, because it keeps all figures and opens a window system.
+    # pyplot is avoided, because pyplot keeps all figures and needs a window system.
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.2, 3.6), dpi=120, layout="constrained")
     axes = figure.add_subplot(xlabel="rollouts of the optimiser [1]", ylabel="best value of the plan [1]")
-    # The optimiser starts from the defaults.
+    # The first candidate of the optimiser is the defaults.
     first = {"evaluations": 1, **entry["defaults"]}
     history = [first, *entry["history"]]
     _draw_value(axes, entry, history)
@@ -33,7 +34,7 @@ def convergence_picture(entry: Json) -> bytes | None:
     axes.grid(color="#e4e7eb")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, fontsize="small", frameon=False)
     picture = BytesIO()
-    # The file leaves out the version of matplotlib, so that it depends only on the run.
+    # Leave out matplotlib's version, so that the file depends on nothing but the run.
     figure.savefig(picture, format="png", metadata={"Software": None})
     return picture.getvalue()
 

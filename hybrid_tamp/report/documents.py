@@ -1,7 +1,7 @@
 """JSON documents and their JSON Schemas, both derived from the dataclasses of `model/` and the keys of `keys.py`.
 
-`document` turns a result, e.g. a `RunResult`, into plain data with the published keys. A document has no class of its
-own: each key names an attribute, and the type of that attribute gives the JSON Schema.
+`document` turns a result, e.g. a `RunResult`, into plain data with the published keys. Documents have no classes of
+their own. Each key names an attribute of the result, and the attribute's type gives the JSON Schema of the key.
 """
 
 import inspect
@@ -35,7 +35,7 @@ def document(result: Any) -> Json:
 
 
 def parse_document(stem: str, content: bytes) -> Json:
-    """Return the document in a JSON file; keys that the file leaves out get their defaults.
+    """Return the document in a JSON file, with defaults for missing keys.
 
     Args:
         stem: name of the document, e.g. ``plan-1``.
@@ -50,7 +50,7 @@ def parse_document(stem: str, content: bytes) -> Json:
 
 
 def json_schemas() -> dict[str, Json]:
-    """Return the JSON Schemas of all documents, file stem to schema."""
+    """Return a mapping of each document's file stem to its JSON Schema."""
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     return {stem: dialect | _adapter(stem).json_schema(by_alias=True) for stem in DOCUMENTS}
 
@@ -73,7 +73,7 @@ def _object(value: Any, keys: Keys | None) -> Json:
 
 
 def _data(value: Any, keys: Keys | None = None) -> Any:
-    """Return any value as plain data; infinity and NaN become null, because JSON has neither."""
+    """Return a value as plain data. Infinity and NaN become null, because JSON has no such numbers."""
     text = TEXTS.get(type(value))
     if text is not None:
         return text(value)
@@ -95,14 +95,14 @@ def _read(value: Any, key: Key) -> Any:
 
 
 def _keys(of: type, keys: Keys | None) -> tuple[Key, ...]:
-    """Return the keys of a dataclass: the given ones, or those of the table, or one for each field."""
+    """Return the given keys, or else the dataclass's keys in `KEYS`, or else one key for each field."""
     wanted = keys or KEYS.get(of) or tuple(field.name for field in fields(of))
     return tuple(Key(each) if isinstance(each, str) else each for each in wanted)
 
 
 @cache
 def _form(of: type, keys: Keys | None, name: str = "", *more: Any) -> type:
-    """Return a dataclass with the keys of a document as fields; pydantic derives the schema from it."""
+    """Return a dataclass whose fields are the keys of a document. pydantic derives the JSON Schema from this class."""
     namespace = {"__doc__": (of.__doc__ or "").partition("\n")[0], "__pydantic_config__": ConfigDict(extra="forbid")}
     made = [_form_field(of, key) for key in _keys(of, keys)]
     return make_dataclass(name or of.__name__, [*more, *made], namespace=namespace, kw_only=True)
@@ -118,7 +118,7 @@ def _form_field(of: type, key: Key) -> tuple[str, Any, Any]:
 
 
 def _form_type(kind: Any, key: Key) -> Any:
-    """Return the type in the document of a value of some type under a key."""
+    """Return the type that a value of type `kind` has in the document."""
     if kind in TEXTS:
         return str
     if isinstance(kind, type) and is_dataclass(kind):
@@ -133,7 +133,7 @@ def _form_type(kind: Any, key: Key) -> Any:
 
 
 def _resolve(of: type, key: Key) -> tuple[Any, str]:
-    """Return the type of the value that a key shows, and its description in a docstring."""
+    """Return the type of a key's value and the value's description from a docstring."""
     if not isinstance(key.source, str):
         return get_type_hints(key.source)["return"], inspect.getdoc(key.source) or ""
     kind: Any = of

@@ -7,7 +7,7 @@ from hybrid_tamp.model.domain import Domain
 
 
 def domains_document(domains: Iterable[Domain]) -> dict[str, Any]:
-    """Return the names of the classes, blocks and predicates of each domain."""
+    """Return a document with the names of each domain's classes, blocks and predicates."""
     return {
         "schema": "hybrid-tamp/domains/1",
         "domains": [
@@ -24,7 +24,7 @@ def domains_document(domains: Iterable[Domain]) -> dict[str, Any]:
 
 
 def network_document(domain: Domain) -> dict[str, Any]:
-    """Return the reassignment network of a domain: its blocks with their slots, and its edges."""
+    """Return a document with the blocks, slots and edges of a domain's reassignment network."""
     return {
         "schema": "hybrid-tamp/network/1",
         "domain": domain.name,

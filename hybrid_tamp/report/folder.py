@@ -1,4 +1,4 @@
-"""The folder with the files of a run; every file appears under its name only when it is complete."""
+"""The folder with the files of a run. A file has a temporary name until the file is complete."""
 
 import json
 import os
@@ -16,42 +16,44 @@ NUMBERED_FILES = ("step-*.png", "primitive-[0-9][0-9].json", "mesh-[0-9][0-9].ob
 
 
 class RunFolder:
-    """A folder for the files of one run."""
+    """Folder for the files of one run."""
 
     def __init__(self, path: Path) -> None:
-        """Use an existing folder; `create` makes one."""
+        """Use an existing folder. See `create` for new folders."""
         self.path = path
 
     @classmethod
     def open(cls, folder: "RunFolder | Path | str", *, force: bool = False) -> "RunFolder":
-        """Return a given folder, or create the folder of a path (see `create`)."""
+        """Return the given folder, or create the folder if a path is given (see `create`)."""
         return folder if isinstance(folder, RunFolder) else cls.create(Path(folder), force=force)
 
     @classmethod
     def create(cls, path: Path, *, force: bool = False) -> "RunFolder":
-        """Make the folder, or use an existing one.
+        """Create the folder, or use the existing folder.
 
         Args:
-            path: the folder.
-            force: whether the folder may hold the files of another run, which `clear` removes.
+            path: path of the folder.
+            force: whether the folder may contain another run, whose files `clear` removes.
 
         Raises:
-            InputError: the path is a file, the folder cannot be made, or it holds another run and `force` is false.
+            InputError: the path is a file, the folder cannot be created, or `force` is false and the folder contains
+                another run.
         """
         if path.exists() and not path.is_dir():
             raise InputError([Issue(str(path), "the output must be a folder", "a file")])
         try:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError([Issue(str(path), "a folder that can be made", str(error.strerror))]) from error
+            raise InputError([Issue(str(path), "cannot create the folder", str(error.strerror))]) from error
         old = cls(path)._old()
         if old and not force:
-            wanted, held = "an output folder without another run", ", ".join(file.name for file in old[:4])
+            wanted = "the output folder must not contain another run"
+            held = ", ".join(file.name for file in old[:4])
             raise InputError([Issue(str(path), wanted, held, remedy="force=True replaces it")])
         return cls(path)
 
     def clear(self) -> None:
-        """Remove the files of a run; other files stay.
+        """Remove the files of a run and keep all other files.
 
         Raises:
             InputError: a file cannot be removed.
@@ -67,18 +69,18 @@ class RunFolder:
         return named + sorted(file for pattern in NUMBERED_FILES for file in self.path.glob(pattern))
 
     def write_text(self, name: str, text: str) -> Path:
-        """Write a text file under a temporary name, then rename it.
+        """Write a text file under a temporary name and rename the complete file.
 
         Raises:
-            InputError: the folder cannot be written to.
+            InputError: the folder is not writable.
         """
         return self.write_bytes(name, text.encode("utf-8"))
 
     def write_bytes(self, name: str, content: bytes) -> Path:
-        """Write a file under a temporary name, then rename it.
+        """Write a file under a temporary name and rename the complete file.
 
         Raises:
-            InputError: the folder cannot be written to.
+            InputError: the folder is not writable.
         """
         target = self.path / name
         try:
@@ -96,9 +98,13 @@ class RunFolder:
         return target
 
     def write_json(self, name: str, document: dict[str, Any]) -> Path:
-        """Write a JSON document; NaN and infinity raise ValueError."""
+        """Write a JSON document.
+
+        Raises:
+            ValueError: the document contains NaN or infinity.
+        """
         return self.write_text(name, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 def _unwritable(path: Path, error: OSError) -> InputError:
-    return InputError([Issue(str(path), "an output folder that can be written to", str(error.strerror))])
+    return InputError([Issue(str(path), "cannot write to the output folder", str(error.strerror))])

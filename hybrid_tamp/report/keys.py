@@ -1,4 +1,4 @@
-"""The keys of the JSON documents: one table of the keys that differ from the fields of the dataclasses."""
+"""The keys of the JSON documents. The tables list the dataclasses whose keys differ from their fields."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -24,12 +24,12 @@ class Key:
 
     Attributes:
         name: the key.
-        source: path of the attribute that it shows, or a function of the whole value; by default the attribute of the
-            same name.
-        default: value if a document leaves the key out; a type stands for an empty one. Without a default the key is
-            required.
-        nullable: whether it is null if the number is not finite.
-        keys: the keys of the value that it shows, if they differ from those in `KEYS`.
+        source: source of the key's value. Either the path of an attribute or a function of the whole object. By
+            default the attribute of the same name.
+        default: value for a document without the key. A type stands for an empty object of the type. A key without a
+            default is required.
+        nullable: whether the value may be null, which stands for a number that is not finite.
+        keys: keys of the value, if they differ from the keys in `KEYS`.
     """
 
     name: str
@@ -43,11 +43,11 @@ class Key:
 
 
 Keys = tuple[str | Key, ...]
-"""The keys of an object in their order; a string stands for the attribute of that name."""
+"""The ordered keys of an object. A string stands for the attribute of the same name."""
 
 
 def _of(attribute: str, *names: str) -> Keys:
-    """Return keys that show attributes of an attribute under their own names."""
+    """Return a key for each named attribute of an attribute's value, under the same names."""
     return tuple(Key(name, f"{attribute}.{name}") for name in names)
 
 
@@ -98,7 +98,7 @@ QUESTION_KEYS: Mapping[type, Keys] = {
         *("successes", "trials", "interval", "obstacle"),
     ),
 }
-"""The keys of the answers to questions."""
+"""Maps each dataclass of answers to questions to its keys."""
 
 _RESULT: Keys = (
     Key("task", "task.name"),
@@ -180,10 +180,10 @@ KEYS: Mapping[type, Keys] = {
     ),
     BlockInstance: (Key("block", "action"), "mode", Key("instance", "name"), "slots", "targets", "hyperparameters"),
 }
-"""Dataclass to its keys; in other dataclasses every field is a key."""
+"""Maps dataclasses to their keys. In all other dataclasses every field is a key."""
 
 TEXTS: Mapping[type, Callable[[Any], str]] = {Atom: lambda atom: atom.text, PlannedAction: lambda action: action.text}
-"""Values that are shown as text."""
+"""Maps each class whose values are shown as text to the function that returns the text."""
 
 DOCUMENTS: Mapping[str, type] = {
     "plan-1": PlanOutcome,
@@ -193,4 +193,4 @@ DOCUMENTS: Mapping[str, type] = {
     "probe-1": MembershipResult,
     "imitate-1": ImitationResult,
 }
-"""File stem of a JSON Schema to the class of the result that it describes."""
+"""Maps the file stem of each JSON Schema to the class of the described result."""

@@ -1,4 +1,4 @@
-"""Measures of a run in every domain: forces between instances, and planned and measured durations."""
+"""Measures of a run that every domain has: contact forces between instances, planned and measured durations."""
 
 from collections.abc import Mapping
 
@@ -13,9 +13,10 @@ MEASURED = "measured_duration [s]"
 def run_measures(plan: TaskPlan, recording: Recording) -> Mapping[str, float]:
     """Return the measures of a run of a plan.
 
-    `CONTACT` is the largest normal force between tokens of different instances, except the floor [N]. It is absent if
-    no two tokens touched or the backend does not measure contacts. `PLANNED` is the makespan of the plan, and
-    `MEASURED` the duration of the run [s].
+    - `CONTACT`: largest normal force [N] between tokens of different instances, without contacts with the floor. The
+      measure is absent if no two tokens touched or the backend does not measure contacts.
+    - `PLANNED`: makespan of the plan [s].
+    - `MEASURED`: duration of the run [s].
     """
     found = {PLANNED: plan.makespan, MEASURED: recording.duration}
     if recording.contacts:

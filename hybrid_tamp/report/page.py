@@ -1,4 +1,4 @@
-"""The page of a run, report.html, made from the documents in its folder. It shows the pictures and video there."""
+"""The report page of a run, report.html, with the documents, pictures and video in the folder of the run."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -16,14 +16,14 @@ PAGE = "report.html"
 
 
 def write_page(folder: RunFolder, resting: str) -> Path:
-    """Write the page of the documents that `plan` or `run` wrote.
+    """Write the report page from the documents that `plan` or `run` wrote.
 
     Args:
         folder: the folder with plan.json and, after a run, result.json.
         resting: name of the block in which tokens rest.
 
     Raises:
-        InputError: a document is missing or wrong, or the folder cannot be written to.
+        InputError: a document is missing or wrong, or the folder is not writable.
     """
     plan = _read(folder.path / "plan.json", "plan-1")
     result = None
@@ -64,7 +64,10 @@ def _content(path: Path, plan: Json, result: Json | None, resting: str) -> dict[
 
 
 def lanes(plan: Json, resting: str) -> dict[str, list[Json]]:
-    """Return the timeline: token to its bars, `left` and `width` in percent of the makespan; none while it rests."""
+    """Return the timeline as a mapping of each token to its bars.
+
+    `left` and `width` of a bar are in percent of the makespan. A token has no bar while it rests.
+    """
     found: dict[str, list[Json]] = {}
     for step in plan["steps"]:
         for entry in step["blocks"]:
@@ -86,15 +89,15 @@ def _read(file: Path, stem: str) -> Json:
     """Return the document in a file.
 
     Raises:
-        InputError: the file is missing, or is not such a document.
+        InputError: the file is missing, or its content does not follow the published JSON Schema.
     """
     try:
         return parse_document(stem, file.read_bytes())
     except OSError as error:
-        wanted = f"{file.name} as `plan` and `run` write it"
+        wanted = f"cannot read {file.name}, which `plan` or `run` should have written"
         raise InputError([Issue(str(file), wanted, str(error.strerror))]) from error
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"])) or "the document"
-        wanted = f"a document that follows the published JSON Schema of {file.name}"
+        wanted = f"the document must follow the published JSON Schema of {file.name}"
         raise InputError([Issue(str(file), wanted, f"at {place}: {first['msg']}")]) from error

@@ -1,4 +1,4 @@
-"""Progress bars for people, on standard error."""
+"""Progress bars on standard error."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,13 +9,16 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 @contextmanager
 def progress_bar(wanted: bool = True) -> Iterator[Callable[[float, str], None]]:
-    """Show a bar within the context, which yields a function of the finished share, 0 to 1, and the current activity.
+    """Show a progress bar while the context is active.
+
+    The context yields a function that updates the bar. Its arguments are the finished share (0 to 1) and the current
+    activity.
 
     Args:
-        wanted: whether to show a bar; a file never gets one.
+        wanted: whether to show a bar. No bar is shown if standard error is a file.
     """
     columns = (TextColumn("{task.description:<24}"), BarColumn(), TimeElapsedColumn())
-    # Not console.is_terminal, which FORCE_COLOR makes true for a file as well.
+    # console.is_terminal does not serve, because FORCE_COLOR makes it true for files.
     console = Console(stderr=True)
     with Progress(*columns, console=console, transient=True, disable=not wanted or not console.file.isatty()) as bar:
         task = bar.add_task("planning", total=1.0)

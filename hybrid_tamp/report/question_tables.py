@@ -1,4 +1,4 @@
-"""Tables of the answers to questions about a task, for people."""
+"""Tables for people with the answers to questions about a task."""
 
 from collections.abc import Iterable, Mapping
 
@@ -14,17 +14,17 @@ from hybrid_tamp.report.tables import explanation_text, new_table, roles_text
 
 
 def explanation_table(result: TaskExplanation) -> RenderableType:
-    """Return why there is no plan, or a row for each token that says why the plan uses it or not."""
+    """Return the reasons why there is no plan, or a table of the reasons why the plan uses each token or not."""
     if result.explanation is not None:
         return explanation_text(document(result)["explanation"])
-    table = new_table(f"Why {result.task.name} has the plan that it has", "token", "in the plan", "why")
+    table = new_table(f"Why the plan of {result.task.name} uses each token", "token", "in the plan", "why")
     for cause in result.tokens:
         table.add_row(Text(cause.token), "yes" if cause.used else "no", Text("\n".join(_reasons_of(cause))))
     return table
 
 
 def _reasons_of(cause: Cause) -> list[str]:
-    """Return each instance once, with the nearest one that needs it; the document has the whole chain."""
+    """Return a line for each instance with the nearest instance that needs it. The document has the whole chain."""
     others = {link.instance: link for link in reversed(cause.links)}
     others.pop(cause.links[0].instance if cause.links else "", None)
     more = [f"{link.instance} for {link.needed_by_text}: {link.atom.text}" for link in reversed(others.values())]
@@ -32,7 +32,7 @@ def _reasons_of(cause: Cause) -> list[str]:
 
 
 def affordances_table(result: AffordanceResult) -> RenderableType:
-    """Return which object affords which block, and what each question changes."""
+    """Return tables of the objects and the blocks that they afford, and of the effect of each proposed change."""
     title = f"{result.task.name}, {result.view} view"
     shown: list[RenderableType] = [Text(f"{title}: no object affords anything.")]
     if result.affordances:
@@ -40,10 +40,10 @@ def affordances_table(result: AffordanceResult) -> RenderableType:
     if result.implied:
         shown.append(_implied(result.implied))
     for answer in result.what_if:
-        changed = [("becomes possible", answer.gained), ("is lost", answer.lost)]
+        changed = [("gained", answer.gained), ("lost", answer.lost)]
         if not answer.gained and not answer.lost:
-            shown.append(Text(f"{answer.question}: nothing changes."))
-        shown += [_affordances(f"{answer.question}: what {what}", found) for what, found in changed if found]
+            shown.append(Text(f"{answer.question}: no affordance changes."))
+        shown += [_affordances(f"{answer.question}: affordances {what}", found) for what, found in changed if found]
     return Group(*shown)
 
 
@@ -56,7 +56,7 @@ def _affordances(title: str, affordances: Iterable[Affordance]) -> Table:
 
 
 def _implied(implications: Iterable[Implication]) -> Table:
-    title = "What an agent seen acting implies for one with the same capability classes"
+    title = "What an observer with the same capability classes can do, given what it sees"
     table = new_table(title, "seen", "with", "in", "so", "can too?", "e.g. with")
     for each in implications:
         answer = "yes" if each.holds else "allowed by class, but ruled out by a feasibility fact"
@@ -72,12 +72,11 @@ def _witness(witness: Mapping[str, str], slot: str) -> str:
 
 def resting_text(result: MembershipResult) -> str:
     """Return the number of faces on which a token can rest, as a sentence."""
-    faces = f"{len(result.resting)} faces to rest on" if result.resting else "no face to rest on"
-    return f"{result.token} has {faces}."
+    return f"{result.token} can rest on {len(result.resting) or 'none'} of its faces."
 
 
 def membership_table(result: MembershipResult) -> RenderableType:
-    """Return a row for each class of which the token may be a member."""
+    """Return a table with a row for each class of which the token may be a member."""
     table = new_table("", "class", "likelihood", "as", "verdict", "trials", "95 % of")
     for verdict in result.verdicts:
         low, high = verdict.interval
@@ -93,7 +92,7 @@ def membership_table(result: MembershipResult) -> RenderableType:
 
 
 def membership_lines(result: MembershipResult) -> list[str]:
-    """Return the properties that a token has as a member of each class, and what went wrong in trials."""
+    """Return lines with the token's properties as a member of each class and the failures in trials."""
     lines = []
     for verdict in result.verdicts:
         known = ", ".join(f"{name} {_number(value)}" for name, value in verdict.properties.items())

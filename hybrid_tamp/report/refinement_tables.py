@@ -1,4 +1,4 @@
-"""Tables of what the mid-level planner did; they fit into 80 columns."""
+"""Tables of the results of the mid-level planner, at most 80 columns wide."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -9,14 +9,14 @@ from rich.text import Text
 from hybrid_tamp.report.documents import Json
 from hybrid_tamp.report.tables import new_table, roles_text
 
-KEPT = "Hyperparameters are kept at their defaults, which meet every condition."
+KEPT = "The hyperparameters keep their defaults, which satisfy all conditions."
 
 
 def refinement_tables(entry: Json, performance: Sequence[Json] | None = None) -> RenderableType:
-    """Return the performance measures, the hyperparameters that affect them, and the gain of planning ahead.
+    """Return tables of the performance measures, the hyperparameters and the gain of planning ahead.
 
     Args:
-        entry: the refinement in the document of a plan.
+        entry: the entry ``refinement`` of a plan document.
         performance: the performance measures of a run, or None before a run.
     """
     measures = entry["performance"] if performance is None else performance
@@ -32,14 +32,14 @@ def refinement_tables(entry: Json, performance: Sequence[Json] | None = None) ->
 
 
 def exclusion_text(entry: Json) -> str:
-    """Return which binding was given up before this plan, and why."""
+    """Return a line with a binding that was given up before this plan was found, and the reason."""
     unit = "" if entry["unit"] in ("", "1") else f" {entry['unit']}"
     failure = f"{entry['atom']} fails by {-entry['margin']:.3g}{unit}"
-    return f"given up: {entry['block']} with {roles_text(entry['roles'])}: {failure}"
+    return f"given up: {entry['block']} with {roles_text(entry['roles'])}, because {failure}"
 
 
 def efforts(entry: Json) -> Iterable[str]:
-    """Yield a line about the optimisation with the forward models, and one about that in physics if there was one."""
+    """Yield a line about the optimisation with the forward models, then a line about any optimisation in physics."""
     spent = f"{entry['evaluations']} rollouts in {entry['seconds']:.1f} s ({entry['stopped']})"
     yield f"optimised by {entry['optimiser']}: {spent}"
     if entry["physics"] is not None:
@@ -50,7 +50,7 @@ def efforts(entry: Json) -> Iterable[str]:
 
 
 def values(entry: Json) -> Iterable[tuple[str, str, str]]:
-    """Yield what was optimised, the value of the plan, and the gain of optimising all actions together."""
+    """Yield rows of (what was optimised, value of the plan, gain of optimising all actions together)."""
     yield "all actions together", _value(entry["best"]), ""
     for name, other in (("each action on its own", entry["apart"]), ("the defaults", entry["defaults"])):
         if other is not None:
@@ -58,7 +58,7 @@ def values(entry: Json) -> Iterable[tuple[str, str, str]]:
 
 
 def number(value: float | None) -> str:
-    """Return a figure, or a dash if there is none."""
+    """Return a number as text, or a dash for None."""
     return "-" if value is None else f"{value:.4g}"
 
 
@@ -71,14 +71,14 @@ def _value(entry: Json) -> str:
     violation, value = entry["violation"], entry["value"]
     if violation is None or value is None:
         return "not finite"
-    return f"misses conditions by {violation:.3g} scales" if violation else f"{value:.4g}"
+    return f"violates conditions by {violation:.3g} scales" if violation else f"{value:.4g}"
 
 
 def _gain(best: Json, other: Json) -> str:
-    """Return the gain of the better one; empty if either misses conditions, because values then do not compare."""
+    """Return the gain of `best` over `other`, or an empty text if either violates conditions."""
     if best["value"] is None or other["value"] is None or (best["violation"], other["violation"]) != (0, 0):
         return ""
-    # Sums of the same terms in another order differ by rounding.
+    # Values that differ only by rounding count as equal.
     gain = best["value"] - other["value"]
     return f"{0.0 if abs(gain) < 1e-9 * (1 + abs(best['value'])) else gain:+.3g}"
 
@@ -88,7 +88,7 @@ def _performance(measures: Iterable[Json]) -> Table:
     for index, each in enumerate(measures, start=1):
         name = _named(f"{each['instance']}.{each['measure']}", each["unit"])
         figures = (f"{each['weight']:g}", number(each["predicted"]), number(each["measured"]))
-        # Text, because rich reads brackets in a string as markup.
+        # Wrapped in Text, because rich interprets brackets in plain strings as markup.
         table.add_row(*map(Text, (str(index), name, *figures)))
     return table
 

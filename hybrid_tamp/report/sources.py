@@ -1,4 +1,4 @@
-"""Values of keys that are not attributes of a dataclass; the docstrings describe the keys in the JSON Schemas."""
+"""Functions for keys that are not attributes of a dataclass. The docstrings describe the keys in the JSON Schemas."""
 
 import shlex
 from math import isfinite
@@ -24,54 +24,54 @@ def actions(outcome: PlanOutcome) -> tuple[PlannedAction, ...]:
 
 
 def proven_shortest(figures: PlannerFigures) -> bool:
-    """Whether it is proven that no plan has a shorter makespan; the planners here prove no makespan."""
+    """Whether the makespan is proven to be minimal; always false, because no planner here proves this."""
     return False
 
 
 def refined(outcome: PlanOutcome) -> PlanOutcome | None:
-    """How the hyperparameters were optimised; null if they were not."""
+    """Optimisation of the hyperparameters; null if they were not optimised."""
     return None if outcome.refinement is None else outcome
 
 
 def edges(network: PlannedNetwork) -> tuple[tuple[str, str], ...]:
-    """Pairs of 'BLOCK.slot', source first."""
+    """Edges as pairs of ('BLOCK.slot' of the source, 'BLOCK.slot' of the destination)."""
     return tuple((slot_text(source), slot_text(target)) for source, target in network.edges)
 
 
 def kind(reason: Reason) -> str:
-    """What is wrong, in a word."""
+    """Kind of the reason in one word."""
     return reason.kind
 
 
 def message(reason: Reason) -> str:
-    """The reason in words."""
+    """Text of the reason."""
     if reason.probe is None:
         return reason.message
     return f"{reason.message}; {describe_probe(*reason.probe)}"
 
 
 def describe_probe(source: str, token: str) -> str:
-    """Return the command that finds out of which classes a token of a task is a member."""
-    return f"'hybrid-tamp probe {source} --token {shlex.quote(token)} --write NEW.yaml' finds out"
+    """Return advice to run the command that finds the classes of a token."""
+    return f"find out with 'hybrid-tamp probe {source} --token {shlex.quote(token)} --write NEW.yaml'"
 
 
 def solvable(suggestion: Suggestion) -> Literal[True]:
-    """Whether the changed task has a plan; always true, because it was planned."""
+    """Whether the changed task has a plan; always true, because a plan of the changed task was found."""
     return True
 
 
 def moves(tuned: Tuned) -> tuple[str, ...]:
-    """Performance measures that it affects."""
+    """Performance measures that the hyperparameter affects."""
     return tuple(".".join(measure) for measure in tuned.moves)
 
 
 def before(retuning: Retuning) -> Value | None:
-    """The optimum of the forward models in physics; null if its run failed."""
+    """Value in physics of the optimum of the forward models; null if the run failed."""
     return retuning.before if isfinite(retuning.before.violation) else None
 
 
 def best(retuning: Retuning) -> Value | None:
-    """The values that were kept, in physics; null if every run failed."""
+    """Value in physics of the hyperparameters that were kept; null if every run failed."""
     return retuning.best if isfinite(retuning.best.violation) else None
 
 
@@ -81,5 +81,5 @@ def breaches(result: RunResult) -> tuple[str, ...]:
 
 
 def result_schema(result: RunResult) -> Literal["hybrid-tamp/result/1"]:
-    """Name of the document that the result is."""
+    """Name and version of the document."""
     return "hybrid-tamp/result/1"

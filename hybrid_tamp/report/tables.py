@@ -1,4 +1,4 @@
-"""Tables for people: plans, results, domains. Programs read the JSON documents instead."""
+"""Tables of plans, results and domains for people. Programs read the JSON documents instead."""
 
 from collections.abc import Iterable, Mapping
 
@@ -13,40 +13,38 @@ from hybrid_tamp.report.documents import Json
 _WIDTH = 60
 """Width of a timeline in characters."""
 _NAMED = 8
-"""Largest number of left-out names that are printed; the document has all of them."""
+"""Maximum number of names that are printed in a list. The document has all names."""
 
-_NO_SINGLE_CHANGE = "No single change gives it a plan: no token, class, edge, fact or property."
-_NONE_FOUND = "The search found no single change in time; 'hybrid-tamp explain --seconds N' searches longer."
+_NO_SINGLE_CHANGE = "No single change of a token, class, edge, fact or property makes the task solvable."
+_NONE_FOUND = "No single change was found within the time limit; search longer with 'hybrid-tamp explain --seconds N'."
 
 
 def new_table(title: str, *headings: str, framed: bool = True) -> Table:
     """Return an empty table.
 
     Args:
-        title: the title, or empty.
-        headings: the headings of the columns; a ``>`` in front aligns a column of figures at the right.
+        title: the title, or an empty string.
+        headings: the headings of the columns. The prefix ``>`` aligns a column to the right.
         framed: whether the table has lines around its cells.
     """
     table = Table(title=title, title_justify="left", header_style="bold")
     if not framed:
         table.box, table.pad_edge = None, False
     for heading in headings:
-        # Fold long names instead of cutting them: a name without its end is useless.
+        # Fold long names, because a truncated name is useless.
         at_right = heading.startswith(">")
         table.add_column(heading.removeprefix(">"), justify="right" if at_right else "left", overflow="fold")
     return table
 
 
 def plan_table(document: Json, resting: str) -> RenderableType:
-    """Return the table of steps and allocations, as under the pictures of the paper's Fig. 3.
+    """Return a table of the steps of a plan and their allocations, as in the captions of the paper's Fig. 3.
 
     Args:
         document: the document of a plan.
         resting: name of the block in which tokens rest.
     """
-    table = new_table(
-        f"Plan of {document['task']}", ">step", ">from [s]", ">to [s]", "which tokens are in which blocks"
-    )
+    table = new_table(f"Plan of {document['task']}", ">step", ">from [s]", ">to [s]", "blocks and their tokens")
     for step in document["steps"]:
         lines = Text("\n".join(allocations(step, resting)))
         table.add_row(str(step["index"]), f"{step['start']:.2f}", f"{step['end']:.2f}", lines)
@@ -54,14 +52,14 @@ def plan_table(document: Json, resting: str) -> RenderableType:
 
 
 def allocations(step: Json, resting: str) -> list[str]:
-    """Return which tokens are in which blocks: one line for each busy instance, and one for all resting tokens."""
+    """Return a line for each busy instance with its tokens, and a line for all resting tokens."""
     busy = [allocation(entry) for entry in step["blocks"] if entry["block"] != resting]
     idle = [token for entry in step["blocks"] if entry["block"] == resting for token in entry["slots"].values()]
     return [*busy, f"{resting}: {', '.join(sorted(idle))}"] if idle else busy
 
 
 def plan_footer(document: Json) -> str:
-    """Return in one line how long a plan is, and how it was found."""
+    """Return one line with the length of a plan and the way in which the plan was found."""
     planner = document["planner"]
     text = f"{len(document['actions'])} actions, {document['makespan']:.2f} s, planned in {planner['seconds']:.2f} s"
     if document["objective"] == "makespan":
@@ -70,7 +68,10 @@ def plan_footer(document: Json) -> str:
 
 
 def network_text(network: Json) -> str:
-    """Return what a reduced network left out, and which tokens were brought in and why; empty for a whole network."""
+    """Return lines about the parts that a reduced network leaves out and the tokens that were added as tools.
+
+    The text is empty for a network that was not reduced.
+    """
     whole, expanded = network["reduced_from"], network["expanded_with"]
     lines = []
     if whole is not None:
@@ -88,12 +89,12 @@ def network_text(network: Json) -> str:
 
 
 def roles_text(roles: Mapping[str, str]) -> str:
-    """Return a choice of tokens and symbols, e.g. ``hand=h, object=drum``."""
+    """Return roles with their tokens or symbols, e.g. ``hand=h, object=drum``."""
     return ", ".join(f"{role}={name}" for role, name in roles.items())
 
 
 def allocation(entry: Json) -> str:
-    """Return one instance with its tokens and targets, e.g. ``ROLLING-1: hand=h, object=drum -> region=goal``."""
+    """Return an instance with its tokens and targets, e.g. ``ROLLING-1: hand=h, object=drum -> region=goal``."""
     targets = f" -> {roles_text(entry['targets'])}" if entry["targets"] else ""
     return f"{entry['instance']}: {roles_text(entry['slots'])}{targets}"
 
@@ -108,7 +109,7 @@ def timetable(title: str, plan: TaskPlan) -> RenderableType:
 
 
 def timeline(plan: TaskPlan, tokens: Iterable[str], resting: str) -> RenderableType:
-    """Return one row per token with its blocks over time, to scale; dots mean that the token rests."""
+    """Return a table with one row per token that shows its blocks over time, to scale. Dots stand for rest."""
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True)
     table.add_column(no_wrap=True)
@@ -131,12 +132,12 @@ def _bar(instance: BlockInstance, width: int, resting: str) -> Text:
 
 
 def explanation_text(explanation: Json) -> RenderableType:
-    """Return why there is no plan."""
+    """Return the reasons why there is no plan."""
     return Group(Text(explanation["message"], style="bold red"), *(Text(f"  {line}") for line in reasons(explanation)))
 
 
 def reasons(explanation: Json) -> list[str]:
-    """Return one line for each reason why there is no plan, and for each change that would give one."""
+    """Return a line for each reason why there is no plan, and for each change that makes the task solvable."""
     found = explanation["suggestions"]
     lines = [f"{reason['goal']}: {reason['message']}" for reason in explanation["reasons"]]
     lines += [f"There is a plan of {each['length']} actions with {each['what']}." for each in found]
@@ -148,7 +149,7 @@ def reasons(explanation: Json) -> list[str]:
 
 
 def result_table(document: Json) -> RenderableType:
-    """Return the result of a run: predicted and measured exit margins, the goal, the domain's measures."""
+    """Return tables of a run's result: predicted and measured exit margins, the goal and the domain's measures."""
     title = f"\nRun of {document['task']} in {document['backend']}"
     table = new_table(title, "exit conditions", ">predicted", ">measured", "", framed=False)
     for run in (each for each in document["blocks"] if each["exit"]):
@@ -165,13 +166,13 @@ def result_table(document: Json) -> RenderableType:
 
 
 def margin(value: float | None) -> str:
-    """Return a signed margin, or a dash if there is none."""
+    """Return a signed margin as text, or a dash for None."""
     return "-" if value is None else f"{value:+.4f}"
 
 
 def domains_table(domains: Iterable[Domain]) -> RenderableType:
     """Return a table with one row per domain."""
-    table = new_table("", "domain", "what it is about", "classes", "blocks")
+    table = new_table("", "domain", "description", "classes", "blocks")
     for domain in domains:
         classes = ", ".join(c.name for c in domain.classes)
         table.add_row(domain.name, domain.description, classes, ", ".join(b.name for b in domain.blocks))
@@ -179,9 +180,9 @@ def domains_table(domains: Iterable[Domain]) -> RenderableType:
 
 
 def network_table(domain: Domain) -> RenderableType:
-    """Return a table with one row per slot: its class, and the slots that a token may go to from there."""
+    """Return a table with one row per slot: its class, and the slots that a token may enter next."""
     title = f"{domain.name}: {len(domain.blocks)} blocks, {len(domain.network.edges)} edges"
-    table = new_table(title, "slot", "class", "goes on to", framed=False)
+    table = new_table(title, "slot", "class", "next slots", framed=False)
     for block in domain.blocks:
         table.add_row(Text(block.name))
         for slot in block.slots:

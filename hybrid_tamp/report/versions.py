@@ -7,11 +7,11 @@ _PACKAGES = ("hybrid-tamp", "numpy", "pybullet", "pybullet-arm64", "unified-plan
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of Python, the system and the installed packages."""
+    """Return the versions of Python, the operating system and the installed packages that a result depends on."""
     found = {"python": platform.python_version(), "system": f"{platform.system()} {platform.machine()}"}
     for package in _PACKAGES:
         try:
             found[package] = version(package)
         except PackageNotFoundError:
-            continue  # pybullet has one of two names
+            continue  # only one of the two packages of pybullet is installed
     return found

@@ -1,4 +1,4 @@
-"""A recording as a video, and as one picture per step. The caller passes the function that draws a state."""
+"""Draw a recording as a video and as one picture per step. The caller passes the function that draws a state."""
 
 import os
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -18,10 +18,10 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.report.caption import Captions, Picture
 
 Render = Callable[[State], Picture]
-"""Draws a state of shape ``(n,)`` as a picture ``(height, width, 3)``; all pictures have one size."""
+"""Function that draws a state ``(n,)`` as a picture ``(height, width, 3)``. All pictures have the same size."""
 
 Progress = Callable[[int, int], None]
-"""Called with the number of finished frames and the number of all frames."""
+"""Function that is called with the number of finished frames and the total number of frames."""
 
 FRAME_RATE = 20
 """Frames per second."""
@@ -29,7 +29,7 @@ _QUALITY = ["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"]
 
 
 def frame_times(recording: Recording, frame_rate: int = FRAME_RATE) -> FloatArray:
-    """Return the instants of the frames ``(n,)`` [s]; the first is the start, the last the end of the run."""
+    """Return the instants of the frames [s], shape ``(n,)``, from the start to the end of the run."""
     count = int(np.ceil(round(recording.duration * frame_rate, 6)))
     return np.append(np.arange(count) / frame_rate, recording.duration)
 
@@ -37,7 +37,7 @@ def frame_times(recording: Recording, frame_rate: int = FRAME_RATE) -> FloatArra
 def _pictures(
     task: Task, recording: Recording, render: Render, instants: Iterable[tuple[float, float]]
 ) -> Iterator[Picture]:
-    """Yield the picture of each instant with the caption of another instant, usually the same [s]."""
+    """Yield a captioned picture for each pair of (instant of the picture, instant of the caption) [s]."""
     captions: Captions | None = None
     for time, captioned in instants:
         picture = render(recording.at(time))
@@ -48,14 +48,14 @@ def _pictures(
 def write_video(
     path: Path, task: Task, recording: Recording, render: Render, progress: Progress = lambda done, of: None
 ) -> int:
-    """Write an mp4 video for common players and browsers, and return its number of frames.
+    """Write an mp4 video and return its number of frames.
 
     Args:
-        path: the file; it appears only when it is complete.
+        path: path of the video. The file has a temporary name until the video is complete.
         task: the task of the run.
         recording: the recording of the run.
-        render: draws a state.
-        progress: called after every frame.
+        render: function that draws a state.
+        progress: function that is called after every frame.
 
     Raises:
         InputError: the file cannot be written.
@@ -73,13 +73,13 @@ def write_video(
 
 
 def step_pictures(folder: Path, task: Task, recording: Recording, render: Render) -> tuple[Path, ...]:
-    """Write one PNG per step, ``step-01.png`` and so on, with the scene at the end of the step.
+    """Write one PNG per step (``step-01.png`` etc.) that shows the scene at the end of the step.
 
     Raises:
         InputError: a file cannot be written.
     """
     steps = tuple(recording.plan.steps)
-    # The end of a step is already an instant of the next one, so the caption is that of the time step before.
+    # The end of a step belongs to the next step, so the caption is taken from the preceding time step.
     instants = [(float(step.end), max(step.start, float(step.end) - recording.timestep)) for step in steps]
     written = []
     for step, picture in zip(steps, _pictures(task, recording, render, instants), strict=True):
@@ -91,7 +91,7 @@ def step_pictures(folder: Path, task: Task, recording: Recording, render: Render
 
 
 def check_video(path: Path | None) -> None:
-    """Check the path of a video before any work is done.
+    """Check that a path is suitable for a video.
 
     Raises:
         InputError: the folder does not exist, or the path does not end in ``.mp4``.
@@ -99,9 +99,9 @@ def check_video(path: Path | None) -> None:
     if path is None:
         return
     if path.suffix.lower() != ".mp4":
-        raise InputError([Issue(str(path), "the name of a video must end in .mp4")])
+        raise InputError([Issue(str(path), "the name of the video must end in .mp4")])
     if not path.parent.is_dir():
-        came = "a file" if path.parent.exists() else "which does not exist"
+        came = "which is a file" if path.parent.exists() else "which does not exist"
         raise InputError([Issue(str(path), "the video must be in an existing folder", f"{path.parent}, {came}")])
 
 
@@ -123,19 +123,19 @@ def _encoder(path: Path, picture: Picture) -> Generator[None, Picture | None, No
 
 @contextmanager
 def _renamed(path: Path) -> Iterator[Path]:
-    """Yield a temporary path with the same ending, and rename the file if no error occurs.
+    """Yield a temporary path with the same ending, and rename the temporary file to `path` if no error occurs.
 
     Raises:
         InputError: the file cannot be written.
     """
     temporary = path.with_name(f".{os.getpid()}.part.{path.name}")
     try:
-        # Find out whether the file can be written before any picture is drawn or an encoder started.
+        # Fail early if the file cannot be written, before any picture is drawn or an encoder is started.
         temporary.touch()
         yield temporary
         temporary.replace(path)
     except OSError as error:
-        wanted = "a file that can be written"
+        wanted = "cannot write the file"
         raise InputError([Issue(str(path), wanted, str(error).splitlines()[0])]) from error
     finally:
         temporary.unlink(missing_ok=True)

@@ -73,7 +73,7 @@ def test_a_run_shows_what_was_optimised(ran: tuple[Path, "subprocess.CompletedPr
     apart = next(line.split() for line in lines if line.startswith("each action on its own"))
     assert together == pytest.approx(-0.18, abs=0.01)
     assert float(apart[-1]) == pytest.approx(together - float(apart[-2]), abs=1e-3)
-    assert any("misses conditions by" in line for line in lines if line.startswith("the defaults"))
+    assert any("violates conditions by" in line for line in lines if line.startswith("the defaults"))
 
 
 class Page(HTMLParser):
@@ -97,7 +97,7 @@ def test_a_run_leaves_a_page_whose_files_are_beside_it(ran: tuple[Path, object])
     assert set(page.names) >= {"step-01.png", "convergence.png", "result.json"}
     assert all((folder / name).is_file() for name in page.names)
     assert {"script", "b"}.isdisjoint(page.tags), "names are escaped"
-    for wanted in ("puck &lt;b&gt;", "FIRST-1.start", "The recording obeys the law", "misses conditions by"):
+    for wanted in ("puck &lt;b&gt;", "FIRST-1.start", "The recording obeys the law", "violates conditions by"):
         assert wanted in text
     with Image.open(folder / "convergence.png") as picture:
         assert picture.width > picture.height > 300

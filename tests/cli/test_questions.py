@@ -53,7 +53,7 @@ def test_what_if_there_were_one_more_hand(command: Command) -> None:
     (answer,) = valid(command(*words, "--json").stdout, "affordances-1")["what_if"]
     assert {entry["block"] for entry in answer["gained"]} >= {"TIPPING:opposite", "TIPPING:lower"}
     assert answer["lost"] == []
-    assert "+STATIC END-EFFECTOR: what becomes possible" in command(*words).stdout
+    assert "+STATIC END-EFFECTOR: affordances gained" in command(*words).stdout
     lost = ("affordances", "tumble_two_hands", "--view", "agent", "--what-if", "-hand-2", "--json")
     assert len(valid(command(*lost).stdout, "affordances-1")["what_if"][0]["lost"]) == 4
 

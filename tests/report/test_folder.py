@@ -33,5 +33,5 @@ def test_a_file_is_no_folder(tmp_path: Path) -> None:
     file.touch()
     with pytest.raises(InputError, match="must be a folder"):
         RunFolder.create(file)
-    with pytest.raises(InputError, match="can be made"):
+    with pytest.raises(InputError, match="cannot create the folder"):
         RunFolder.create(file / "below")

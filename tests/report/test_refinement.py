@@ -68,7 +68,7 @@ def shown(of: Json) -> list[str]:
 
 def test_the_tables_say_all_in_80_columns() -> None:
     lines = shown(entry())
-    assert "given up: ROLLING with hand=h: inside(d, g) fails by 0.001 m" in lines
+    assert "given up: ROLLING with hand=h, because inside(d, g) fails by 0.001 m" in lines
     (row,) = (line.split() for line in lines if "grasp_location" in line)
     assert row == ["grasp_location", "[m]", "0.1235", "0.1", "0.1", "-0.123", "to", "0.3", "optimised", "1"]
     assert any(line.split() == ["each", "action", "on", "its", "own", "1.5", "+0.5"] for line in lines)

@@ -144,5 +144,5 @@ def test_other_wrong_arguments(tmp_path: Path) -> None:
     learnt = hybrid_tamp.learn("REACHING:behind", [tmp_path / "d.csv"])
     with pytest.raises(InputError, match="force=True replaces"):
         hybrid_tamp.save_primitive(learnt, tmp_path / "d.csv")
-    with pytest.raises(InputError, match="that can be written to"):
+    with pytest.raises(InputError, match="cannot write to the output folder"):
         hybrid_tamp.save_primitive(learnt, tmp_path / "none" / "p.json")
