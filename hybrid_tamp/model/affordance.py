@@ -1,7 +1,7 @@
 """Object classes: affordance classes, capability classes and places (paper, Sec. II-A).
 
-A class is a pydantic model of *fixed* properties. *Varying* state lives in arrays (`model.state`); a class
-only names the varying properties of its members.
+A class is a pydantic model of *fixed* properties. A class also declares which *varying* properties its members have.
+The values of varying properties are stored in arrays (see `model.state`).
 """
 
 import math
@@ -21,24 +21,24 @@ Vector3 = tuple[Number, Number, Number]
 def _has_length(vector: Vector3) -> Vector3:
     length = math.hypot(*vector)
     if length < 1e-9:
-        raise ValueError("a direction must not have length zero")
+        raise ValueError("a direction must not be a vector of length zero")
     if abs(length - 1.0) < 1e-15:
-        return vector  # Another division could change the last bit between saving and loading.
+        return vector  # A second division could change the last bit when a saved vector is loaded.
     x, y, z = (component / length for component in vector)
     return (x, y, z)
 
 
 Direction = Annotated[Vector3, AfterValidator(_has_length)]
-"""A vector normalised to length one; length zero is refused."""
+"""Vector that is normalised to length one. A vector of length zero is an error."""
 
 
 def quantity(unit: str, description: str, **constraints: Any) -> Any:
-    """Declare a fixed property with its unit.
+    """Return the pydantic field of a fixed property with a unit.
 
     Args:
-        unit: SI unit, ``"1"`` for a pure number.
-        description: one line for the schema and the reference page.
-        **constraints: pydantic's field constraints and default (``gt=0``, ``default=0.5``, ...).
+        unit: SI unit, or ``"1"`` for a dimensionless number.
+        description: description in one line, for the JSON schema and the reference page.
+        **constraints: further arguments of `pydantic.Field`, e.g. ``gt=0`` or ``default=0.5``.
     """
     return Field(description=description, json_schema_extra={"unit": unit}, **constraints)
 
@@ -48,11 +48,11 @@ class VaryingProperty:
     """A property that changes while blocks run, e.g. a position.
 
     Attributes:
-        name: name within the token's state.
+        name: name of the property in the state of a token.
         size: number of components.
         unit: SI unit.
-        default: value at rest, one number per component.
-        description: one line.
+        default: initial value if the task gives none, with one number per component.
+        description: description in one line.
     """
 
     name: str
@@ -71,14 +71,14 @@ BODY_STATE = (POSITION, ORIENTATION, VELOCITY, ANGULAR_VELOCITY)
 
 @dataclass(frozen=True)
 class BasicAction:
-    """An action that the robot commands directly on a capability token (paper, Sec. II-A).
+    """An action of a capability token that the robot commands directly (paper, Sec. II-A).
 
     Attributes:
-        name: e.g. ``"force"``.
+        name: name of the action, e.g. ``"force"``.
         size: number of components of the command.
         unit: SI unit of the command.
-        limit: property of the token that bounds the norm of the command, or None.
-        description: one line.
+        limit: name of the token's property that bounds the norm of the command, or None.
+        description: description in one line.
     """
 
     name: str
@@ -89,14 +89,15 @@ class BasicAction:
 
 
 class ObjectClass(BaseModel):
-    """A named set of fixed properties; the class of a slot (paper, Sec. II-A).
+    """A named set of fixed properties. Each slot admits the members of one class (paper, Sec. II-A).
 
-    Subclass `AffordanceClass`, `CapabilityClass` or `PlaceClass` and declare properties with `quantity`.
+    To define a class, subclass `AffordanceClass`, `CapabilityClass` or `PlaceClass` and declare properties with
+    `quantity`.
 
     Attributes:
-        name: the class's own name, as task files write it, e.g. ``"STATIC END-EFFECTOR"``.
-        varying: the varying properties that every member has.
-        basic_actions: the actions that the robot commands directly; empty unless a capability class.
+        name: name of the class in task files, e.g. ``"STATIC END-EFFECTOR"``.
+        varying: varying properties of every member.
+        basic_actions: actions that the robot commands directly. Only capability classes have basic actions.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -107,17 +108,20 @@ class ObjectClass(BaseModel):
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
-        """Return the shape that the properties imply for a token without one of its own, or None."""
+        """Return the shape that the properties imply, or None. Tokens without a shape in the task get this shape."""
         return None
 
     @classmethod
     def features(cls, shape: Shape) -> float:
-        """Return how typical a shape is of the class, 0 to 1; it ranks classes for trials and proves nothing."""
+        """Return a score from 0 to 1 for how typical a shape is of the class.
+
+        The score decides the order in which classes are tried. The score is no evidence of membership.
+        """
         return 0.5
 
     @staticmethod
     def consistent(token: Any) -> str | None:
-        """Return a message if the properties or the shape of a token contradict each other, else None."""
+        """Return a message if the properties and the shape of a token contradict each other, else None."""
         return None
 
     @staticmethod
@@ -125,8 +129,8 @@ class ObjectClass(BaseModel):
         """Return a message if the initial state of a token is inconsistent, else None.
 
         Args:
-            token: the member of the class.
-            state: the initial state, without batch dimensions.
+            token: a member of the class.
+            state: initial state of the task, without batch dimensions.
             tokens: all tokens of the task.
         """
         return None
@@ -138,40 +142,41 @@ class ObjectClass(BaseModel):
 
 
 class AffordanceClass(ObjectClass):
-    """Properties relevant to one action that an object affords."""
+    """A class with the properties that matter for one action that an object affords."""
 
 
 class CapabilityClass(ObjectClass):
-    """An affordance class that also has basic actions which the robot commands directly."""
+    """A class whose members have basic actions, which the robot commands directly."""
 
 
 class PlaceClass(ObjectClass):
-    """A static place: a target that is never in a slot and never assigned."""
+    """A class of static places. A place can be a target, but is never in a slot."""
 
 
 class TOKEN(ObjectClass):
-    """The root class: every token that is not a place is a member."""
+    """The root class, whose members are all tokens except places."""
 
     name: ClassVar[str] = "TOKEN"
 
 
 def is_place(object_class: type[ObjectClass]) -> bool:
-    """Say whether members of the class are places."""
+    """Return whether the members of the class are places."""
     return issubclass(object_class, PlaceClass)
 
 
 class ClassRelations:
-    """Which classes may have a token in common.
+    """Rules for which pairs of classes can have a token in common.
 
-    Places and things are disjoint. Any two other classes may share a token unless the domain declares them disjoint.
+    A class of places and a class of other tokens are disjoint. All other pairs of classes can share a token unless the
+    domain declares them disjoint.
     """
 
     def __init__(self, disjoint: Iterable[tuple[type[ObjectClass], ...]] = ()) -> None:
-        """Take groups of classes whose members are pairwise disjoint."""
+        """Store groups of classes. The classes of a group are pairwise disjoint."""
         self._groups = tuple(tuple(group) for group in disjoint)
 
     def can_share_token(self, one: type[ObjectClass], other: type[ObjectClass]) -> bool:
-        """Say whether a token may be a member of both classes."""
+        """Return whether a token can be a member of both classes."""
         if one is other or issubclass(one, other) or issubclass(other, one):
             return True
         if is_place(one) != is_place(other):

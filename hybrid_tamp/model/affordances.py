@@ -1,4 +1,4 @@
-"""Affordances: which object affords which block to whom, and the effect of one more or one fewer token."""
+"""Affordances of the objects of a task, and the effect of adding or removing one token."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,19 +8,20 @@ from hybrid_tamp.model.tables import Rows, Tabular
 from hybrid_tamp.model.task import Task
 
 View = Literal["environment", "agent", "observer", "team"]
-"""Whose perspective is taken (paper, Sec. II-E)."""
+"""Perspective from which affordances are listed (paper, Sec. II-E)."""
 
 
 @dataclass(frozen=True)
 class Affordance:
-    """An object affords a block.
+    """A block that an object affords to agents.
 
     Attributes:
-        agents: the agents that can act; empty in the environment's perspective.
+        agents: names of the agents that can run the block. Empty in the environment's perspective.
         object: name of the object.
         block: name of the block.
-        slot: the slot that the object can fill.
-        witness: role to token or symbol, one feasible binding; empty if classes alone decide.
+        slot: name of the slot that the object can fill.
+        witness: one feasible binding, which maps each role to the name of its token or symbol. Empty if the classes of
+            the tokens alone decide the affordance.
     """
 
     agents: tuple[str, ...]
@@ -31,18 +32,21 @@ class Affordance:
 
     @property
     def key(self) -> tuple[tuple[str, ...], str, str, str]:
-        """All attributes but the witness."""
+        """Tuple of all attributes except the witness."""
         return (self.agents, self.object, self.block, self.slot)
 
 
 @dataclass(frozen=True)
 class Implication:
-    """An affordance that an observed agent implies for another agent with the same capability classes.
+    """An affordance for an observer that follows from an affordance for another agent.
+
+    The observer and the other agent have the same capability classes.
 
     Attributes:
-        affordance: the affordance of the observed agent.
-        observer: the agent with the same capability classes.
-        witness: role to token or symbol, a feasible binding of the observer; empty if a feasibility fact fails.
+        affordance: affordance for the observed agent.
+        observer: name of the observer.
+        witness: feasible binding with the observer's tokens, which maps each role to the name of its token or symbol.
+            Empty if a feasibility fact fails for the observer's tokens.
     """
 
     affordance: Affordance
@@ -51,23 +55,23 @@ class Implication:
 
     @property
     def seen(self) -> str:
-        """The observed agent."""
+        """Name of the observed agent."""
         return self.affordance.agents[0]
 
     @property
     def holds(self) -> bool:
-        """Whether the observer's own tokens meet the feasibility facts."""
+        """Whether the observer's own tokens satisfy the feasibility facts."""
         return bool(self.witness)
 
 
 @dataclass(frozen=True)
 class WhatIf:
-    """The affordances gained and lost by one more or one fewer token.
+    """The affordances that the task gains and loses when one token is added or removed.
 
     Attributes:
-        question: ``+CLASS`` or ``-TOKEN``.
-        gained: affordances only with the change.
-        lost: affordances only without the change.
+        question: change of the task: ``+CLASS`` adds a token of the class and ``-TOKEN`` removes the token.
+        gained: affordances that exist only after the change.
+        lost: affordances that exist only before the change.
     """
 
     question: str
@@ -77,14 +81,14 @@ class WhatIf:
 
 @dataclass(frozen=True)
 class AffordanceResult(Tabular):
-    """The affordances of a task in a perspective, and the answers to what-if questions.
+    """The affordances of a task in one perspective, and the answers to what-if questions.
 
     Attributes:
-        task: the task.
-        view: the perspective.
-        affordances: the affordances.
-        implied: affordances implied for observers, in the observer's perspective.
-        what_if: one answer to each question.
+        task: task whose affordances are listed.
+        view: perspective from which the affordances are listed.
+        affordances: affordances of the objects of the task.
+        implied: affordances that observed agents imply for observers. Only in the observer's perspective.
+        what_if: answers to the what-if questions, in the order of the questions.
     """
 
     task: Task
@@ -95,6 +99,6 @@ class AffordanceResult(Tabular):
 
     @property
     def rows(self) -> Rows:
-        """The affordances as a table."""
+        """Rows of the table of affordances."""
         affordances = [f"{each.object}: {each.block}.{each.slot}" for each in self.affordances]
         return [("task", self.task.name), ("view", self.view), ("affordances", affordances)]

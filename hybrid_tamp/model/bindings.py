@@ -1,4 +1,4 @@
-"""Enumeration of bindings: tokens and symbols for the roles of a block or the parameters of a predicate."""
+"""Enumeration of the bindings of a block's roles or of a predicate's parameters to tokens and symbols."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -7,19 +7,19 @@ from hybrid_tamp.model.predicate import Literal, Value, name_of
 from hybrid_tamp.model.token import Token
 
 Choices = Mapping[str, Sequence[Value]]
-"""Role to the values that it may have."""
+"""Maps each role to its possible values."""
 Holds = Callable[[Literal, Mapping[str, Value]], bool]
-"""Says whether a condition with bound roles holds."""
+"""Function that returns whether a condition holds, given a mapping of its roles to values."""
 
 
 @dataclass(frozen=True)
 class _Step:
-    """One step of the enumeration: roles that are bound together, and the conditions that this step decides.
+    """A step of the enumeration, which binds some roles together.
 
     Attributes:
-        roles: the roles.
-        rows: the combinations of values of the roles.
-        conditions: the conditions whose last role this step binds.
+        roles: roles that the step binds.
+        rows: possible combinations of values for the roles.
+        conditions: conditions whose last unbound role is bound in this step.
     """
 
     roles: tuple[str, ...]
@@ -30,15 +30,16 @@ class _Step:
 def enumerate_bindings(
     choices: Choices, conditions: Iterable[Literal] = (), holds: Holds | None = None
 ) -> Iterator[dict[str, Value]]:
-    """Yield every binding of roles to values, lazily; no token is bound twice, but symbols may be.
+    """Yield every binding of roles to values that satisfies the conditions.
 
-    The order is that of nested loops over the roles. Each condition is decided as soon as its roles are bound. A
-    relation over symbols gives the rows for its roles if these are adjacent.
+    A binding never has the same token in two roles, but can have the same symbol in several roles. The order of the
+    bindings is that of nested loops over the roles. Each condition is evaluated as soon as its roles are bound. If the
+    roles of a relation over symbols are adjacent, only the rows of the relation are enumerated.
 
     Args:
-        choices: role to the values that it may have.
-        conditions: literals that must hold; an argument that is not a role is a symbol.
-        holds: decides them.
+        choices: maps each role to its possible values.
+        conditions: literals that must hold. An argument that is not a role is a symbol.
+        holds: function that returns whether a condition holds for a binding. None if all conditions hold.
     """
     conditions = list(conditions)
     if holds is not None and not all(holds(each, {}) for each in conditions if not _roles(each, choices)):
@@ -51,7 +52,7 @@ def enumerate_bindings(
             return
         step = steps[index]
         for row in step.rows:
-            # Tokens are equal only to themselves.
+            # A token is equal only to itself, so `in` finds the same token.
             if any(isinstance(value, Token) and value in bound.values() for value in row):
                 continue
             more = bound | dict(zip(step.roles, row, strict=True))
@@ -67,7 +68,7 @@ def names_of(bound: Mapping[str, Value]) -> tuple[str, ...]:
 
 
 def order_roles(choices: Choices, conditions: Iterable[Literal]) -> Choices:
-    """Return the choices in the order of the conditions, so that the first conditions are decided early."""
+    """Return the choices with the roles in the order of the conditions, so that conditions are evaluated early."""
     roles = dict.fromkeys(argument for literal in conditions for argument in literal.arguments if argument in choices)
     return {role: choices[role] for role in (*roles, *(role for role in choices if role not in roles))}
 
@@ -94,6 +95,6 @@ def _roles(literal: Literal, choices: Choices) -> set[str]:
 
 
 def _gives_rows(literal: Literal, open_roles: Sequence[str]) -> bool:
-    """Say whether a literal is a relation over symbols whose arguments are the next roles."""
+    """Return whether a literal is a positive relation over symbols whose arguments are the next unbound roles."""
     next_roles = tuple(open_roles[: len(literal.arguments)])
     return literal.positive and literal.predicate.rows is not None and literal.arguments == next_roles

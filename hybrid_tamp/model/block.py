@@ -1,7 +1,7 @@
-"""Action blocks: slots, targets, conditions, continuous system, policy, hyperparameters (paper, Sec. II-B).
+"""Action blocks: slots, targets, conditions, continuous system, policy and hyperparameters (paper, Sec. II-B).
 
-A block declares its symbolic and its continuous side in one place. Its exit conditions *are* its effects; deletes
-(negative literals) come before adds.
+A block declares its symbolic and its continuous model in one place. The exit conditions of a block *are* its effects.
+Negative exit conditions are deletes, and all deletes are applied before the adds.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,7 +25,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Slot:
-    """An opening in a block for exactly one token of the class."""
+    """A slot of a block, which is filled with exactly one token of the slot's class."""
 
     name: str
     object_class: type[ObjectClass]
@@ -33,12 +33,12 @@ class Slot:
 
 @dataclass(frozen=True)
 class Target:
-    """A token or symbol that a block reads but does not hold.
+    """A token or symbol that a block reads but that is not in a slot of the block.
 
     Attributes:
-        name: role of the target.
-        sort: class of the token, or the sort of the symbol.
-        reads: varying properties of the token that the block reads while it runs.
+        name: name of the target's role.
+        sort: class of the token, or sort of the symbol.
+        reads: varying properties of the token that a running block reads.
     """
 
     name: str
@@ -48,12 +48,14 @@ class Target:
 
 @dataclass(frozen=True)
 class Duration:
-    """Bounds and estimate of the time that an instance lasts [s].
+    """Bounds and an estimate for the duration of an instance.
 
     Attributes:
-        minimum: lower bound, more than zero.
-        maximum: upper bound until the exit conditions hold; an instance without a hold also ends by then.
-        expected: ``expected(binding, state, hyperparameters)``, the estimate from the state at the beginning.
+        minimum: lower bound of the duration [s], greater than zero.
+        maximum: upper bound of the time until the exit conditions hold [s]. An instance of a block without `hold` must
+            also end within this time.
+        expected: function ``expected(binding, state, hyperparameters)`` that estimates the duration [s] from the state
+            at the start of the instance.
     """
 
     minimum: float
@@ -63,12 +65,13 @@ class Duration:
 
 @dataclass(frozen=True)
 class Movement:
-    """The movement that the motor primitive of a block's reference trajectory describes.
+    """The movement that the motor primitive of a block represents.
 
     Attributes:
-        slot: the slot whose token demonstrates the movement.
-        moves: the varying property of that token that moves: ``position`` or ``orientation``.
-        dimensions: 3 for the position itself [m], 1 for the travelled fraction of the path or of the angle.
+        slot: slot of the token whose movement is demonstrated.
+        moves: varying property that the movement changes: ``position`` or ``orientation``.
+        dimensions: number of dimensions of the primitive. A primitive with 3 dimensions represents the position [m]. A
+            primitive with 1 dimension represents the travelled fraction of the path or of the angle.
     """
 
     slot: str
@@ -78,19 +81,20 @@ class Movement:
 
 @dataclass(frozen=True)
 class Measure:
-    """One term of a block's performance measure (paper, Secs. II-D and III-B): a figure and its weight.
+    """A weighted term of a block's performance measure (paper, Secs. II-D and III-B).
 
-    Exactly one of `end`, `peak` and `rate` computes the figure.
+    Exactly one of the functions `end`, `peak` and `rate` computes the figure of the term. The value of the term is
+    ``weight * figure / scale``. All functions return arrays of shape ``(...)``.
 
     Attributes:
-        name: e.g. ``"contact"``.
+        name: name of the measure, e.g. ``"contact"``.
         unit: SI unit of the figure.
-        weight: value of one `scale` of the figure in a plan; negative for a cost. Tasks may change it.
-        scale: size of the figure that counts as one [unit].
-        end: ``end(binding, before, after, hyperparameters)`` from the states at the beginning and the end, ``(...)``.
-        peak: ``peak(binding, state)``; the largest value while the block runs counts, ``(...)``.
-        rate: ``rate(binding, state, commands)``, integrated over the time that the block runs, ``(...)`` [unit/s].
-        description: one line.
+        weight: weight of the term in the value of a plan, negative for a cost. A task can change the weight.
+        scale: size of the figure that counts as 1 [unit].
+        end: function ``end(binding, before, after, hyperparameters)`` of the states at the start and at the end.
+        peak: function ``peak(binding, state)`` whose maximum over the duration is the figure.
+        rate: function ``rate(binding, state, commands)`` [unit/s] whose integral over the duration is the figure.
+        description: description in one line.
     """
 
     name: str
@@ -104,7 +108,10 @@ class Measure:
 
 
 Outcome = Callable[[Binding, State], State]
-"""``outcome(binding, state)``: expected state of the tokens in the slots when the exit conditions hold; pure."""
+"""Function ``outcome(binding, state)`` that returns the expected state at the instant when the exit conditions hold.
+
+Only the tokens in the slots change. The function is pure.
+"""
 
 
 def _rest(binding: Binding, start: State) -> ContinuousSystem:
@@ -121,32 +128,34 @@ def _measurable(literals: tuple[Literal, ...]) -> tuple[Literal, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """One type of action, or one mode of it.
+    """A type of action, or one mode of a type of action.
 
-    The modes of an action are its different outcomes. Each mode has its own conditions, targets and hyperparameters
-    and is a block named ``"ACTION:mode"``. An edge of the network that names the action alone holds for all modes.
+    An action with several possible outcomes has one mode for each outcome. Each mode has its own conditions, targets
+    and hyperparameters, and is a block named ``"ACTION:mode"``. An edge of the network that names only the action
+    applies to all modes.
 
     Attributes:
-        name: e.g. ``"ROLLING"`` or ``"REACHING:behind"``.
-        slots: one or more, each for exactly one token.
+        name: name of the block, e.g. ``"ROLLING"`` or ``"REACHING:behind"``.
+        slots: slots of the block, at least one. Each slot is filled with exactly one token.
         anchor: name of the slot whose token identifies an instance.
-        targets: tokens and symbols that it reads but does not hold.
-        entry: conditions over roles under which its tokens may be assigned.
-        exit: conditions over roles under which its tokens may leave; they are also its effects.
-        writes: slot to the varying properties that its continuous system changes.
-        keeps: predicates whose atoms do not change, although they read a property that it writes.
-        hyperparameters: parameters of its policy that are optimised.
-        duration: bounds and estimate.
-        hold: whether it continues after its exit conditions hold, and maintains them.
-        policy: ``policy(binding, start, parameters)`` makes the feedback law of an instance; None if no token has
-            basic actions.
-        system: ``system(binding, start)`` makes the forward model of an instance.
-        performance: measures of one execution; their weighted sum is maximised.
-        taught: ``taught(primitive)``, the same block with another motor primitive (a `motion.dmp.DMP`) for its
-            reference trajectory; None if it has no such trajectory.
-        movement: the movement that the primitive describes, or None.
-        outcome: estimate of the final state of its tokens, for schedules; None if they do not move.
-        description: one line.
+        targets: tokens and symbols that the block reads but that are not in its slots.
+        entry: conditions over roles that must hold when tokens enter the slots.
+        exit: conditions over roles that must hold when the tokens leave. The exit conditions are also the effects.
+        writes: maps each slot to the varying properties that the continuous system changes.
+        keeps: predicates whose atoms the block does not change, although the predicates read a written property.
+        hyperparameters: parameters of the policy that are optimised.
+        duration: bounds and an estimate for the duration of an instance.
+        hold: whether an instance can continue after its exit conditions hold. The instance then maintains the
+            conditions.
+        policy: function ``policy(binding, start, parameters)`` that returns the feedback law of an instance. None if no
+            token in a slot has basic actions.
+        system: function ``system(binding, start)`` that returns the continuous system of an instance.
+        performance: performance measures of an instance. Their weighted sum is maximised.
+        taught: function ``taught(primitive)`` that returns the same block with another motor primitive, which is a
+            `motion.dmp.DMP`. None if the block has no motor primitive.
+        movement: movement that the motor primitive represents, or None.
+        outcome: function that estimates the final state of the tokens, for schedules. None if no token moves.
+        description: description in one line.
     """
 
     name: str
@@ -173,54 +182,54 @@ class Block:
 
     @property
     def action(self) -> str:
-        """The name without the mode."""
+        """Name of the block without the mode."""
         return split_mode(self.name)[0]
 
     @property
     def roles(self) -> Mapping[str, type[ObjectClass] | SymbolSort]:
-        """Role to class or sort: slots first, then targets."""
+        """Maps each role to its class or sort. The slots come before the targets."""
         found: dict[str, type[ObjectClass] | SymbolSort] = {s.name: s.object_class for s in self.slots}
         return found | {target.name: target.sort for target in self.targets}
 
     @property
     def moves(self) -> bool:
-        """Whether its continuous system changes anything."""
+        """Whether the continuous system of the block changes the state."""
         return self.system is not _rest
 
     @property
     def others(self) -> tuple[Slot, ...]:
-        """The slots other than the anchor, in order."""
+        """Slots of the block except the anchor, in order."""
         return tuple(slot for slot in self.slots if slot.name != self.anchor)
 
     @property
     def measured_exits(self) -> tuple[Literal, ...]:
-        """The exit conditions that have a margin; those with a wildcard only delete facts."""
+        """Exit conditions without wildcards. Only conditions without wildcards have a margin."""
         return _measurable(self.exit)
 
     @property
     def measured_entries(self) -> tuple[Literal, ...]:
-        """The entry conditions that are measured when it starts; static facts do not change."""
+        """Entry conditions whose margins are measured when an instance starts."""
         return _measurable(self.changing_entry)
 
     @property
     def static_entry(self) -> tuple[Literal, ...]:
-        """The entry conditions that are feasibility facts."""
+        """Entry conditions on static predicates, which are feasibility facts."""
         return tuple(literal for literal in self.entry if literal.predicate.static)
 
     @property
     def changing_entry(self) -> tuple[Literal, ...]:
-        """The entry conditions that other blocks set or delete."""
+        """Entry conditions on predicates that are not static. Other blocks can change these conditions."""
         return tuple(literal for literal in self.entry if not literal.predicate.static)
 
     @property
     def maintained_exit(self) -> tuple[Literal, ...]:
-        """The exit conditions that hold only while the instance runs."""
+        """Positive exit conditions that hold only while the instance runs."""
         return tuple(literal for literal in self.exit if literal.predicate.maintained and literal.positive)
 
     def slot(self, name: str) -> Slot:
-        """Return the slot of that name; KeyError if there is none."""
+        """Return the slot with a given name. Raise a `KeyError` if no slot has this name."""
         return {slot.name: slot for slot in self.slots}[name]
 
     def initial_values(self, binding: Binding, state: State) -> dict[str, FloatArray]:
-        """Return the initial value of every hyperparameter, clipped to its bounds."""
+        """Return a dictionary that maps each hyperparameter to its initial value, clipped to its bounds."""
         return {h.name: h.initial_value(binding, state) for h in self.hyperparameters}

@@ -1,6 +1,6 @@
-"""Single changes of a task, as values.
+"""Single changes of a task, as immutable values.
 
-`questions.changes.apply_change` makes the changed task. Two changes are equal if they make the same task.
+`questions.changes.apply_change` returns the changed task. Two changes are equal if they result in the same task.
 """
 
 from dataclasses import dataclass, field
@@ -15,16 +15,16 @@ ChangeKind = Literal["token", "class", "edge", "fact", "property"]
 
 
 class _Described:
-    """A change that is described by the names of its objects and by a phrase."""
+    """Base class of changes, which are described by names and by a phrase."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the token, class, slots, atom or property that changes."""
+        """Names of the tokens, classes, slots, atoms or properties that the change involves."""
         return self._description()[0]
 
     @property
     def what(self) -> str:
-        """The change in words."""
+        """Phrase that describes the change."""
         return self._description()[1]
 
     def _description(self) -> tuple[tuple[str, ...], str]:
@@ -33,11 +33,11 @@ class _Described:
 
 @dataclass(frozen=True)
 class CopyToken(_Described):
-    """One more token like an existing one.
+    """Addition of a copy of an existing token.
 
     Attributes:
-        like: the token that is copied.
-        across_from: the token on whose other side the copy is; None if the copy is beside the original.
+        like: token that is copied.
+        across_from: token between the original and the copy. None if the copy is beside the original.
     """
 
     kind: ClassVar[ChangeKind] = "token"
@@ -54,7 +54,7 @@ class CopyToken(_Described):
 
 @dataclass(frozen=True)
 class IdealToken(_Described):
-    """A token of a class that has no members yet; it satisfies every feasibility fact."""
+    """Addition of a token of a class without members. The token satisfies every feasibility fact."""
 
     kind: ClassVar[ChangeKind] = "token"
     object_class: type[ObjectClass]
@@ -66,7 +66,7 @@ class IdealToken(_Described):
 
 @dataclass(frozen=True)
 class JoinClass(_Described):
-    """A token becomes a member of one more class."""
+    """Addition of a token to a class."""
 
     kind: ClassVar[ChangeKind] = "class"
     token: Token
@@ -79,7 +79,7 @@ class JoinClass(_Described):
 
 @dataclass(frozen=True)
 class AddEdge(_Described):
-    """One more edge of the reassignment network."""
+    """Addition of an edge to the reassignment network."""
 
     kind: ClassVar[ChangeKind] = "edge"
     source: SlotName
@@ -92,11 +92,11 @@ class AddEdge(_Described):
 
 @dataclass(frozen=True)
 class GrantFact(_Described):
-    """A feasibility fact holds or fails as needed, whatever its margin is.
+    """Assumption that a condition on a static predicate holds, whatever its margin is.
 
     Attributes:
-        atom: the fact; its sign says whether it has to hold.
-        shortfall: the amount by which it fails, as text with its unit.
+        atom: condition that is assumed to hold. A negative atom assumes that the fact does not hold.
+        shortfall: amount by which the condition fails, as text with a unit.
     """
 
     kind: ClassVar[ChangeKind] = "fact"
@@ -104,21 +104,21 @@ class GrantFact(_Described):
     shortfall: str = field(compare=False)
 
     def _description(self) -> tuple[tuple[str, ...], str]:
-        return (self.atom.text,), f"{self.atom.text} as a fact, which fails by {self.shortfall}"
+        return (self.atom.text,), f"{self.atom.text} assumed to hold, although it fails by {self.shortfall}"
 
 
 @dataclass(frozen=True)
 class SetProperty(_Described):
-    """A fixed property of a token has another value.
+    """Change of the value of a fixed property of a token.
 
     Attributes:
         name: name of the token.
-        label: the property, e.g. ``force``, or a component of it, e.g. ``workspace_upper.x``.
-        value: the new value [unit].
-        before: the old value [unit].
-        unit: its unit.
-        token: the token with the new value.
-        atom: the feasibility fact that holds with the new value.
+        label: name of the property, e.g. ``force``, or of a component, e.g. ``workspace_upper.x``.
+        value: new value of the property [unit].
+        before: old value of the property [unit].
+        unit: unit of the property.
+        token: token with the new value.
+        atom: feasibility fact that holds with the new value.
     """
 
     kind: ClassVar[ChangeKind] = "property"
@@ -132,9 +132,9 @@ class SetProperty(_Described):
 
     def _description(self) -> tuple[tuple[str, ...], str]:
         unit = "" if self.unit == "1" else f" {self.unit}"
-        values = f"at {self.value:.4g}{unit} instead of {self.before:.4g}"
+        values = f"set to {self.value:.4g}{unit} instead of {self.before:.4g}{unit}"
         return (self.name, self.label, self.atom.text), f"{self.label.replace('.', ', ')} of {self.name} {values}"
 
 
 Change = CopyToken | IdealToken | JoinClass | AddEdge | GrantFact | SetProperty
-"""One change of a task."""
+"""A single change of a task."""

@@ -1,6 +1,6 @@
-"""Goals with a choice: `ANY` in an atom stands for any token or symbol.
+"""Goals with a choice, whose atoms contain `ANY` in place of a token or symbol.
 
-Such a goal is the disjunction of several ground goals.
+A goal with a choice is the disjunction of several ground goals.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -11,7 +11,7 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.predicate import ANY, Atom, Predicate
 
 MOST_ALTERNATIVES = 1000
-"""Largest number of ground goals of a goal with a choice."""
+"""Largest number of ground goals that a goal with a choice may have."""
 
 Goal = tuple[Atom, ...]
 
@@ -22,29 +22,29 @@ def ground_goals(
     groundings: Callable[[Atom], tuple[Atom, ...]],
     margin: Callable[[Atom], float],
 ) -> list[Goal]:
-    """Return the ground goals of a goal with a choice, the nearest first.
+    """Return the ground goals of a goal with a choice, the nearest goal first.
 
-    The nearest goal has the largest sum of the margins of its chosen atoms in the initial state, in units of
-    violation; the order of the tokens breaks ties. Goals with contradictory atoms are omitted.
+    The nearest goal has the largest sum of margins in the initial state, each divided by the scale of its predicate.
+    The sum is over the chosen atoms. The order of the tokens breaks ties. Goals with contradictory atoms are omitted.
 
     Args:
-        goal: the goal.
-        predicates: the domain's predicates by name.
-        groundings: returns the ground atoms of an atom with a choice.
-        margin: returns the margin of a ground atom in the initial state.
+        goal: goal with a choice.
+        predicates: maps the name of each predicate of the domain to the predicate.
+        groundings: function that returns the ground atoms of an atom with a choice.
+        margin: function that returns the margin of a ground atom in the initial state.
 
     Raises:
-        InputError: there are more than `MOST_ALTERNATIVES`, or none.
+        InputError: if there are more than `MOST_ALTERNATIVES` combinations of atoms, or no ground goal.
     """
     choices = [groundings(atom) if _open(atom) else (atom,) for atom in goal]
     count = prod(map(len, choices))
     if count > MOST_ALTERNATIVES:
-        wanted = f"a goal must leave at most {MOST_ALTERNATIVES} choices"
+        wanted = f"a goal must have at most {MOST_ALTERNATIVES} combinations of choices"
         raise InputError([Issue("goal", wanted, str(count), remedy=f"name tokens instead of {ANY!r}")])
     every = dict.fromkeys(tuple(dict.fromkeys(atoms)) for atoms in product(*choices))
     goals = [each for each in every if _compatible(predicates, each)]
     if not goals:
-        wanted = f"tokens or symbols for {ANY!r} with which all of the goal can hold at once"
+        wanted = f"the goal must have tokens or symbols for {ANY!r} with which all its atoms can hold together"
         raise InputError([Issue("goal", wanted, "none")])
     given = {atom for atom in goal if not _open(atom)}
 
@@ -59,7 +59,7 @@ def _open(atom: Atom) -> bool:
 
 
 def _compatible(predicates: Mapping[str, Predicate], goal: Iterable[Atom]) -> bool:
-    """Say whether no functional predicate has two values in a ground goal."""
+    """Return whether every functional predicate has at most one value in a ground goal."""
     keys = [key for atom in goal for key in _keys(predicates[atom.predicate], atom)]
     return len(set(keys)) == len(keys)
 

@@ -1,6 +1,6 @@
-"""Law 5 and the goal: whether conditions hold at the instants of reassignment.
+"""Check of law 5 and of the goal: conditions must hold at the instants of reassignment.
 
-The effects of blocks (for a plan) or measured margins (for a recording) decide the conditions.
+In a plan, the effects of blocks decide whether a condition holds. In a recording, the measured margins decide.
 """
 
 from bisect import bisect_left, bisect_right
@@ -16,12 +16,12 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 
 Measured = Callable[[float], State]
-"""Returns the state measured at an instant [s]."""
+"""Function that takes an instant [s] and returns the state measured at this instant."""
 
 
 @dataclass(frozen=True)
 class Violation:
-    """One breach of the law: its number, the instant [s], the instance or token, and the fault."""
+    """A violation of a law, at an instant [s]. `where` names an instance, a token or a goal atom."""
 
     law: int
     time: float
@@ -33,32 +33,32 @@ class Violation:
 
     @property
     def text(self) -> str:
-        """The breach in a line."""
+        """Violation as one line of text."""
         return f"law {self.law} at {self.time:.3f} s, {self.where}: {self.message}"
 
 
 def condition_faults(task: Task, plan: TaskPlan, measured: Measured | None) -> list[Violation]:
-    """Return the breaches of law 5 and the goal atoms that do not hold, by measured states or else by symbols."""
+    """Return the violations of law 5 and of the goal. Declared effects decide if `measured` is None."""
     checker = _Symbols(task, plan) if measured is None else _Margins(task, plan, measured)
     return list(checker.violations())
 
 
 class _Instants:
-    """The instances, indexed by the instant at which they start or end."""
+    """Index of instances by the instant at which they start or end."""
 
     def __init__(self, instances: Sequence[BlockInstance], side: str) -> None:
         self._instances = instances
         self._order = sorted((getattr(instance, side), index) for index, instance in enumerate(instances))
 
     def at(self, time: float) -> list[BlockInstance]:
-        """Return the instances of an instant, in the plan's order."""
+        """Return the instances that start or end at this instant, in the order of the plan."""
         first = bisect_left(self._order, (time - TIME_TOLERANCE, -1))
         last = bisect_right(self._order, (time + TIME_TOLERANCE, len(self._order)))
         return [self._instances[index] for index in sorted(index for _, index in self._order[first:last])]
 
 
 class _Checker:
-    """Law 5 and the goal of law 7, by conditions at the instants of reassignment."""
+    """Base class of the checks of conditions: law 5, and law 7 for the goal."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         self.task = task
@@ -82,7 +82,7 @@ class _Checker:
                 self.forget(ended)
         for atom in self.task.goal:
             if not self.reached(atom):
-                yield Violation(7, self.plan.makespan, atom.text, "the goal does not hold at the end")
+                yield Violation(7, self.plan.makespan, atom.text, "the goal atom does not hold at the end of the plan")
 
     def enter(self, time: float, instance: BlockInstance) -> Iterator[Violation]:
         roles = self.task.bind(instance.roles)
@@ -99,7 +99,7 @@ class _Checker:
         raise NotImplementedError
 
     def reach(self, time: float) -> None:
-        """Apply the effects of blocks that hold, up to now."""
+        """Apply the effects of all instances whose exit conditions hold by this time [s]."""
 
     def forget(self, ended: list[BlockInstance]) -> None:
         """Delete the facts that the ended instances maintained."""
@@ -112,7 +112,7 @@ class _Checker:
 
 
 class _Symbols(_Checker):
-    """Checks by the declared effects, applied at the end of each instance, deletes before adds."""
+    """Check by the declared effects, which are applied at the end of each instance."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         super().__init__(task, plan)
@@ -123,7 +123,7 @@ class _Symbols(_Checker):
         self.to_come = deque(sorted(holding, key=lambda each: each[:2]))
 
     def _read(self) -> list[Predicate]:
-        """Return the predicates in the goal and in entry conditions of the plan's blocks; others need no facts."""
+        """Return the predicates that occur in the goal or in entry conditions of the plan's blocks."""
         blocks = {instance.block for instance in self.plan.instances}
         entries = (literal for block in blocks for literal in self.task.domain.block_by_name[block].entry)
         names = {literal.predicate.name for literal in entries} | {atom.predicate for atom in self.task.goal}
@@ -138,7 +138,7 @@ class _Symbols(_Checker):
         return iter(())
 
     def apply(self, instance: BlockInstance) -> None:
-        """Apply the effects of an instance once, deletes before adds."""
+        """Apply the effects of an instance, deletes before adds. Later calls for the same instance do nothing."""
         if instance.name in self.applied:
             return
         self.applied.add(instance.name)
@@ -169,7 +169,7 @@ class _Symbols(_Checker):
 
 
 class _Margins(_Checker):
-    """Checks by the margins measured at the instants."""
+    """Check by the margins that were measured at the instants of reassignment."""
 
     def __init__(self, task: Task, plan: TaskPlan, measured: Measured) -> None:
         super().__init__(task, plan)

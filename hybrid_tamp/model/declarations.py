@@ -1,4 +1,4 @@
-"""The declarations of a domain, as `model.domain_checks` examines them."""
+"""The declarations of a domain, before `model.domain_checks` has checked them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from hybrid_tamp.model.predicate import Predicate, SymbolSort
 from hybrid_tamp.model.trial import TrialRecipe
 
 Metrics = Callable[[Any, Any], Mapping[tuple[str, str], float]]
-"""``metrics(task, recording)``: a domain's own measures of a finished run, (instance, name with unit) to value."""
+"""Function ``metrics(task, recording)`` of a finished run that maps pairs of (instance, metric with unit) to values."""
 
 
 @dataclass(frozen=True, eq=False)
 class Declarations:
-    """The declarations of a domain; `Domain` describes the attributes."""
+    """The unchecked declarations of a domain. See `Domain` for the attributes."""
 
     name: str
     classes: tuple[type[ObjectClass], ...]
@@ -34,5 +34,5 @@ class Declarations:
 
     @cached_property
     def relations(self) -> ClassRelations:
-        """Which classes may share a token."""
+        """Rules for which pairs of classes can share a token."""
         return ClassRelations(self.disjoint)

@@ -1,8 +1,8 @@
-"""The symbolic state, computed from the continuous state.
+"""Computation of the symbolic state from the continuous state.
 
-A predicate holds if its margin is zero or positive. A functional predicate has at most one value: if several values
-have such margins, the value in the goal, else the value with the largest margin. Atoms of maintained predicates do not
-follow from the continuous state, because they belong to running instances.
+An atom holds if its margin is zero or positive. A functional predicate has at most one value. If several values have
+non-negative margins, the value in the goal is chosen, or else the value with the largest margin. Atoms of maintained
+predicates depend on the running instances, so they cannot be computed from the continuous state.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -15,11 +15,11 @@ from hybrid_tamp.model.token import Token, different
 
 
 def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[Atom]:
-    """Return the feasibility facts of the task: atoms of static predicates over different tokens.
+    """Return the feasibility facts of the task: the atoms of static predicates that hold for different tokens.
 
     Args:
-        task: the task.
-        known: the facts of a larger task that has these tokens in the same state; some may be decided already.
+        task: task whose facts are computed.
+        known: facts of a larger task that contains these tokens in the same state. Margins in `known` are reused.
     """
     known = known or StaticFacts(task)
     found: set[Atom] = set()
@@ -32,27 +32,30 @@ def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[At
 
 
 class StaticFacts:
-    """The feasibility facts of a task, each margin evaluated when it is first needed: there may be very many."""
+    """The feasibility facts of a task.
+
+    Each margin is evaluated when it is first needed, because a task can have very many feasibility facts.
+    """
 
     def __init__(self, task: Task) -> None:
         self._task = task
         self._known: dict[Atom, float] = {}
 
     def __contains__(self, atom: Atom) -> bool:
-        """Say whether the positive atom is one of `static_facts`."""
+        """Return whether a positive atom is a feasibility fact of the task."""
         predicate = self._task.domain.predicate_by_name[atom.predicate]
         values = tuple(map(self._task.value, atom.arguments))
         fits = all(map(_fits, values, predicate.parameters)) and different(values)
         return fits and self._margin(predicate, values, atom) >= 0
 
     def margin(self, literal: Literal, bound: Mapping[str, Value]) -> float:
-        """Return the signed margin of a static literal whose roles are bound, in the initial state."""
+        """Return the signed margin of a static literal in the initial state. `bound` maps each role to its value."""
         values = tuple(bound.get(argument, argument) for argument in literal.arguments)
         margin = self._margin(literal.predicate, values, next(_atoms(literal.predicate, [values])))
         return margin if literal.positive else -margin
 
     def holding(self, predicate: Predicate, bindings: Sequence[tuple[Value, ...]]) -> Iterator[Atom]:
-        """Yield the facts among well-typed bindings; margins that are not known yet are evaluated at once."""
+        """Yield the atoms that hold for well-typed bindings. All unknown margins are evaluated in one batch."""
         atoms = list(_atoms(predicate, bindings))
         unknown = [place for place, atom in enumerate(atoms) if atom not in self._known]
         margins = predicate.margins(self._task.state, [bindings[place] for place in unknown])
@@ -72,12 +75,12 @@ def _fits(value: Value, parameter: Parameter) -> bool:
 
 
 def facts(task: Task, state: State | None = None, predicates: Iterable[Predicate] | None = None) -> frozenset[Atom]:
-    """Return the atoms of changing predicates that hold.
+    """Return the atoms of changing and functional predicates that hold in a state.
 
     Args:
-        task: the task.
-        state: the state; the initial state by default.
-        predicates: the predicates; all predicates of the domain by default.
+        task: task that has the tokens and the goal.
+        state: continuous state. None means the initial state of the task.
+        predicates: predicates of the atoms. None means all predicates of the domain.
     """
     state = task.state if state is None else state
     found: set[Atom] = set()
@@ -94,13 +97,13 @@ def facts(task: Task, state: State | None = None, predicates: Iterable[Predicate
 
 
 def margins(task: Task, state: State, predicate: Predicate) -> Iterable[tuple[Atom, float]]:
-    """Return every well-typed atom of the predicate over different tokens, with its margin."""
+    """Return a pair of (atom, margin) for every well-typed atom of the predicate over different tokens."""
     bindings = _bindings(task, predicate)
     return zip(_atoms(predicate, bindings), predicate.margins(state, bindings).tolist(), strict=True)
 
 
 def _bindings(task: Task, predicate: Predicate) -> list[tuple[Value, ...]]:
-    """Return every well-typed binding of the predicate's arguments to different tokens."""
+    """Return all well-typed arguments of the predicate in which no token occurs twice."""
     sorts = {parameter.name: task.values_of(parameter.sort) for parameter in predicate.parameters}
     return [tuple(bound.values()) for bound in enumerate_bindings(sorts)]
 

@@ -1,4 +1,4 @@
-"""The result of membership trials: a verdict on each class of a token, with its confidence interval."""
+"""Results of membership trials: one verdict for each candidate class of a token, with a confidence interval."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,17 +9,17 @@ from hybrid_tamp.geometry.features import RestingPose
 from hybrid_tamp.model.tables import Rows, Tabular
 
 _Z = 1.959963984540054
-"""Quantile of the normal distribution for an interval of 95 %."""
+"""Quantile of the standard normal distribution for a 95 % confidence interval."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One trial from one start.
+    """One trial of membership, from one initial state.
 
     Attributes:
-        success: whether the goal was reached and every measure was within its bounds.
-        why: why it failed; empty if it succeeded.
-        measures: the domain's metrics.
+        success: whether the trial reached the goal with every measure within its bounds.
+        why: reason why the trial failed. Empty if the trial succeeded.
+        measures: maps the name of each metric of the domain to its value.
     """
 
     success: bool
@@ -29,17 +29,18 @@ class Trial:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The verdict on one class.
+    """The verdict on whether a token is a member of one class.
 
     Attributes:
         object_class: name of the class.
-        likelihood: how typical the shape is of the class, 0 to 1.
-        labelled: the member whose properties were transferred, or None.
-        residual: mean distance between its warped surface and the new one [m].
-        properties: the token's properties as a member.
-        contacts: expected contact points of hands, in its body frame [m].
-        trials: one trial for each start.
-        obstacle: why no trial was possible, or empty.
+        likelihood: score from 0 to 1 for how typical the token's shape is of the class.
+        labelled: name of the known member whose properties were transferred to the token, or None.
+        residual: mean distance between the warped surface of the known member and the surface of the token [m], or
+            None.
+        properties: estimated properties of the token as a member of the class.
+        contacts: maps the name of each expected contact point of a hand to its position in the token's body frame [m].
+        trials: trials of membership, one for each initial state.
+        obstacle: reason why no trial was possible. Empty if trials were possible.
     """
 
     object_class: str
@@ -58,14 +59,16 @@ class Verdict:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """95 % confidence interval of the success rate."""
+        """Bounds of the 95 % confidence interval of the success rate."""
         return wilson_interval(self.successes, len(self.trials))
 
     @property
     def verdict(self) -> Literal["yes", "no", "unsure", "not tried"]:
-        """``yes`` or ``no`` if the interval excludes one half, ``unsure`` if it does not, or ``not tried``.
+        """Verdict in words.
 
-        If there is no plan for a trial, it is ``no``.
+        ``yes`` if the confidence interval is above 0.5, ``no`` if the interval is below 0.5, and ``unsure`` if the
+        interval contains 0.5. If no trial was possible, the verdict is ``no`` if the properties could be estimated and
+        ``not tried`` otherwise.
         """
         if self.obstacle:
             return "no" if self.properties else "not tried"
@@ -75,14 +78,14 @@ class Verdict:
 
 @dataclass(frozen=True)
 class MembershipResult(Tabular):
-    """The result of probing a token.
+    """The result of membership trials of one token.
 
     Attributes:
         task: name of the task.
         token: name of the token.
-        seed: seed of the starts.
-        resting: the faces on which its shape can rest.
-        verdicts: one verdict for each class, the likeliest class first.
+        seed: seed of the random initial states.
+        resting: faces on which the token's shape can rest.
+        verdicts: verdicts for the classes, the likeliest class first.
     """
 
     task: str
@@ -93,7 +96,7 @@ class MembershipResult(Tabular):
 
     @property
     def rows(self) -> Rows:
-        """The verdicts as a table."""
+        """Rows of the table of verdicts."""
         verdicts = {each.object_class: each.verdict for each in self.verdicts}
         return [("task", self.task), ("token", self.token), ("faces to rest on", len(self.resting)), *verdicts.items()]
 
@@ -103,7 +106,7 @@ def wilson_interval(successes: int, trials: int) -> tuple[float, float]:
 
     Args:
         successes: number of successful trials.
-        trials: number of trials; without trials the interval is 0 to 1.
+        trials: number of trials. The interval is (0, 1) if `trials` is 0.
     """
     if trials == 0:
         return 0.0, 1.0

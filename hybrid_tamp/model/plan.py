@@ -1,4 +1,4 @@
-"""The task plan: a timeline of assignments of tokens to block instances."""
+"""Task plans: timelines of the assignment of tokens to block instances."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -7,7 +7,7 @@ from functools import cached_property
 from hybrid_tamp.model.tables import Rows, Tabular
 
 TIME_TOLERANCE = 1e-6
-"""Instants closer than this are one instant [s]."""
+"""Largest difference between two times that count as the same instant [s]."""
 
 
 @dataclass(frozen=True)
@@ -15,14 +15,15 @@ class BlockInstance:
     """One execution of a block.
 
     Attributes:
-        name: unique name, e.g. ``"ROLLING-1"``.
+        name: unique name of the instance, e.g. ``"ROLLING-1"``.
         block: name of the block.
-        slots: slot to the name of the token in it.
-        start: instant at which its tokens enter [s].
-        end: instant at which they leave, or the plan's makespan [s].
-        targets: target to the name of the token or symbol.
-        hyperparameters: hyperparameter to value.
-        reached: for a block with a hold, when its exit conditions first held [s]; later it changes nothing.
+        slots: maps each slot to the name of its token.
+        start: instant at which the tokens enter the slots [s].
+        end: instant at which the tokens leave the slots, or the makespan of the plan [s].
+        targets: maps each target to the name of its token or symbol.
+        hyperparameters: maps each hyperparameter to its value.
+        reached: instant at which the exit conditions first hold, for a block with `hold` [s]. The instance changes
+            nothing after this instant. None if the instant is unknown.
     """
 
     name: str
@@ -36,46 +37,46 @@ class BlockInstance:
 
     @property
     def action(self) -> str:
-        """The block's name without its mode."""
+        """Name of the block without the mode."""
         return split_mode(self.block)[0]
 
     @property
     def mode(self) -> str | None:
-        """The mode of the block, or None."""
+        """Mode of the block, or None if the block has no mode."""
         return split_mode(self.block)[1]
 
     @property
     def roles(self) -> dict[str, str]:
-        """Slots and targets together."""
+        """Maps each slot and target to the name of its token or symbol."""
         return {**self.slots, **self.targets}
 
     @property
     def text(self) -> str:
-        """The name with the roles, e.g. ``ROLLING-1(hand=hand, object=drum, region=goal)``."""
+        """Name of the instance with its roles, e.g. ``ROLLING-1(hand=hand, object=drum, region=goal)``."""
         return f"{self.name}({', '.join(f'{role}={name}' for role, name in self.roles.items())})"
 
     def during(self, start: float, end: float) -> "BlockInstance":
-        """Return the instance at other times; the time from its start to its exit is the same."""
+        """Return the instance with another start and end. The time from `start` to `reached` does not change."""
         reached = None if self.reached is None else self.reached + start - self.start
         return replace(self, start=start, end=end, reached=reached)
 
     @property
     def active(self) -> "BlockInstance":
-        """The instance until its exit conditions held, or the whole instance if that is unknown."""
+        """Copy of the instance that ends when the exit conditions first hold, or this instance if `reached` is None."""
         return self if self.reached is None else replace(self, end=min(self.reached, self.end))
 
     def overlaps(self, other: "BlockInstance") -> bool:
-        """Say whether the two run at once for longer than an instant."""
+        """Return whether both instances run at the same time for longer than an instant."""
         return min(self.end, other.end) - max(self.start, other.start) > TIME_TOLERANCE
 
 
 @dataclass(frozen=True)
 class PlannedAction:
-    """One action of a plan, with the names in its PDDL.
+    """An action of a PDDL plan.
 
     Attributes:
-        name: name of the operator.
-        arguments: the objects bound to its parameters.
+        name: PDDL name of the operator.
+        arguments: PDDL names of the objects that are bound to the parameters of the operator.
     """
 
     name: str
@@ -83,7 +84,7 @@ class PlannedAction:
 
     @property
     def text(self) -> str:
-        """The action as a line of a PDDL plan: ``(name first second)``."""
+        """Action as a line of a PDDL plan, e.g. ``(name first second)``."""
         return f"({' '.join((self.name, *self.arguments))})"
 
     def __str__(self) -> str:
@@ -92,7 +93,7 @@ class PlannedAction:
 
 @dataclass(frozen=True)
 class Step:
-    """An interval in which no token is reassigned, with the instances that run."""
+    """A time interval [s] without reassignments, and the instances that run in this interval."""
 
     index: int
     start: float
@@ -105,9 +106,9 @@ class TaskPlan(Tabular):
     """A timeline of block instances.
 
     Attributes:
-        instances: all block instances, resting ones included, by start.
+        instances: all block instances, including resting instances, sorted by start.
         makespan: end of the plan [s].
-        actions: the actions that the planner returned; empty if the plan has another origin.
+        actions: actions that the planner returned. Empty if no planner made the plan.
     """
 
     instances: tuple[BlockInstance, ...]
@@ -116,11 +117,11 @@ class TaskPlan(Tabular):
 
     @property
     def rows(self) -> Rows:
-        """The steps as a table."""
+        """Rows of the table of steps."""
         return [(f"{each.start:.2f} to {each.end:.2f} s", each.instances) for each in self.steps]
 
     def set_hyperparameters(self, values: Mapping[tuple[str, str], float]) -> "TaskPlan":
-        """Return the plan with other values of some hyperparameters, by (instance, hyperparameter)."""
+        """Return the plan with new values. `values` maps pairs of (instance, hyperparameter) to values."""
         mine: dict[str, dict[str, float]] = {}
         for (instance, name), value in values.items():
             mine.setdefault(instance, {})[name] = value
@@ -132,22 +133,22 @@ class TaskPlan(Tabular):
 
     @cached_property
     def instants(self) -> tuple[float, ...]:
-        """The instants of reassignment, the beginning and the end included, ascending [s]."""
+        """Instants of reassignment, including the start and the end of the plan, in ascending order [s]."""
         return merge_instants(t for i in self.instances for t in (i.start, i.end))
 
     @property
     def steps(self) -> Iterator[Step]:
-        """The intervals between reassignments, with the instances that run in each (paper, under Fig. 3)."""
+        """Intervals between reassignments, each with its running instances (paper, below Fig. 3)."""
         for index, (start, end) in enumerate(zip(self.instants, self.instants[1:], strict=False), start=1):
             middle = (start + end) / 2
             yield Step(index, start, end, tuple(i for i in self.instances if i.start <= middle < i.end))
 
     def timeline(self, token: str) -> tuple[tuple[BlockInstance, str], ...]:
-        """Return the (instance, slot) pairs of a token, by start."""
+        """Return pairs of (instance, slot) for all instances that contain the token, sorted by start."""
         return self._timelines.get(token, ())
 
     def before(self, instance: BlockInstance, token: str) -> tuple[BlockInstance, str] | None:
-        """Return the (instance, slot) pair that a token was in before it entered an instance, None if there is none."""
+        """Return the pair of (instance, slot) from which a token enters an instance, or None for its first instance."""
         timeline = self.timeline(token)
         index = next(i for i, (other, _) in enumerate(timeline) if other is instance)
         return timeline[index - 1] if index else None
@@ -162,13 +163,13 @@ class TaskPlan(Tabular):
 
 
 def split_mode(block: str) -> tuple[str, str | None]:
-    """Split the name of a block into action and mode; the mode is None if the action has only one."""
+    """Return the action and the mode of a block's name. The mode is None if the block has no mode."""
     action, colon, mode = block.partition(":")
     return (action, mode) if colon else (block, None)
 
 
 def merge_instants(times: Iterable[float]) -> tuple[float, ...]:
-    """Return the distinct instants, ascending; times within the tolerance are one instant."""
+    """Return the instants in ascending order. Times within `TIME_TOLERANCE` are merged into one instant."""
     merged: list[float] = []
     for time in sorted(times):
         if not merged or time - merged[-1] > TIME_TOLERANCE:
@@ -177,5 +178,5 @@ def merge_instants(times: Iterable[float]) -> tuple[float, ...]:
 
 
 def at(one: float, other: float) -> bool:
-    """Say whether two times are one instant."""
+    """Return whether two times are the same instant."""
     return abs(one - other) <= TIME_TOLERANCE

@@ -1,7 +1,7 @@
-"""Predicates (named signed margins), literals over roles and atoms over tokens.
+"""Predicates as named signed margins, literals over roles, and atoms over tokens.
 
-A predicate holds where its margin is zero or positive. The same margin gives the symbolic initial state, the exit tests
-during execution, the goal and the optimiser's constraint term, so symbols and numbers always agree.
+A predicate holds if its margin is zero or positive. The same margin defines the symbolic initial state, the exit tests
+during execution, the goal and the optimiser's constraint term. So the symbolic and the continuous level always agree.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -20,26 +20,26 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
 ANY = "*"
-"""The wildcard of a negative literal: it matches every value of that argument."""
+"""Wildcard argument. In a negative literal, the wildcard matches every value."""
 
 Value = Token | str
-"""Value of an argument of a predicate: a token, or a symbol of a sort."""
+"""Value of a predicate's argument: a token or a symbol."""
 
 Binding = Mapping[str, Value]
-"""Role (slot or target) of an instance to the token or symbol bound to it."""
+"""Maps each role (slot or target) of an instance to its token or symbol."""
 
 
 class Kind(Enum):
-    """The lifetime of the atoms of a predicate."""
+    """What makes the atoms of a predicate true and false."""
 
     CHANGING = "changing"
-    """Blocks set and delete its atoms."""
+    """Blocks add and delete the atoms."""
     FUNCTIONAL = "functional"
-    """One parameter has at most one value for given other arguments, e.g. a place; a new value replaces the old one."""
+    """One parameter has at most one value for given other arguments. A new value replaces the old value."""
     MAINTAINED = "maintained"
-    """An atom holds only while the instance that set it runs."""
+    """An atom holds only while the instance that added the atom runs."""
     STATIC = "static"
-    """An atom is a feasibility fact: fixed properties and the initial state decide it once."""
+    """The atoms are feasibility facts, which depend only on fixed properties and the initial state."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class SymbolSort:
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter of a predicate: its name and the class or sort of its values."""
+    """A parameter of a predicate, with its name and the class or sort of its values."""
 
     name: str
     sort: type[ObjectClass] | SymbolSort
@@ -64,24 +64,23 @@ class Predicate:
     """A named signed margin over tokens and symbols.
 
     Attributes:
-        name: name in task files, messages and PDDL.
-        parameters: its parameters.
-        margin: ``margin(state, *values)``, an array ``(...)`` that is zero or positive where it holds.
+        name: name of the predicate in task files, messages and PDDL.
+        parameters: parameters of the predicate.
+        margin: function ``margin(state, *values)`` that returns the margin, shape ``(...)``.
         unit: unit of the margin.
-        scale: size of a margin that counts as one unit of violation [unit].
-        reads: parameter to the varying properties of it that the margin reads.
-        kind: the lifetime of its atoms.
-        value_of: the parameter of a functional predicate that has one value; None for other kinds.
-        rows: the arguments for which a relation over symbols holds, in the order of the sorts, set by `relation`;
-            None for other predicates.
-        by_name: whether the margin depends on the names of tokens, not only on their properties and states.
-        share: for a load that several tokens bear together: ``share(state, *values)`` returns the load on the first
-            value and its capacity [unit], for one state; the margin is their difference. None for other predicates.
-        description: sentence with the parameters' names in braces, e.g. ``"{object} is within {region}"``.
+        scale: size of a negative margin that counts as a violation of 1 [unit].
+        reads: maps each parameter to the varying properties that the margin reads from its value.
+        kind: kind of the predicate.
+        value_of: name of the parameter that has at most one value. None unless the predicate is functional.
+        rows: arguments for which a relation over symbols holds, in the order of the sorts. None for other predicates.
+        by_name: whether the margin depends on the names of tokens, besides their properties and states.
+        share: function ``share(state, *values)`` for a load that several tokens bear together. The function returns the
+            load on the first value and the capacity of the first value [unit]. None for other predicates.
+        description: sentence with parameters in braces, e.g. ``"{object} is within {region}"``.
         denial: sentence for a predicate that does not hold, e.g. ``"{object} is not within {region}"``.
 
     Raises:
-        DomainError: the kind, `value_of` and `rows` contradict each other.
+        DomainError: if `kind`, `value_of` and `rows` contradict each other.
     """
 
     name: str
@@ -107,16 +106,16 @@ class Predicate:
     def relation(
         cls, name: str, parameters: tuple[Parameter, ...], rows: Iterable[tuple[str, ...]], **told: Any
     ) -> "Predicate":
-        """Return the static predicate over symbols that holds for these rows and no others.
+        """Return the static predicate over symbols that holds exactly for the given rows.
 
         Args:
-            name: its name.
-            parameters: its parameters, each over a symbol sort.
-            rows: the arguments for which it holds.
-            **told: description and denial.
+            name: name of the predicate.
+            parameters: parameters of the predicate, each with a symbol sort.
+            rows: arguments for which the predicate holds.
+            **told: further attributes: `description` and `denial`.
 
         Raises:
-            DomainError: a row does not consist of symbols of these sorts.
+            DomainError: if a row does not have one symbol of each parameter's sort.
         """
         ordered = order_rows(rows, list(map(_symbols, parameters)))
         margin = Membership(frozenset(ordered))
@@ -125,22 +124,22 @@ class Predicate:
     def _faults(self) -> Iterator[Issue]:
         names = tuple(parameter.name for parameter in self.parameters)
         if (self.kind is Kind.FUNCTIONAL) != (self.value_of is not None):
-            yield Issue(self.name, "a functional predicate, and no other, says which parameter has one value")
+            yield Issue(self.name, "'value_of' must be set for a functional predicate and only for such a predicate")
         elif self.value_of is not None and self.value_of not in names:
-            yield Issue(self.name, "value_of is a parameter of the predicate", repr(self.value_of), names)
+            yield Issue(self.name, "'value_of' must be a parameter of the predicate", repr(self.value_of), names)
         sorts = list(map(_symbols, self.parameters))
         over_symbols = all(isinstance(parameter.sort, SymbolSort) for parameter in self.parameters)
         if self.rows is None:
             if self.static and over_symbols:
-                remedy = "make it with Predicate.relation"
-                yield Issue(self.name, "a static predicate over symbols alone is declared by its rows", remedy=remedy)
+                remedy = "create the predicate with Predicate.relation"
+                yield Issue(self.name, "a static predicate with only symbol parameters must have rows", remedy=remedy)
         elif not (self.static and over_symbols):
-            yield Issue(self.name, "a predicate with rows is static and over symbols alone")
+            yield Issue(self.name, "a predicate with rows must be static and must have only symbol parameters")
         else:
             yield from row_faults(self.name, self.rows, sorts)
 
     def __call__(self, *arguments: str) -> "Literal":
-        """Return the positive literal over slots, targets, symbols or `ANY`."""
+        """Return a positive literal. Each argument is a slot, a target, a symbol or `ANY`."""
         return Literal(self, arguments)
 
     def __repr__(self) -> str:
@@ -148,38 +147,38 @@ class Predicate:
 
     @property
     def static(self) -> bool:
-        """Whether its atoms are decided once, before any search."""
+        """Whether the atoms of the predicate are feasibility facts, which are computed once before the search."""
         return self.kind is Kind.STATIC
 
     @property
     def maintained(self) -> bool:
-        """Whether its atoms hold only while the instance that set them runs."""
+        """Whether an atom of the predicate holds only while the instance that added the atom runs."""
         return self.kind is Kind.MAINTAINED
 
     @property
     def measured(self) -> bool:
-        """Whether its margin in a continuous state decides its atoms."""
+        """Whether the margin in the current continuous state decides if an atom of the predicate holds."""
         return self.kind in (Kind.CHANGING, Kind.FUNCTIONAL)
 
     @property
     def functional_index(self) -> int | None:
-        """Index of the parameter that has one value, or None."""
+        """Index of the parameter that has at most one value, or None if the predicate is not functional."""
         names = [parameter.name for parameter in self.parameters]
         return names.index(self.value_of) if self.value_of is not None else None
 
     def evaluate(self, state: State, *values: Value) -> FloatArray:
-        """Return the margin ``(...)`` of the atom over the values."""
+        """Return the margin for the given arguments, shape ``(...)``."""
         return self.margin(state, *values)
 
     def margins(self, state: State, bindings: Sequence[tuple[Value, ...]]) -> FloatArray:
-        """Return the margins ``(n, ...)`` of n bindings, each as `evaluate` returns it."""
+        """Return the margins for n tuples of arguments, shape ``(n, ...)``."""
         found = np.empty((len(bindings), *state.values.shape[:-1]))
         for each in stack(state, bindings, apart=self.by_name):
             found[each.places] = self.margin(each.state, *each.values)
         return found
 
     def sentence(self, names: tuple[str, ...], positive: bool = True) -> str:
-        """Return the atom as a sentence, e.g. ``drum is within goal``."""
+        """Return a sentence which says that an atom holds or does not hold, e.g. ``drum is within goal``."""
         template = self.description if positive else self.denial
         if not template:
             return Atom(self.name, names, positive).text
@@ -192,7 +191,7 @@ def _symbols(parameter: Parameter) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Literal:
-    """A signed predicate over a block's slots, targets and symbols; a negative literal may have wildcards."""
+    """A predicate or its negation over slots, targets and symbols of a block. Negative literals can have wildcards."""
 
     predicate: Predicate
     arguments: tuple[str, ...]
@@ -206,16 +205,16 @@ class Literal:
 
     @property
     def text(self) -> str:
-        """The literal as text to print, e.g. ``not inside(object, region)``."""
+        """Literal as text, e.g. ``not inside(object, region)``."""
         return f"{'' if self.positive else 'not '}{self.predicate.name}({', '.join(self.arguments)})"
 
     def ground(self, binding: Mapping[str, Value]) -> "Atom":
-        """Return the atom with the bound names in place of roles; symbols and `ANY` stay."""
+        """Return the atom in which names of tokens and symbols replace the roles. Symbols and `ANY` do not change."""
         names = tuple(name_of(binding.get(argument, argument)) for argument in self.arguments)
         return Atom(self.predicate.name, names, self.positive)
 
     def margin(self, state: State, binding: Mapping[str, Value]) -> FloatArray:
-        """Return the signed margin ``(...)``; it is negated for a negative literal."""
+        """Return the signed margin, shape ``(...)``. For a negative literal, the margin of the predicate is negated."""
         values = [binding.get(argument, argument) for argument in self.arguments]
         margin = self.predicate.evaluate(state, *values)
         return margin if self.positive else -margin
@@ -223,7 +222,7 @@ class Literal:
 
 @dataclass(frozen=True, order=True)
 class Atom:
-    """A ground literal: names of the predicate and of its tokens or symbols, and the sign."""
+    """A ground literal, which consists of names of a predicate and of tokens or symbols, and of a sign."""
 
     predicate: str
     arguments: tuple[str, ...]
@@ -234,16 +233,16 @@ class Atom:
 
     @property
     def text(self) -> str:
-        """The atom as text to print, e.g. ``not inside(drum, goal)``."""
+        """Atom as text, e.g. ``not inside(drum, goal)``."""
         return f"{'' if self.positive else 'not '}{self.predicate}({', '.join(self.arguments)})"
 
     def matches(self, other: "Atom") -> bool:
-        """Say whether this pattern, which may have wildcards, matches the other atom regardless of sign."""
+        """Return whether this atom, which can have wildcards, matches the other atom. The signs are ignored."""
         return self.predicate == other.predicate and all(
             mine in (ANY, theirs) for mine, theirs in zip(self.arguments, other.arguments, strict=True)
         )
 
 
 def name_of(value: Value) -> str:
-    """Return the name of a token, or the symbol itself."""
+    """Return the name of a token, or the symbol unchanged."""
     return value if isinstance(value, str) else value.name

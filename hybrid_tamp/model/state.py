@@ -1,4 +1,4 @@
-"""The continuous state of all tokens as one flat array, batch dimensions first."""
+"""The continuous state of all tokens as one flat array with leading batch dimensions."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -13,17 +13,17 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Layout:
-    """The positions of properties or basic actions of tokens in a flat array.
+    """Layout of a flat array that stores properties or basic actions of tokens.
 
     Attributes:
-        entries: (token, property or basic action, size) in order.
+        entries: triples of (token, property or basic action, number of components), in the order of the array.
     """
 
     entries: tuple[tuple[str, str, int], ...]
 
     @cached_property
     def slices(self) -> Mapping[tuple[str, str], slice]:
-        """(token, property or basic action) to its slice of the last axis."""
+        """Maps each pair of (token, property or basic action) to its slice of the array's last axis."""
         found, start = {}, 0
         for token, name, size in self.entries:
             found[token, name] = slice(start, start + size)
@@ -32,25 +32,29 @@ class Layout:
 
     @property
     def size(self) -> int:
-        """Length of the flat array."""
+        """Length of the last axis of the flat array."""
         return sum(size for _, _, size in self.entries)
 
 
 @dataclass(frozen=True)
 class StateLayout(Layout):
-    """The positions of the tokens' varying properties in the flat array."""
+    """Layout of a flat array that stores the varying properties of tokens."""
 
     @classmethod
     def of(cls, tokens: Iterable[Token]) -> "StateLayout":
-        """Return the layout of the varying properties of the tokens, in their order."""
+        """Return the layout for the varying properties of the tokens, in the order of the tokens."""
         return cls(tuple((t.name, varying.name, varying.size) for t in tokens for varying in t.varying))
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Varying properties of all tokens; `values` has shape ``(..., layout.size)``.
+    """The varying properties of all tokens.
 
-    Read with ``state[token, "position"]``, of shape ``(..., 3)``; change with `replace`, which copies.
+    ``state[token, "position"]`` returns a position, shape ``(..., 3)``. `replace` returns a changed copy.
+
+    Attributes:
+        layout: layout of the last axis of `values`.
+        values: values of all varying properties, shape ``(..., layout.size)``.
     """
 
     layout: StateLayout
@@ -58,11 +62,11 @@ class State:
 
     @classmethod
     def of(cls, tokens: Iterable[Token], given: Mapping[tuple[str, str], ArrayLike]) -> "State":
-        """Make a state from the tokens' defaults and the given values.
+        """Return a state with the given values, and default values for all other varying properties.
 
         Args:
             tokens: all tokens of the task.
-            given: (token, property) to values of shape ``(size,)``.
+            given: maps pairs of (token, property) to values of shape ``(size,)``.
         """
         tokens = tuple(tokens)
         layout = StateLayout.of(tokens)
@@ -72,17 +76,17 @@ class State:
         return cls(layout, values).replace(given)
 
     def __getitem__(self, key: tuple[Token | str, str]) -> FloatArray:
-        """Return a view ``(..., size)`` of one property of one token."""
+        """Return a view of one property of one token, shape ``(..., size)``."""
         token, name = key
         return self.values[..., self.layout.slices[token if isinstance(token, str) else token.name, name]]
 
     def replace(self, changes: Mapping[tuple[str, str], ArrayLike]) -> "State":
-        """Return a copy with the given (token, property) values, each broadcast to ``(..., size)``."""
+        """Return a copy with new values for some pairs of (token, property), each broadcast to ``(..., size)``."""
         values = self.values.copy()
         for key, value in changes.items():
             values[..., self.layout.slices[key]] = value
         return State(self.layout, values)
 
     def repeated(self, count: int) -> "State":
-        """Return `count` copies along a new leading batch axis."""
+        """Return a state with `count` copies of this state along a new leading batch axis."""
         return State(self.layout, np.tile(self.values, (count,) + (1,) * self.values.ndim))

@@ -1,8 +1,8 @@
-"""Object tokens: the union of their classes' properties (paper, Sec. II-A).
+"""Object tokens, whose properties are the union of the properties of their classes (paper, Sec. II-A).
 
-If two classes have the same property, the token has one instance of it. pydantic's own multiple inheritance
-would merge conflicting fields silently by base order; `union_of` refuses them instead, and does not depend on
-the order of the classes.
+If two classes declare the same property, the token has that property once. Multiple inheritance in pydantic would
+merge conflicting declarations silently, by the order of the bases. `union_of` raises an error for conflicting
+declarations instead, and its result does not depend on the order of the classes.
 """
 
 from collections.abc import Hashable, Iterable, Mapping
@@ -21,7 +21,7 @@ from hybrid_tamp.model.affordance import TOKEN, BasicAction, ObjectClass, Varyin
 
 
 class PropertyConflictError(ValueError):
-    """Two classes declare one property differently; `issues` holds every such pair."""
+    """Error for classes that declare the same property differently; `issues` has one entry for each difference."""
 
     def __init__(self, issues: Iterable[Issue]) -> None:
         self.issues = tuple(issues)
@@ -29,7 +29,7 @@ class PropertyConflictError(ValueError):
 
 
 def _declaration(field: FieldInfo) -> dict[str, str]:
-    """Return the declarations of a property on which all its classes must agree."""
+    """Return the parts of a property's declaration that must be equal in all classes with this property."""
     extra = field.json_schema_extra
     return {
         "type": str(field.annotation),
@@ -40,7 +40,7 @@ def _declaration(field: FieldInfo) -> dict[str, str]:
 
 
 def conflicts(classes: Iterable[type[ObjectClass]]) -> list[Issue]:
-    """Return one issue for each difference between two classes' declarations of one property."""
+    """Return one issue for each difference between the declarations of the same property in two classes."""
     seen: dict[str, tuple[str, dict[str, str]]] = {}
     found = []
     for object_class in _ordered(classes):
@@ -52,8 +52,8 @@ def conflicts(classes: Iterable[type[ObjectClass]]) -> list[Issue]:
                 found.append(
                     Issue(
                         where=f"{owner} and {object_class.name}",
-                        wanted=f"both classes must declare {key} of property {name!r} alike",
-                        came=f"{theirs[key]} in {owner}, {mine[key]} in {object_class.name}",
+                        wanted=f"both classes must declare the same {key} for property {name!r}",
+                        came=f"{theirs[key]} in {owner} and {mine[key]} in {object_class.name}",
                         remedy="rename the property in one of the classes",
                     )
                 )
@@ -65,14 +65,14 @@ def _ordered(classes: Iterable[type[ObjectClass]]) -> tuple[type[ObjectClass], .
 
 
 def union_of(classes: Iterable[type[ObjectClass]], unknown: Iterable[type[ObjectClass]] = ()) -> type[BaseModel]:
-    """Return the model whose fields are the union of the classes' properties.
+    """Return the pydantic model whose fields are the union of the classes' properties.
 
     Args:
-        classes: object classes in any order.
-        unknown: further classes; their properties may be missing.
+        classes: object classes, in any order.
+        unknown: classes of which the token may be a member. A token may lack their properties.
 
     Raises:
-        PropertyConflictError: two classes declare one property with another type, unit, bound or default.
+        PropertyConflictError: if two classes declare the same property with different types, units, bounds or defaults.
     """
     return _union(_ordered(classes), _ordered(unknown))
 
@@ -88,7 +88,7 @@ def _union(classes: tuple[type[ObjectClass], ...], unknown: tuple[type[ObjectCla
             fields.setdefault(name, (field.annotation, field))
     for object_class in unknown:
         for name, field in object_class.model_fields.items():
-            # A missing property is None, which is no valid value.
+            # None marks a missing property, because None is never a valid value.
             fields.setdefault(name, (field.annotation, FieldInfo.merge_field_infos(field, default=None)))
     return create_model(
         " + ".join(object_class.name for object_class in classes) or "no class",
@@ -102,11 +102,11 @@ class Token:
     """One object of the scene: a thing, a part of a robot, or a place.
 
     Attributes:
-        name: the user's own name.
-        classes: the object classes that the token is a member of, the root class included, sorted by name.
-        properties: the union of the classes' fixed properties, name to value.
-        shape: its geometry, or None for a place without one.
-        unknown: the classes for which its membership is unknown.
+        name: name that the user gave the token.
+        classes: object classes of the token, sorted by name. All tokens except places also have the root class TOKEN.
+        properties: maps the name of each fixed property to its value.
+        shape: geometry of the token, or None if the token has no shape.
+        unknown: classes of which the token may or may not be a member.
     """
 
     name: str
@@ -124,11 +124,11 @@ class Token:
         shape: Shape | None = None,
         unknown: Iterable[type[ObjectClass]] = (),
     ) -> "Token":
-        """Validate the properties against the union of the classes; those of unknown classes may be missing.
+        """Validate the properties and return a token. Properties of `unknown` classes may be missing.
 
         Raises:
-            PropertyConflictError: the classes contradict each other.
-            pydantic.ValidationError: a property is missing, unknown, of a wrong type or out of bounds.
+            PropertyConflictError: if two classes declare the same property differently.
+            pydantic.ValidationError: if a property is missing, unknown, of a wrong type or out of bounds.
         """
         members = _ordered(classes)
         if not any(is_place(member) for member in members):
@@ -140,7 +140,7 @@ class Token:
         return cls(name, members, values, shape or next((s for s in implied if s is not None), None), doubtful)
 
     def __getitem__(self, property_name: str) -> Any:
-        """Return a fixed property by name; KeyError if no class of the token has it."""
+        """Return the value of a fixed property. Raise a `KeyError` if the token does not have the property."""
         return self.properties[property_name]
 
     def __repr__(self) -> str:
@@ -158,16 +158,16 @@ class Token:
         return self.shape
 
     def is_member(self, object_class: type[ObjectClass]) -> bool:
-        """Say whether the token is a member of the class."""
+        """Return whether the token is a member of the class."""
         return any(issubclass(member, object_class) for member in self.classes)
 
     def may_be_member(self, object_class: type[ObjectClass]) -> bool:
-        """Say whether the token's membership of the class is unknown."""
+        """Return whether it is unknown if the token is a member of the class."""
         return not self.is_member(object_class) and any(issubclass(each, object_class) for each in self.unknown)
 
     @cached_property
     def fixed(self) -> Hashable:
-        """Its classes, properties and shape: equal for tokens that differ only in name and state."""
+        """Key for comparisons that is equal for tokens with the same classes, properties and shape."""
         key = (self.classes, tuple(sorted(self.properties.items())), self.shape)
         try:
             hash(key)
@@ -177,23 +177,23 @@ class Token:
 
     @property
     def place(self) -> bool:
-        """Whether the token is a place: a target that is never in a slot."""
+        """Whether the token is a place. A place can be a target, but is never in a slot."""
         return any(is_place(member) for member in self.classes)
 
     @property
     def varying(self) -> tuple[VaryingProperty, ...]:
-        """The distinct varying properties of the token's classes."""
+        """Varying properties of the token's classes, without duplicates."""
         merged = {varying.name: varying for member in self.classes for varying in member.varying}
         return tuple(merged.values())
 
     @property
     def basic_actions(self) -> tuple[BasicAction, ...]:
-        """The distinct basic actions of the token's capability classes, sorted by name."""
+        """Basic actions of the token's capability classes, without duplicates, sorted by name."""
         merged = {action.name: action for member in self.classes for action in member.basic_actions}
         return tuple(merged[name] for name in sorted(merged))
 
 
 def different(values: Iterable[object]) -> bool:
-    """Say whether all tokens are different; symbols may repeat."""
+    """Return whether no token occurs twice among the values. Symbols may repeat."""
     names = [value.name for value in values if isinstance(value, Token)]
     return len(set(names)) == len(names)

@@ -93,7 +93,7 @@ FAULTS: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     ),
     "classes in conflict": (
         {"classes": (*DOMAIN.classes, Painted)},
-        ("PAINTED and ROLLABLE", "declare unit of property 'mass' alike", "rename the property"),
+        ("PAINTED and ROLLABLE", "declare the same unit for property 'mass'", "rename the property"),
     ),
     "wildcard in a positive exit condition": (
         {"blocks": with_rolling(exit=(*ROLLING.exit, INSIDE("object", ANY)))},

@@ -62,7 +62,7 @@ def test_a_conflict_is_refused_with_both_names(kind: str) -> None:
     with pytest.raises(PropertyConflictError) as caught:
         union_of([Heavy, other])
     assert "HEAVY and OTHER" in str(caught.value)
-    assert f"declare {kind} of property 'mass' alike" in str(caught.value)
+    assert f"declare the same {kind} for property 'mass'" in str(caught.value)
     assert conflicts([other, Heavy]) == conflicts([Heavy, other])
 
 

@@ -67,7 +67,10 @@ def test_what_only_several_changes_mend_is_mended_by_all_of_them_and_by_no_fewer
     assert (found.suggestions, found.complete) == ((), True)
     assert [reason.atom.predicate for reason in found.reasons if reason.atom] == ["sound", "sharp"]
     changes = tuple(change.what for change in found.together)
-    assert changes == ("load of station 0 at 60 N instead of 50", "edge of cutter 0 at 4 instead of 2")
+    assert changes == (
+        "load of station 0 set to 60 N instead of 50 N",
+        "edge of cutter 0 set to 4 instead of 2",
+    )
 
 
 def test_where_only_deletes_exclude_a_plan_changes_are_planned_many_together(monkeypatch: pytest.MonkeyPatch) -> None:

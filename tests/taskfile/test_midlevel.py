@@ -175,7 +175,7 @@ def test_a_goal_may_leave_a_choice() -> None:
     [
         ("at_face: [hand, «'*', left]", ("'*' stands for a member of TUMBLABLE", "got none", "add such a token")),
         ("inside: [drum, «'*', near]", ()),
-        ("inside: ['*', near]\n  - inside: [drum, far]", ("with which all of the goal can hold at once", "got none")),
+        ("inside: ['*', near]\n  - inside: [drum, far]", ("with which all its atoms can hold together", "got none")),
     ],
 )
 def test_a_choice_of_nothing_is_refused(goal: str, words: tuple[str, ...]) -> None:
