@@ -1,4 +1,4 @@
-"""A domain: classes, predicates, blocks and their network, as one value that is checked when it is made."""
+"""Domains: classes, predicates, blocks and a reassignment network, which are checked when the domain is created."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -14,24 +14,24 @@ from hybrid_tamp.model.predicate import Predicate
 
 @dataclass(frozen=True, eq=False)
 class Domain(Declarations):
-    """A modelled world of tasks.
+    """The classes, predicates and blocks with which tasks are described.
 
     Attributes:
         name: name of the domain in task files.
-        classes: its object classes (the root class TOKEN is always there).
-        predicates: its predicates, static ones included.
-        blocks: its action blocks.
-        network: allowed reassignments between their slots.
-        resting: name of the block of tokens that nothing manipulates.
-        metrics: measures of a finished run for ``result.json``, (instance, measure) to the figure; or None.
-        description: one line.
-        sorts: symbol sorts beyond those that predicates and targets mention.
-        disjoint: groups of classes that never share a token, pairwise.
-        reduced: whether it was reduced from a checked domain; its slots may lack edges in or out.
-        trials: recipes of membership trials, for the classes that have one.
+        classes: object classes of the domain. The root class TOKEN is added automatically.
+        predicates: predicates of the domain, including static predicates.
+        blocks: action blocks of the domain.
+        network: allowed reassignments between the slots of the blocks.
+        resting: name of the block for tokens that no other block manipulates.
+        metrics: function that returns metrics of a finished run for ``result.json``, or None.
+        description: description in one line.
+        sorts: symbol sorts that no predicate or target mentions.
+        disjoint: groups of pairwise disjoint classes. A token can be a member of at most one class of a group.
+        reduced: whether the domain was reduced from a checked domain. A slot of a reduced domain can lack edges.
+        trials: recipes for membership trials, at most one for each class.
 
     Raises:
-        DomainError: the declarations contradict each other; the error has every fault with its place and remedy.
+        DomainError: if the declarations contradict each other. The error lists every fault with its place and remedy.
     """
 
     def __post_init__(self) -> None:
@@ -44,36 +44,36 @@ class Domain(Declarations):
 
     @cached_property
     def class_by_name(self) -> Mapping[str, type[ObjectClass]]:
-        """Object classes by their own names."""
+        """Maps each name to its object class."""
         return {object_class.name: object_class for object_class in self.classes}
 
     @cached_property
     def predicate_by_name(self) -> Mapping[str, Predicate]:
-        """Predicates by name."""
+        """Maps each name to its predicate."""
         return {predicate.name: predicate for predicate in self.predicates}
 
     @cached_property
     def static_predicates(self) -> tuple[Predicate, ...]:
-        """The predicates whose atoms are decided once, before any search."""
+        """Predicates whose atoms are feasibility facts, which are computed once before the search."""
         return tuple(predicate for predicate in self.predicates if predicate.static)
 
     @cached_property
     def changing_predicates(self) -> tuple[Predicate, ...]:
-        """The predicates whose atoms blocks set, delete or maintain."""
+        """Predicates whose atoms can change because blocks add, delete or maintain the atoms."""
         return tuple(predicate for predicate in self.predicates if not predicate.static)
 
     @cached_property
     def block_by_name(self) -> Mapping[str, Block]:
-        """Blocks by name."""
+        """Maps each name to its block."""
         return {block.name: block for block in self.blocks}
 
     @property
     def resting_block(self) -> Block:
-        """The block of tokens that nothing manipulates; it has one slot."""
+        """Block with one slot, for tokens that no other block manipulates."""
         return self.block_by_name[self.resting]
 
     def with_blocks(self, blocks: Iterable[Block], predicates: Iterable[Predicate] = ()) -> "Domain":
-        """Return the domain with these blocks, which replace those of the same names, and these predicates."""
+        """Return the domain with replaced blocks and added predicates. A block replaces the block of the same name."""
         changed = {block.name: block for block in blocks}
         mine = tuple(changed.get(block.name, block) for block in self.blocks)
         known = {predicate.name: predicate for predicate in (*self.predicates, *predicates)}

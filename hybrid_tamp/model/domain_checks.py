@@ -1,4 +1,4 @@
-"""Checks of the declarations of a domain; each fault has its place and its remedy."""
+"""Checks of the declarations of a domain."""
 
 from collections.abc import Iterable, Iterator
 
@@ -11,7 +11,7 @@ from hybrid_tamp.model.token import conflicts
 
 
 def faults_of(domain: Declarations) -> list[Issue]:
-    """Return every fault of the domain; frame faults only if there are no others."""
+    """Return every fault of the domain. Missing effects are reported only if there are no other faults."""
     faults = [
         *_twice(domain),
         *_one_namespace(domain),
@@ -31,17 +31,18 @@ def _twice(domain: Declarations) -> Iterator[Issue]:
     }
     for kind, names in kinds.items():
         for name in sorted({name for name in names if names.count(name) > 1}):
-            wanted = f"every {kind} needs a name of its own"
-            yield Issue(domain.name, wanted, f"two of name {name!r}", remedy="rename one")
+            wanted = f"every {kind} must have a unique name"
+            yield Issue(domain.name, wanted, f"the name {name!r} more than once", remedy=f"rename one {kind}")
 
 
 def _one_namespace(domain: Declarations) -> Iterator[Issue]:
-    """PDDL has one namespace for types and predicates, so no class or sort has the name of a predicate."""
+    """Yield names that a predicate shares with a class or sort, because PDDL has one namespace for all of them."""
     mentioned = [*domain.sorts, *(p.sort for q in domain.predicates for p in q.parameters)]
     sorts = {sort.name for sort in mentioned if isinstance(sort, SymbolSort)}
     types = sorts | {object_class.name for object_class in domain.classes}
     for name in sorted(types & {predicate.name for predicate in domain.predicates}):
-        yield Issue(domain.name, f"{name!r} names a class or sort and a predicate", remedy="rename one of them")
+        wanted = f"a predicate must not have the name of a class or sort ({name!r})"
+        yield Issue(domain.name, wanted, remedy="rename the predicate")
 
 
 def _classes(domain: Declarations) -> Iterator[Issue]:
@@ -64,43 +65,44 @@ def _classes(domain: Declarations) -> Iterator[Issue]:
 
 def _blocks(domain: Declarations) -> Iterator[Issue]:
     if domain.resting not in {block.name for block in domain.blocks}:
-        yield Issue(domain.name, f"a domain needs the block {domain.resting} for tokens that nothing manipulates")
+        yield Issue(domain.name, f"a domain must have the block {domain.resting} for tokens that no block manipulates")
     for block in domain.blocks:
         names = [slot.name for slot in block.slots] + [target.name for target in block.targets]
         for name in sorted({name for name in names if names.count(name) > 1}):
-            yield Issue(f"{block.name}.{name}", "slots and targets of a block need different names")
+            yield Issue(f"{block.name}.{name}", "slots and targets of a block must have different names")
         if block.anchor not in {slot.name for slot in block.slots}:
             yield Issue(block.name, "the anchor must be a slot of the block", repr(block.anchor), tuple(names))
         for slot in block.slots:
             if is_place(slot.object_class):
-                wanted = f"{slot.object_class.name} is a place and is never in a slot"
-                yield Issue(f"{block.name}.{slot.name}", wanted, remedy="make it a target")
+                wanted = f"the class of a slot must not be a place, got {slot.object_class.name}"
+                yield Issue(f"{block.name}.{slot.name}", wanted, remedy="declare a target instead of the slot")
             yield from _ways(domain, block, slot.name)
         if not 0 < block.duration.minimum <= block.duration.maximum:
-            yield Issue(block.name, "a duration needs 0 < minimum <= maximum", str(block.duration))
+            yield Issue(block.name, "a duration must satisfy 0 < minimum <= maximum", str(block.duration))
         for h in block.hyperparameters:
             if not h.lower <= h.upper:
-                yield Issue(f"{block.name}.{h.name}", "lower bound <= upper bound", f"[{h.lower}, {h.upper}]")
+                wanted = "the lower bound must not exceed the upper bound"
+                yield Issue(f"{block.name}.{h.name}", wanted, f"[{h.lower}, {h.upper}]")
         yield from _measures(block)
 
 
 def _measures(block: Block) -> Iterator[Issue]:
     names = [measure.name for measure in block.performance]
     for name in sorted({name for name in names if names.count(name) > 1}):
-        yield Issue(f"{block.name}.{name}", "the measures of a block need different names")
+        yield Issue(f"{block.name}.{name}", "the measures of a block must have different names")
     for measure in block.performance:
         if sum(how is not None for how in (measure.end, measure.peak, measure.rate)) != 1:
-            yield Issue(f"{block.name}.{measure.name}", "a measure has exactly one of 'end', 'peak' and 'rate'")
+            yield Issue(f"{block.name}.{measure.name}", "a measure must have exactly one of 'end', 'peak' and 'rate'")
         if not measure.scale > 0:
-            yield Issue(f"{block.name}.{measure.name}", "the scale of a measure is more than 0", str(measure.scale))
+            yield Issue(f"{block.name}.{measure.name}", "the scale of a measure must be positive", str(measure.scale))
 
 
 def _ways(domain: Declarations, block: Block, slot: str) -> Iterator[Issue]:
     where = f"{block.name}.{slot}"
     if not domain.network.sources((block.name, slot)):
-        yield Issue(where, "no edge leads into this slot", remedy=f"add an edge into it, e.g. from {domain.resting}")
+        yield Issue(where, "an edge must lead into this slot", remedy=f"add an edge, e.g. from {domain.resting}")
     if not domain.network.destinations((block.name, slot)):
-        yield Issue(where, "no edge leads out of this slot", remedy=f"add an edge out of it, e.g. to {domain.resting}")
+        yield Issue(where, "an edge must lead out of this slot", remedy=f"add an edge, e.g. to {domain.resting}")
 
 
 def _edges(domain: Declarations) -> Iterator[Issue]:
@@ -123,12 +125,12 @@ def _conditions(domain: Declarations) -> Iterator[Issue]:
             where = f"{block.name}: {literal.text}"
             if id(literal.predicate) not in known:
                 names = tuple(sorted(predicate.name for predicate in domain.predicates))
-                yield Issue(where, "a condition uses a predicate of the domain", literal.predicate.name, names)
+                yield Issue(where, "a condition must use a predicate of the domain", literal.predicate.name, names)
             yield from _arguments(block, literal, where)
         for literal in block.entry:
             if not literal.positive and not literal.predicate.static:
-                wanted = "a negative entry condition must be on a static predicate"
-                remedy = "declare a predicate that says the opposite and set it in exit conditions"
+                wanted = "a negative entry condition must use a static predicate"
+                remedy = "declare a predicate with the opposite meaning and add it to exit conditions"
                 yield Issue(f"{block.name}: {literal.text}", wanted, remedy=remedy)
         for literal in block.exit:
             yield from _exit(block, literal)
@@ -137,7 +139,8 @@ def _conditions(domain: Declarations) -> Iterator[Issue]:
 def _arguments(block: Block, literal: Literal, where: str) -> Iterator[Issue]:
     parameters = literal.predicate.parameters
     if len(parameters) != len(literal.arguments):
-        yield Issue(where, f"{literal.predicate.name} takes {len(parameters)} arguments", str(len(literal.arguments)))
+        wanted = f"{literal.predicate.name} must have {len(parameters)} arguments"
+        yield Issue(where, wanted, str(len(literal.arguments)))
         return
     for parameter, argument in zip(parameters, literal.arguments, strict=True):
         if argument == ANY:
@@ -146,30 +149,30 @@ def _arguments(block: Block, literal: Literal, where: str) -> Iterator[Issue]:
             if not fits(block.roles[argument], parameter):
                 yield Issue(
                     where,
-                    f"{parameter.name} of {literal.predicate.name} must be {sort_name(parameter.sort)}",
-                    f"{argument}, which is {sort_name(block.roles[argument])}",
-                    remedy="change the class of the slot or the condition",
+                    f"{parameter.name} of {literal.predicate.name} must have class or sort {sort_name(parameter.sort)}",
+                    f"{argument} with class or sort {sort_name(block.roles[argument])}",
+                    remedy=f"change the class or sort of {argument}, or change the condition",
                 )
         elif not (isinstance(parameter.sort, SymbolSort) and argument in parameter.sort.symbols):
-            yield Issue(where, "an argument is a slot, a target or a symbol", repr(argument), tuple(block.roles))
+            yield Issue(where, "an argument must be a slot, a target or a symbol", repr(argument), tuple(block.roles))
 
 
 def _exit(block: Block, literal: Literal) -> Iterator[Issue]:
     predicate = literal.predicate
     where = f"{block.name}: {literal.text}"
     if predicate.static:
-        remedy = "declare it as another kind, or remove the condition"
-        yield Issue(where, "a static predicate cannot be an exit condition", remedy=remedy)
+        remedy = "declare the predicate as another kind, or remove the condition"
+        yield Issue(where, "an exit condition must not use a static predicate", remedy=remedy)
     wild = [i for i, argument in enumerate(literal.arguments) if argument == ANY]
     if literal.positive and wild:
-        yield Issue(where, "only negative exit conditions have wildcards")
+        yield Issue(where, "a positive exit condition must not have wildcards")
     if not literal.positive and wild and not predicate.maintained and wild != [predicate.functional_index]:
-        remedy = "declare the predicate functional in that parameter, or maintained"
-        yield Issue(where, "a wildcard stands for the functional parameter of the predicate", remedy=remedy)
+        remedy = "declare the predicate as functional in this parameter, or as maintained"
+        yield Issue(where, "a wildcard must be the functional parameter of the predicate", remedy=remedy)
 
 
 def fits(sort: type[ObjectClass] | SymbolSort, parameter: Parameter) -> bool:
-    """Say whether every value of a role's sort is a value of the parameter's sort."""
+    """Return whether every value of a role's class or sort is also a value of the parameter's class or sort."""
     wanted = parameter.sort
     if isinstance(sort, SymbolSort) or isinstance(wanted, SymbolSort):
         return sort is wanted
@@ -182,7 +185,10 @@ def sort_name(sort: type[ObjectClass] | SymbolSort) -> str:
 
 
 def _frame(domain: Declarations) -> Iterator[Issue]:
-    """A predicate that reads a written property must be in an exit condition, maintained or in `keeps`."""
+    """Yield a fault for each missing effect of a block.
+
+    A predicate that reads a written property must be in an exit condition, be maintained, or be listed in `keeps`.
+    """
     for block in domain.blocks:
         for slot_name, written in block.writes.items():
             slot_class = block.slot(slot_name).object_class
@@ -197,8 +203,9 @@ def _frame(domain: Declarations) -> Iterator[Issue]:
                     if shared and not _handled(block.exit, predicate, index, slot_name):
                         yield Issue(
                             f"{block.name}.{slot_name}",
-                            f"it writes {', '.join(sorted(read))}, which {predicate.name}({parameter.name}) reads",
-                            remedy=f"set or delete {predicate.name} in its exit conditions, or list it in keeps",
+                            f"the block must declare its effect on {predicate.name}({parameter.name}), "
+                            f"because the block writes {', '.join(sorted(read))}",
+                            remedy=f"add or delete {predicate.name} in the exit conditions, or list it in 'keeps'",
                         )
 
 

@@ -1,8 +1,9 @@
-"""Forbidden bindings: bindings that failed in the forward models and that the task planner may not use again.
+"""Forbidden bindings, which failed in the forward models and which the task planner must not use again.
 
-One more static predicate over a block's roles is among its entry conditions and fails for the forbidden bindings. The
-planner, the law and the explanations treat it like any other feasibility fact. The predicate omits symbols that follow
-from the others by the block's own conditions, because every binding is a fact in the planning problem.
+A block with forbidden bindings gets an additional static predicate as an entry condition. The predicate fails for the
+forbidden bindings. The planner, the law checker and the explanations treat the predicate like any other feasibility
+fact. Every binding is a fact in the planning problem. To reduce the number of facts, the predicate omits symbols that
+other arguments determine by the conditions of the block.
 """
 
 from dataclasses import dataclass, replace
@@ -19,12 +20,12 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 MOST_FACTS = 200_000
-"""Largest number of bindings of a block with forbidden bindings; each binding is a fact for the planner."""
+"""Largest number of bindings of a block with forbidden bindings. Each binding is a fact in the planning problem."""
 
 
 @dataclass(frozen=True)
 class _Permission:
-    """The margin of a binding: -1 if it is forbidden, else 1."""
+    """A margin that is -1 for forbidden bindings and 1 for all other bindings."""
 
     forbidden: frozenset[tuple[str, ...]]
 
@@ -34,21 +35,21 @@ class _Permission:
 
 
 def forbid(task: Task, instance: BlockInstance) -> Task:
-    """Return the same task without the binding of an instance: its block may not have the same roles again.
+    """Return the task with one more forbidden binding.
 
     Args:
-        task: the task; bindings that are already forbidden remain so.
-        instance: an instance of one of its domain's blocks, e.g. of a plan that failed in the forward models.
+        task: task to change. Forbidden bindings of the task remain forbidden.
+        instance: block instance whose binding is forbidden, e.g. from a plan that failed in the forward models.
 
     Raises:
-        InputError: the block has more than `MOST_FACTS` bindings.
+        InputError: if the block has more than `MOST_FACTS` bindings.
     """
     block = task.domain.block_by_name[instance.block]
     roles = deciding_roles(block)
     count = prod(len(task.values_of(block.roles[role])) for role in roles)
     if count > MOST_FACTS:
-        wanted = f"a block whose bindings can be forbidden has at most {MOST_FACTS} of them"
-        raise InputError([Issue(block.name, wanted, str(count), remedy="leave out tokens that are not needed")])
+        wanted = f"to forbid a binding, the block must have at most {MOST_FACTS} bindings"
+        raise InputError([Issue(block.name, wanted, str(count), remedy="remove tokens that the task does not need")])
     forbidden = {tuple(instance.roles[role] for role in roles), *forbidden_bindings(task, block.name)}
     predicate = _permitted(block, roles, frozenset(forbidden))
     entry = (*_declared(block), Literal(predicate, roles))
@@ -56,19 +57,19 @@ def forbid(task: Task, instance: BlockInstance) -> Task:
 
 
 def forbidden_bindings(task: Task, block: str) -> frozenset[tuple[str, ...]]:
-    """Return the bindings of a block that the task forbids: names in the order of its `deciding_roles`."""
+    """Return the forbidden bindings of a block as tuples of names, in the order of `deciding_roles`."""
     permissions = [each.predicate.margin for each in task.domain.block_by_name[block].entry]
     return frozenset().union(*(each.forbidden for each in permissions if isinstance(each, _Permission)))
 
 
 def deciding_roles(block: Block) -> tuple[str, ...]:
-    """Return the roles of a block except symbols that follow from the others by its own conditions."""
+    """Return the roles of a block, without symbols that other roles determine by relations in the entry conditions."""
     kept = list(block.roles)
     for literal in _declared(block):
         twice = len(set(literal.arguments)) < len(literal.arguments)
         if literal.positive and literal.predicate.rows is not None and not twice:
             rows = [dict(zip(literal.arguments, row, strict=True)) for row in literal.predicate.rows]
-            # An argument that is not a role is a symbol and must match.
+            # An argument that is not a role is a symbol, which must be equal to the symbol in the row.
             rows = [row for row in rows if all(name in (row[name], *block.roles) for name in row)]
             for role in reversed(literal.arguments):
                 others = [name for name in literal.arguments if name in kept and name != role]
@@ -78,7 +79,7 @@ def deciding_roles(block: Block) -> tuple[str, ...]:
 
 
 def _declared(block: Block) -> tuple[Literal, ...]:
-    """Return the entry conditions except the one that `forbid` added."""
+    """Return the entry conditions without the condition that `forbid` added."""
     return tuple(literal for literal in block.entry if not isinstance(literal.predicate.margin, _Permission))
 
 
@@ -97,7 +98,7 @@ def _permitted(block: Block, roles: tuple[str, ...], forbidden: frozenset[tuple[
 
 
 def _sentence(block: Block, roles: tuple[str, ...]) -> str:
-    """Return block and roles as a phrase, e.g. ``ROLLING of {object} by {hand} to {region}``."""
+    """Return a phrase for a block with its roles, e.g. ``ROLLING of {object} by {hand} to {region}``."""
     others = [slot.name for slot in block.others]
     targets = [target.name for target in block.targets if target.name in roles]
     phrases = [f"{block.name} of {{{block.anchor}}}"]

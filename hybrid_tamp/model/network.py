@@ -1,4 +1,4 @@
-"""The reassignment network: which slot a token may go to next (paper, Sec. II-C)."""
+"""The reassignment network, which defines the slots that a token can enter next (paper, Sec. II-C)."""
 
 from collections.abc import Collection, Iterable
 from itertools import product
@@ -8,18 +8,19 @@ import networkx as nx
 from hybrid_tamp.model.plan import split_mode
 
 SlotName = tuple[str, str]
-"""(block, slot)."""
+"""Pair of (block, slot)."""
 
 
 class ReassignmentNetwork:
-    """Directed graph whose nodes are the slots of blocks and whose edges are allowed reassignments."""
+    """A directed graph whose nodes are slots of blocks and whose edges are allowed reassignments."""
 
     def __init__(self, edges: Iterable[tuple[str, str]], blocks: Iterable[str] = ()) -> None:
-        """Make the network from pairs of ``"BLOCK.slot"`` names, source first.
+        """Create the network from its edges.
 
         Args:
-            edges: pairs of slots.
-            blocks: names of blocks with modes, ``"ACTION:mode"``; an edge with the action alone holds for each mode.
+            edges: pairs of (source, target), each written ``"BLOCK.slot"``.
+            blocks: names of the blocks, needed for blocks with modes. An edge that names only the action of
+                ``"ACTION:mode"`` is added for each mode.
         """
         modes: dict[str, list[str]] = {}
         for block in blocks:
@@ -30,48 +31,48 @@ class ReassignmentNetwork:
                 self.graph.add_edge((old, source[1]), (new, target[1]))
 
     def restrict(self, blocks: Collection[str]) -> "ReassignmentNetwork":
-        """Return the network between slots of only these blocks."""
+        """Return the part of the network that connects slots of the given blocks."""
         smaller = ReassignmentNetwork(())
         inside = ((one, other) for one in self.graph if one[0] in blocks for other in self.graph[one])
         smaller.graph.add_edges_from((one, other) for one, other in inside if other[0] in blocks)
         return smaller
 
     def extended(self, edges: Iterable[tuple[SlotName, SlotName]]) -> "ReassignmentNetwork":
-        """Return the network with more edges."""
+        """Return a copy of the network with additional edges."""
         more = ReassignmentNetwork(())
         more.graph.add_edges_from((*self.edges, *edges))
         return more
 
     @property
     def edges(self) -> tuple[tuple[SlotName, SlotName], ...]:
-        """All edges, sorted."""
+        """All edges of the network, sorted."""
         return tuple(sorted(self.graph.edges))
 
     def allows(self, source: SlotName, target: SlotName) -> bool:
-        """Say whether a token may pass from one slot to the other."""
+        """Return whether a token can pass from the source slot to the target slot."""
         return bool(self.graph.has_edge(source, target))
 
     def sources(self, slot: SlotName) -> tuple[SlotName, ...]:
-        """Return the slots from which a token may pass to this one, sorted."""
+        """Return the slots from which a token can pass to this slot, sorted."""
         return tuple(sorted(self.graph.predecessors(slot))) if slot in self.graph else ()
 
     def destinations(self, slot: SlotName) -> tuple[SlotName, ...]:
-        """Return the slots to which a token may pass from this one, sorted."""
+        """Return the slots to which a token can pass from this slot, sorted."""
         return tuple(sorted(self.graph.successors(slot))) if slot in self.graph else ()
 
 
 def parse_slot(text: str) -> SlotName:
-    """Split ``"BLOCK.slot"``.
+    """Return the block and the slot of a text ``"BLOCK.slot"``.
 
     Raises:
-        ValueError: there is no dot with a name on each side.
+        ValueError: if the text has no dot, or if the block or the slot is empty.
     """
     block, dot, slot = text.rpartition(".")
     if not (block and dot and slot):
-        raise ValueError(f"a slot is written 'BLOCK.slot', got {text!r}")
+        raise ValueError(f"a slot must be written 'BLOCK.slot', got {text!r}")
     return (block, slot)
 
 
 def slot_text(slot: SlotName) -> str:
-    """Write a slot as ``"BLOCK.slot"``."""
+    """Return a slot as text ``"BLOCK.slot"``."""
     return ".".join(slot)

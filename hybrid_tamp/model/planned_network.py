@@ -1,4 +1,4 @@
-"""The network that a task was planned on, the task that it was reduced from, and the objects that were added."""
+"""The reassignment network that was used for planning, and how the network was reduced and extended."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -9,14 +9,14 @@ from hybrid_tamp.model.task import Task
 
 @dataclass(frozen=True)
 class WholeNetwork:
-    """The task from which a network was reduced.
+    """Figures of the whole task from which a planned network was reduced.
 
     Attributes:
-        blocks: number of blocks of the domain.
-        edges: number of edges of its network.
-        tokens: number of tokens of the task.
+        blocks: number of blocks of the whole domain.
+        edges: number of edges of the whole network.
+        tokens: number of tokens of the whole task.
         blocks_left_out: names of the omitted blocks, sorted.
-        tokens_left_out: names of the omitted tokens, sorted; all but places rest during the whole plan.
+        tokens_left_out: names of the omitted tokens, sorted. Omitted tokens rest during the whole plan.
     """
 
     blocks: int
@@ -31,10 +31,10 @@ class AddedToken:
     """An object that was added to the network as a tool.
 
     Attributes:
-        token: its name.
-        classes: the names of its classes.
-        blocks: names of the blocks whose slots can be filled only with it, sorted.
-        why: why planning without it failed.
+        token: name of the object.
+        classes: names of the object's classes.
+        blocks: names of the blocks whose slots can be filled only with this object, sorted.
+        why: reason why planning without this object failed.
     """
 
     token: str
@@ -45,14 +45,14 @@ class AddedToken:
 
 @dataclass(frozen=True)
 class PlannedNetwork:
-    """The network that was planned on.
+    """The network that was used for planning.
 
     Attributes:
-        blocks: names of its blocks, sorted.
-        edges: its edges, source first.
-        tokens: names of its tokens, sorted.
-        reduced_from: the task that it was reduced from, or None if nothing was omitted.
-        expanded_with: objects that were added because there was no plan without them, in order.
+        blocks: names of the blocks in the network, sorted.
+        edges: edges of the network, as pairs of (source, target).
+        tokens: names of the tokens, sorted.
+        reduced_from: figures of the whole task, or None if no block or token was omitted.
+        expanded_with: objects that were added because planning without the objects failed, in the order of addition.
     """
 
     blocks: tuple[str, ...]
@@ -63,12 +63,12 @@ class PlannedNetwork:
 
     @classmethod
     def of(cls, whole: Task, part: Task, added: Iterable[AddedToken] = ()) -> "PlannedNetwork":
-        """Return the network of a reduced task.
+        """Return the planned network of a reduced task.
 
         Args:
-            whole: the task.
+            whole: the whole task.
             part: the reduced task.
-            added: the objects that were added.
+            added: objects that were added to the reduced task.
         """
         kept = part.domain.block_by_name
         whole_network = WholeNetwork(

@@ -1,8 +1,8 @@
-"""A plan as a partial order of events; the planned instants are only estimates.
+"""Partial order of the reassignments of a plan, because the planned instants are only estimates.
 
-Two events keep their order if an instance of one and an instance of the other have a token in common (places included,
-in any role). Conditions are over an instance's own roles only, so other events can happen in either order, each as soon
-as its conditions hold.
+Two reassignments keep their order if instances of both have a token in common. The common token can have any role and
+can be a place. All other pairs of reassignments can happen in either order, because conditions depend only on the
+tokens of an instance. Each reassignment happens as soon as its conditions hold.
 """
 
 from collections.abc import Iterable
@@ -14,14 +14,14 @@ from hybrid_tamp.model.task import Task
 
 @dataclass(frozen=True)
 class Reassignment:
-    """Instances that end and start at one instant.
+    """Instances that end and instances that start at the same instant.
 
     Attributes:
-        planned: instant in the plan [s].
+        planned: planned instant of the reassignment [s].
         ending: names of the instances that end.
-        starting: the instances that start; empty at the end of the plan.
-        after: indices of the events that must happen before.
-        final: whether it is the end of the plan.
+        starting: instances that start. Empty at the end of the plan.
+        after: indices of the reassignments that must happen first.
+        final: whether the reassignment is the end of the plan.
     """
 
     planned: float
@@ -32,14 +32,14 @@ class Reassignment:
 
 
 def initial(plan: TaskPlan) -> tuple[BlockInstance, ...]:
-    """Return the instances that run from the beginning."""
+    """Return the instances that start at the beginning of the plan."""
     return tuple(instance for instance in plan.instances if at(instance.start, 0.0))
 
 
 def reassignments(task: Task, plan: TaskPlan) -> tuple[Reassignment, ...]:
-    """Return the events of a plan, ordered by planned instant, the end of the plan last.
+    """Return the reassignments of a plan, sorted by planned instant. The last reassignment is the end of the plan.
 
-    Reassignments that are at one instant but have no common token become several events.
+    Instances that start or end at the same instant are in different reassignments if no tokens connect them.
     """
     found: list[Reassignment] = []
     touched: list[frozenset[str]] = []
@@ -69,7 +69,7 @@ def _tokens(task: Task, instance: BlockInstance) -> frozenset[str]:
 
 
 def _connected(task: Task, instances: Iterable[BlockInstance]) -> list[list[BlockInstance]]:
-    """Group the instances that have tokens in common, directly or through others."""
+    """Return groups of instances that have tokens in common, directly or through other instances of the group."""
     groups: list[tuple[set[str], list[BlockInstance]]] = []
     for instance in instances:
         tokens, members = set(_tokens(task, instance)), [instance]

@@ -1,4 +1,4 @@
-"""A task: tokens of a domain with their initial state, their agents, and the goal."""
+"""Tasks: tokens of a domain with an initial state, agents and a goal."""
 
 import math
 from collections.abc import Collection, Mapping
@@ -20,12 +20,12 @@ DEFAULT_PLANNER = "fast-downward"
 
 @dataclass(frozen=True)
 class Limits:
-    """Bounds on the work for one task.
+    """Limits on planning a task.
 
     Attributes:
-        time: wall-clock time of the planner [s].
-        memory: memory of the planner and its children together [MiB].
-        refinements: largest number of further calls of the planner after refused plans.
+        time: limit on the wall-clock time of the planner [s].
+        memory: limit on the total memory of the planner and its child processes [MiB].
+        refinements: largest number of times that the planner is called again after a plan was rejected.
     """
 
     time: float = 60.0
@@ -35,12 +35,12 @@ class Limits:
 
 @dataclass(frozen=True)
 class Range:
-    """A task's settings of a hyperparameter, in its unit; None keeps the block's declaration.
+    """Settings of a task for one hyperparameter. None keeps the declaration of the block.
 
     Attributes:
-        lower: lower bound, not below the block's own.
-        upper: upper bound, not above the block's own.
-        default: its value without optimisation, within the bounds.
+        lower: lower bound [unit], not below the lower bound of the block.
+        upper: upper bound [unit], not above the upper bound of the block.
+        default: value without optimisation [unit], within the bounds.
     """
 
     lower: float | None = None
@@ -50,15 +50,17 @@ class Range:
 
 @dataclass(frozen=True)
 class MidLevel:
-    """How the hyperparameters of a plan are optimised (paper, Sec. II-D).
+    """Settings for the optimisation of a plan's hyperparameters (paper, Sec. II-D).
 
     Attributes:
-        optimiser: ``cma`` (CMA-ES) or ``grid`` (direct sampling on a grid, as the paper did).
-        evaluations: budget of rollouts.
-        seconds: budget of time [s].
-        refine: ``none``, or ``physics`` for further optimisation in the physics backend.
-        weights: ``BLOCK.measure`` to its weight in the value of a plan; the task's domain has it already.
-        hyperparameters: ``BLOCK.name`` to narrower bounds or to its value; the task's domain has them already.
+        optimiser: ``cma`` (CMA-ES) or ``grid`` (direct sampling on a grid, as in the paper).
+        evaluations: largest number of rollouts.
+        seconds: largest time for the optimisation [s].
+        refine: ``physics`` for further optimisation in the physics backend, or ``none``.
+        weights: maps ``BLOCK.measure`` to the weight in the value of a plan. The domain of the task already has these
+            weights.
+        hyperparameters: maps ``BLOCK.name`` to a fixed value or to narrower bounds. The domain of the task already has
+            these settings.
     """
 
     optimiser: str = "cma"
@@ -74,20 +76,21 @@ class Task:
     """One problem of a domain.
 
     Attributes:
-        name: name of the task, by default the stem of its file.
-        domain: the domain.
-        tokens: all tokens, places included, in the file's order.
-        state: the initial continuous state.
-        goal: atoms over tokens that must hold at the end; `ANY` in an atom leaves a choice.
-        agents: agent to the names of its capability tokens.
-        assignment: token to the block in which it starts.
+        name: name of the task, by default the stem of the task file.
+        domain: domain of the task.
+        tokens: all tokens, including places, in the order of the task file.
+        state: initial continuous state.
+        goal: atoms over tokens that must hold at the end. An atom with `ANY` leaves a choice.
+        agents: maps each agent to the names of its capability tokens.
+        assignment: maps the name of each token to the block in which the token starts.
         planner: name of the planning engine.
-        limits: bounds on the work.
+        limits: limits on planning.
         seed: seed of all random numbers.
-        objective: the minimised quantity, ``length`` (number of actions) or ``makespan`` (time).
-        midlevel: how hyperparameters are optimised.
-        source: the task file, or None.
-        primitives: block or action to the file of its learned motor primitive; the domain has it already.
+        objective: quantity that is minimised: ``length`` (number of actions) or ``makespan`` (duration of the plan).
+        midlevel: settings for the optimisation of hyperparameters.
+        source: path of the task file, or None.
+        primitives: maps a block or action to the file of its learnt motor primitive. The domain of the task already has
+            the primitives.
     """
 
     name: str
@@ -107,12 +110,12 @@ class Task:
 
     @cached_property
     def token_by_name(self) -> Mapping[str, Token]:
-        """Tokens by the user's names."""
+        """Maps each name to its token."""
         return {token.name: token for token in self.tokens}
 
     @property
     def assigned(self) -> tuple[Token, ...]:
-        """The tokens that must be in a slot at every instant: all but places."""
+        """Tokens that must be in a slot at every instant, which are all tokens except places."""
         return tuple(token for token in self.tokens if not token.place)
 
     def start_block(self, name: str) -> Block:
@@ -120,11 +123,11 @@ class Task:
         return self.domain.block_by_name[self.assignment.get(name, self.domain.resting)]
 
     def replaced(self, **changes: object) -> "Task":
-        """Return a copy with other values of some attributes."""
+        """Return a copy of the task with new values of some attributes."""
         return replace(self, **changes)  # type: ignore[arg-type]
 
     def restrict(self, names: Collection[str], **changes: object) -> "Task":
-        """Return the task with only these tokens, and with other values of some attributes."""
+        """Return the task with only the named tokens and with new values of some attributes."""
         tokens = tuple(token for token in self.tokens if token.name in names)
         return self.replaced(
             tokens=tokens,
@@ -141,15 +144,15 @@ class Task:
         return tuple(token for token in self.tokens if token.is_member(sort))
 
     def value(self, name: str) -> Value:
-        """Return the token of that name, or the name itself as a symbol."""
+        """Return the token with this name, or the name itself if it is a symbol."""
         return self.token_by_name.get(name, name)
 
     def bind(self, roles: Mapping[str, str]) -> dict[str, Value]:
-        """Return role to token or symbol from role to name."""
+        """Return a binding that maps each role to its token or symbol, given the names of tokens and symbols."""
         return {role: self.value(name) for role, name in roles.items()}
 
     def choices(self, block: Block, fixed: Mapping[str, Value] | None = None) -> dict[str, tuple[Value, ...]]:
-        """Return role to its possible values, by its class or sort and by the fixed roles."""
+        """Return a mapping from each role of a block to its possible values. A fixed role has at most one value."""
         every = {role: self.values_of(sort) for role, sort in block.roles.items()}
         fixed = fixed or {}
         return {
@@ -158,9 +161,10 @@ class Task:
         }
 
     def margin(self, atom: Atom, state: State | None = None) -> float:
-        """Return the signed margin of an atom, in the initial state by default.
+        """Return the signed margin of an atom in a state, by default the initial state.
 
-        The margin of an atom with a choice is the largest of its groundings; minus infinity if it has none.
+        The margin of a positive atom with a choice is the largest margin of its groundings, or minus infinity if there
+        are no groundings.
         """
         if ANY in atom.arguments:
             best = max((self.margin(each, state) for each in self.groundings(atom)), default=-math.inf)
@@ -170,7 +174,7 @@ class Task:
 
     @cached_property
     def unsettled(self) -> tuple[tuple[Atom, Token, type[ObjectClass]], ...]:
-        """(goal atom, token, class) where the atom needs a membership of the token that is unknown."""
+        """Triples of (goal atom, token, class) for which the atom requires an unknown membership of the token."""
         return tuple(
             (atom, token, parameter.sort)
             for atom in self.goal
@@ -184,11 +188,11 @@ class Task:
 
     @property
     def definite(self) -> bool:
-        """Whether the task is one planning problem: the goal leaves no choice and needs no unknown membership."""
+        """Whether the task is a single planning problem: the goal has no choice and requires no unknown membership."""
         return not self.unsettled and len(self.alternatives()) == 1
 
     def groundings(self, atom: Atom) -> tuple[Atom, ...]:
-        """Return the positive groundings of an atom with a choice, over different tokens."""
+        """Return the groundings of an atom with a choice as positive atoms, in which no token occurs twice."""
         parameters = self.domain.predicate_by_name[atom.predicate].parameters
         choices = {
             parameter.name: self.values_of(parameter.sort) if argument == ANY else (self.value(argument),)
@@ -197,10 +201,10 @@ class Task:
         return tuple(Atom(atom.predicate, names_of(bound)) for bound in enumerate_bindings(choices))
 
     def alternatives(self) -> tuple["Task", ...]:
-        """Return the tasks with the ground goals of this one, the nearest first.
+        """Return one task for each ground goal of this task, the nearest goal first.
 
         Raises:
-            InputError: there are too many, or none.
+            InputError: if there are too many ground goals, or none.
         """
         if not any(ANY in atom.arguments for atom in self.goal):
             return (self,)

@@ -48,7 +48,7 @@ FAULTS: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     ),
     "condition on a class that the slot does not have": (
         {"blocks": with_rolling(entry=(INSIDE("hand", "region"),))},
-        ("ROLLING: inside(hand, region)", "object of inside must be ROLLABLE", "change the class of the slot"),
+        ("ROLLING: inside(hand, region)", "object of inside must have class or sort ROLLABLE"),
     ),
     "condition over an unknown role": (
         {"blocks": with_rolling(entry=(INSIDE("thing", "region"),))},
@@ -56,36 +56,36 @@ FAULTS: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     ),
     "condition with too few arguments": (
         {"blocks": with_rolling(entry=(INSIDE("object"),))},
-        ("inside takes 2 arguments",),
+        ("inside must have 2 arguments",),
     ),
     "predicate of another domain": (
         {"blocks": with_rolling(entry=(OUTSIDER("object", "region"),))},
-        ("outside", "a condition uses a predicate of the domain"),
+        ("outside", "a condition must use a predicate of the domain"),
     ),
     "block without a way in": (
         {"network": ReassignmentNetwork([e for e in EDGES if e[1] != "ROLLING.object"])},
-        ("ROLLING.object", "no edge leads into this slot", "add an edge"),
+        ("ROLLING.object", "an edge must lead into this slot", "add an edge"),
     ),
     "block without a way out": (
         {"network": ReassignmentNetwork([e for e in EDGES if e[0] != "ROLLING.hand"])},
-        ("ROLLING.hand", "no edge leads out of this slot", "add an edge"),
+        ("ROLLING.hand", "an edge must lead out of this slot", "add an edge"),
     ),
     "two blocks of one name": (
         {"blocks": (*DOMAIN.blocks, ROLLING)},
-        ("every block needs a name of its own", "two of name 'ROLLING'", "rename one"),
+        ("every block must have a unique name", "the name 'ROLLING' more than once", "rename one block"),
     ),
     "anchor that is no slot": ({"blocks": with_rolling(anchor="region")}, ("the anchor must be a slot",)),
     "place in a slot": (
         {"blocks": with_rolling(slots=(*ROLLING.slots, Slot("floor", Region)))},
-        ("ROLLING.floor", "REGION is a place", "make it a target"),
+        ("ROLLING.floor", "must not be a place, got REGION", "declare a target"),
     ),
     "slot and target of one name": (
         {"blocks": with_rolling(targets=(*ROLLING.targets, Target("hand", Rollable)))},
-        ("ROLLING.hand", "need different names"),
+        ("ROLLING.hand", "must have different names"),
     ),
     "bounds in the wrong order": (
         {"blocks": with_rolling(hyperparameters=(Hyperparameter("x", "m", 2.0, 1.0, lambda b, s: np.zeros(())),))},
-        ("ROLLING.x", "lower bound <= upper bound"),
+        ("ROLLING.x", "the lower bound must not exceed the upper bound"),
     ),
     "duration of zero": (
         {"blocks": with_rolling(duration=Duration(0.0, 1.0, lambda b, s, h: 1.0))},
@@ -97,25 +97,25 @@ FAULTS: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     ),
     "wildcard in a positive exit condition": (
         {"blocks": with_rolling(exit=(*ROLLING.exit, INSIDE("object", ANY)))},
-        ("only negative exit conditions have wildcards",),
+        ("a positive exit condition must not have wildcards",),
     ),
     "wildcard in another than the functional parameter": (
         {"blocks": with_rolling(exit=(*ROLLING.exit, ~INSIDE(ANY, "region")))},
-        ("a wildcard stands for the functional parameter", "declare the predicate functional"),
+        ("a wildcard must be the functional parameter", "declare the predicate as functional"),
     ),
     "negative entry condition on a changing predicate": (
         {"blocks": with_rolling(entry=(~INSIDE("object", "region"),))},
-        ("a negative entry condition must be on a static predicate", "says the opposite"),
+        ("a negative entry condition must use a static predicate", "with the opposite meaning"),
     ),
     "predicate that reads what is written and is not set": (
         {"blocks": with_rolling(exit=tuple(c for c in ROLLING.exit if c.predicate is not INSIDE))},
-        ("ROLLING.object", "it writes position, which inside(object) reads", "or list it in keeps"),
+        ("ROLLING.object", "its effect on inside(object), because the block writes position", "or list it in 'keeps'"),
     ),
     "predicate with the name of a class": (
         {"predicates": (*DOMAIN.predicates, replace(FLYING, name="REGION"))},
-        ("'REGION' names a class or sort and a predicate", "rename one of them"),
+        ("a predicate must not have the name of a class or sort ('REGION')", "rename the predicate"),
     ),
-    "no block for what rests": ({"resting": "SLEEPING"}, ("needs the block SLEEPING",)),
+    "no block for what rests": ({"resting": "SLEEPING"}, ("must have the block SLEEPING",)),
 }
 
 

@@ -124,5 +124,5 @@ def test_too_many_facts_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     instance = BlockInstance("PAINT-1", "PAINT", {"part": "part 0"}, 0, 1, {"new": "red"})
     assert forbidden_bindings(forbid(given, instance), "PAINT") == {("part 0", "red")}
     monkeypatch.setattr(forbidding, "MOST_FACTS", 5)
-    with pytest.raises(InputError, match=r"PAINT: .* has at most 5 of them; got 6"):
+    with pytest.raises(InputError, match=r"PAINT: .* must have at most 5 bindings; got 6"):
         forbid(given, instance)

@@ -103,9 +103,13 @@ def test_no_edge_leads_there_and_the_reason_says_from_where() -> None:
         (
             lambda: workshop_task((at(),), hands=(50.0, 20.0)),
             Atom("bears", ("hand 1", "part 0")),
-            "force of hand 1 at 30 N",
+            "force of hand 1 set to 30 N",
         ),
-        (lambda: workshop_task((cut(),), edges=(2.0,)), Atom("sharp", ("cutter 0", "part 0")), "edge of cutter 0 at 3"),
+        (
+            lambda: workshop_task((cut(),), edges=(2.0,)),
+            Atom("sharp", ("cutter 0", "part 0")),
+            "edge of cutter 0 set to 3",
+        ),
         (
             lambda: rolling_task(regions=[(3.0, 0.0)]),
             Atom("within_workspace", ("hand 0", "drum 0", "region 0")),

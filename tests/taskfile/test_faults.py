@@ -90,8 +90,8 @@ FAULTS = [
     fault("class named twice", "[ROLLABLE]", "[ROLLABLE, «ROLLABLE]", "each of its classes once"),
     fault("place and thing", "[ROLLABLE]", "[ROLLABLE, «REGION]", "a place or a thing", "REGION", "ROLLABLE"),
     fault("disjoint classes", "[ROLLABLE]", "[ROLLABLE, «LIQUID]", "both ROLLABLE and LIQUID", "disjoint"),
-    fault("classes in conflict", "[REGION]", "«[REGION, HOLE]", "HOLE and REGION", "unit of property 'radius'",
-          "mm in HOLE, m in REGION"),
+    fault("classes in conflict", "[REGION]", "«[REGION, HOLE]", "HOLE and REGION", "unit for property 'radius'",
+          "mm in HOLE and m in REGION"),
     fault("missing property", "    properties: {axis: [0, 0, 2], mass: 5}", "    «properties: {axis: [0, 0, 2]}",
           "missing key 'mass' [kg] in properties of token 'drum'", "mass of the body", "needed by ROLLABLE"),
     fault("no properties at all", "  goal:\n    classes: [REGION]\n    properties: {radius: 0.02}",
@@ -240,7 +240,7 @@ def test_the_planner_is_left_to_others_where_none_are_named(text: str, toy: Doma
 
 def test_faults_of_a_domain_stand_at_its_name(text: str) -> None:
     def broken(name: str) -> Domain:
-        raise DomainError([Issue("ROLLING.hand", "no edge leads into this slot", remedy="add one")])
+        raise DomainError([Issue("ROLLING.hand", "an edge must lead into this slot", remedy="add one")])
 
-    with pytest.raises(InputError, match=r"t:2:9: ROLLING.hand: no edge leads into this slot; add one"):
+    with pytest.raises(InputError, match=r"t:2:9: ROLLING.hand: an edge must lead into this slot; add one"):
         load_task_text(text, "t", broken)
