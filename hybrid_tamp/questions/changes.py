@@ -1,7 +1,7 @@
-"""Changed tasks: with one more token, one more class for a token, more edges, granted facts, another property.
+"""Functions that apply changes to a task: add a token, a class, an edge or a fact, or set a property.
 
-A changed task is planned like any other. What is unknown of it is assumed to be ideal: if a class has no members yet, a
-new member meets every feasibility fact about members.
+A changed task is planned like any other task. If a class has no members in the task, a new member has no known
+properties. Every feasibility fact about this new member is then assumed to hold.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -24,7 +24,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 def apply_change(task: Task, change: Change) -> Task:
-    """Return the changed task."""
+    """Return the task with one change applied."""
     match change:
         case CopyToken(like, across_from):
             return with_copy(task, like, _copy_position(task, like, across_from))
@@ -41,20 +41,20 @@ def apply_change(task: Task, change: Change) -> Task:
 
 
 def apply_together(task: Task, changes: Collection[Change]) -> Task:
-    """Return the task with several edges, several facts, a single change of any kind, or no change."""
+    """Return the task with all changes applied: several edges, several facts, or at most one other change."""
     if len(changes) == 1:
         (change,) = changes
         return apply_change(task, change)
     edges = [(change.source, change.target) for change in changes if isinstance(change, AddEdge)]
     atoms = [change.atom for change in changes if isinstance(change, GrantFact)]
-    assert len(changes) in (len(edges), len(atoms)), "many changes at once are all edges or all facts"
+    assert len(changes) in (len(edges), len(atoms)), "several changes must be all edges or all facts"
     return with_facts(task, atoms) if atoms else with_edges(task, edges)
 
 
 def propose_copies(task: Task, like: Token) -> Iterator[CopyToken]:
-    """Yield copies of a token: one beside it, then one on the other side of each object.
+    """Yield changes that copy a token: one beside the original, then one across each object.
 
-    The copy beside it is placed one length away, although symbols do not notice if two objects overlap.
+    The first copy is placed one object length beside the original, so that the two do not overlap.
     """
     yield CopyToken(like)
     position = task.state[like, "position"]
@@ -66,7 +66,7 @@ def propose_copies(task: Task, like: Token) -> Iterator[CopyToken]:
 
 
 def _copy_position(task: Task, like: Token, across_from: Token | None) -> FloatArray:
-    """Return the position of a copy: beside the token, or on the other side of another one [m]."""
+    """Return the position of a copy in metres: beside the original, or on the other side of another token."""
     position = task.state[like, "position"]
     if across_from is None:
         longest = 0.1 if like.shape is None else float(np.ptp(points_of(like.shape), axis=0).max())
@@ -76,12 +76,12 @@ def _copy_position(task: Task, like: Token, across_from: Token | None) -> FloatA
 
 
 def task_root(task: Task) -> type[ObjectClass]:
-    """Return the class of which every token of the task except places is a member."""
+    """Return the class that all tokens except places share."""
     return task.domain.resting_block.slots[0].object_class
 
 
 def with_copy(task: Task, like: Token, position: FloatArray) -> Task:
-    """Return the task with a copy of a token at a position [m]; the copy belongs to the same agent."""
+    """Return the task with a copy of a token at a position in metres. The copy belongs to the original's agent."""
     copy = replace(like, name=_free_name(task, like.name))
     state = {(copy.name, varying.name): task.state[like, varying.name] for varying in like.varying}
     agents = {agent: (*names, copy.name) if like.name in names else names for agent, names in task.agents.items()}
@@ -89,7 +89,7 @@ def with_copy(task: Task, like: Token, position: FloatArray) -> Task:
 
 
 def with_ideal(task: Task, object_class: type[ObjectClass]) -> Task:
-    """Return the task with a token of a class that has no members yet; it meets every fact about it."""
+    """Return the task with a first member of a class. Every feasibility fact about the new token holds."""
     classes = tuple(sorted({object_class, task_root(task)}, key=lambda each: each.name))
     ideal = Token(_free_name(task, object_class.name.lower()), classes, {})
     more = _add_token(task, ideal, {}, None, task.agents)
@@ -110,7 +110,7 @@ def _add_token(
 
 
 def without_token(task: Task, token: Token) -> Task:
-    """Return the task without a token and without the goals that name it."""
+    """Return the task without a token and without the goal atoms that name the token."""
     tokens = tuple(each for each in task.tokens if each is not token)
     given = {key: value for key, value in _given(task).items() if key[0] != token.name}
     return task.replaced(
@@ -134,7 +134,7 @@ def _free_name(task: Task, name: str) -> str:
 
 
 def with_token(task: Task, token: Token) -> Task:
-    """Return the task with a token in place of the one of the same name, in the same state."""
+    """Return the task with a token that replaces the token of the same name and keeps its state."""
     tokens = tuple(token if each.name == token.name else each for each in task.tokens)
     names = {(each.name, varying.name) for each in tokens for varying in each.varying}
     state = State.of(tokens, {key: value for key, value in _given(task).items() if key in names})
@@ -142,10 +142,10 @@ def with_token(task: Task, token: Token) -> Task:
 
 
 def with_class(task: Task, token: Token, object_class: type[ObjectClass]) -> Task:
-    """Return the task in which a token is a member of one more class.
+    """Return the task with a token as a member of one more class.
 
-    The token takes missing properties of the class from the first member. If there is no member, the token meets every
-    fact about members.
+    The token copies the class properties that it lacks from the first member. If the class has no members and the token
+    lacks a property, every feasibility fact about the token as a member holds.
     """
     members = [each for each in task.values_of(object_class) if isinstance(each, Token)]
     classes = tuple(sorted({*token.classes, object_class}, key=lambda each: each.name))
@@ -165,12 +165,12 @@ def with_class(task: Task, token: Token, object_class: type[ObjectClass]) -> Tas
 
 
 def with_edges(task: Task, more: Iterable[tuple[SlotName, SlotName]]) -> Task:
-    """Return the task whose network has more edges."""
+    """Return the task with more edges in its network."""
     return task.replaced(domain=replace(task.domain, network=task.domain.network.extended(more)))
 
 
 def with_facts(task: Task, atoms: Iterable[Atom]) -> Task:
-    """Return the task in which these feasibility facts hold, whatever their margins are."""
+    """Return the task with some feasibility facts made true, whatever their margins are."""
     domain = task.domain
     for positive in (True, False):
         wanted = {(atom.predicate, *atom.arguments) for atom in atoms if atom.positive is positive}
@@ -187,16 +187,16 @@ Granted = Callable[[Predicate, tuple[Value, ...]], bool]
 
 
 def grant(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collection[str] = ()) -> Domain:
-    """Return the domain in which some feasibility facts have a given margin.
+    """Return the domain with a fixed margin for some feasibility facts.
 
-    Properties of the tokens in these facts may be unknown. So a changing predicate that cannot be evaluated does not
-    hold, and durations are not estimated.
+    The tokens in these facts may lack properties. If a state predicate needs a missing property, it does not hold. The
+    expected duration of each block is its minimum.
 
     Args:
-        domain: the domain.
-        wanted: says whether a fact gets the margin.
-        margin: the margin.
-        names: the predicates of these facts; any predicate if empty.
+        domain: the domain to change.
+        wanted: function that says whether a fact gets the margin, given its predicate and its arguments.
+        margin: the margin of these facts.
+        names: names of the predicates to change. If empty, all predicates are changed.
     """
     changed = {
         predicate: _granted(predicate, wanted, margin)

@@ -36,7 +36,7 @@ def test_explain_says_why_each_token_is_in_the_plan(command: Command) -> None:
     assert answer["explanation"] is None
     assert {entry["token"]: entry["used"] for entry in answer["tokens"]} == {"hand": True, "drum": True, "goal": True}
     told = " ".join(command("explain", "roll_cylinder").stdout.replace("\u2502", " ").split())
-    assert "slot hand of ROLLING-1, which brings about inside(drum, goal) for the goal" in told
+    assert "slot hand of ROLLING-1, which achieves inside(drum, goal) for the goal" in told
 
 
 @pytest.mark.parametrize("view", ["environment", "agent", "observer", "team"])

@@ -44,7 +44,7 @@ def test_every_link_is_in_the_plan_and_leads_to_the_goal(robots: tuple[Task, Tas
 def test_both_robots_and_the_box_are_needed(robots: tuple[Task, TaskPlan]) -> None:
     found = {cause.token: cause for cause in find_causes(*robots)}
     assert all(cause.used for cause in found.values())
-    assert found["hand-a"].why.endswith("which brings about posture(box, flat right) for the goal")
+    assert found["hand-a"].why.endswith("which achieves posture(box, flat right) for the goal")
     assert found["hand-a"].why.startswith("slot first of TIPPING-")
 
 
@@ -55,8 +55,9 @@ def test_why_others_are_not_needed() -> None:
     assert len(unused & {"hand 0", "hand 1"}) == 1
     (hand,) = unused & {"hand 0", "hand 1"}
     (other,) = {"hand 0", "hand 1"} - unused
-    assert found[hand].why == f"it is not needed: hand of CUTTING-1 is {other}, and one is enough"
-    assert found["station 0"].why == "no block that the goal needs has a slot or target for a token of its classes"
+    assert found[hand].why == f"not needed: {other} already fills hand of CUTTING-1"
+    why = "no block that contributes to the goal has a slot or a target that this token can fill"
+    assert found["station 0"].why == why
     assert "part 1" in unused
 
 

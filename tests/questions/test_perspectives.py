@@ -131,7 +131,7 @@ def test_one_more_hand_makes_tumbling_possible_and_one_less_takes_it_away() -> N
         ("+STATIC END EFFECTOR", "did you mean 'STATIC END-EFFECTOR'?"),
         ("+REGION", "available: ROLLABLE, STATIC END-EFFECTOR, TUMBLABLE"),
         ("-hand-7", "did you mean 'hand-1'?"),
-        ("STATIC END-EFFECTOR", "a question begins with + or -"),
+        ("STATIC END-EFFECTOR", "a question must begin with + or -"),
     ],
 )
 def test_questions_that_cannot_be_answered(question: str, said: str) -> None:

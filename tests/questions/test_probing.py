@@ -260,9 +260,9 @@ def test_a_trial_that_never_settles_ends_and_says_so(task: Task) -> None:
     with open_backend("pybullet") as physics:
         prober = Prober(lambda each: hybrid_tamp.plan(each).required(), physics, starts=1, most_seconds=1.0)
         (verdict,) = prober.probe(task, "P5", ["TUMBLABLE"]).verdicts
-        assert verdict.trials[0].why == "it did not settle within 1 s of simulated time"
+        assert verdict.trials[0].why == "the trial did not end within 1 s of simulated time"
         late = replace(prober, deadline=0.0)
-        with pytest.raises(LimitReached, match="a larger time_limit"):
+        with pytest.raises(LimitReached, match="increase time_limit"):
             late.probe(task, "P5", ["TUMBLABLE"])
 
 
@@ -271,8 +271,8 @@ def test_a_trial_that_never_settles_ends_and_says_so(task: Task) -> None:
     [
         (("--token", "P6"), "'P6'"),
         (("--token", "P5", "--class", "ROLLING"), "'ROLLING'"),
-        (("--token", "P3"), "a token that is unknown in some class"),
-        (("--token", "P3", "--class", "TUMBLABLE"), "of which P3 is not known to be a member"),
+        (("--token", "P3"), "expected a token with unknown classes"),
+        (("--token", "P3", "--class", "TUMBLABLE"), "P3 is already known to be a member of TUMBLABLE"),
         (("--token", "goal", "--class", "ROLLABLE"), "a token with a shape"),
     ],
 )

@@ -1,1 +1,1 @@
-"""Which object affords which block, and to whom (paper, Sec. II-E)."""
+"""Queries of the affordances of objects in different perspectives (paper, Sec. II-E)."""

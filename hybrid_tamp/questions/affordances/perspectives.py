@@ -1,9 +1,9 @@
-"""Which object affords which block, and to whom (paper, Sec. II-E).
+"""Affordances of objects in the perspectives of the environment, an agent, an observer and a team (paper, Sec. II-E).
 
-An object affords a block if it can be in one of the block's slots. In the *environment's* perspective only its classes
-count. In an *agent's* perspective the agent's capability tokens must fill the other slots so that every feasibility
-fact holds, and all tokens must reach their slots along edges; the binding is the witness. Conditions that depend on
-the state are ignored.
+An object affords a block if the object can fill one of the block's slots. In the *environment's* perspective only the
+object's classes count. In an *agent's* perspective the agent's capability tokens must fill the other slots. Every
+feasibility fact of this binding must hold, and edges must lead every token to its slot. The binding is the witness.
+Conditions that depend on the state are ignored.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -19,12 +19,12 @@ from hybrid_tamp.questions.changes import task_root, without_token
 
 
 def find_affordances(task: Task, view: View, agent: str | None = None) -> list[Affordance]:
-    """Return which object affords which block in a perspective.
+    """Return the affordances of all objects in a perspective.
 
     Args:
-        task: the task.
-        view: the perspective.
-        agent: name of an agent; then only what is afforded to it or to a group with it counts.
+        task: the task with the objects and the agents.
+        view: name of the perspective.
+        agent: name of an agent. If given, affordances that involve only other agents are left out.
     """
     views: Mapping[View, Callable[[Task], list[Affordance]]] = {
         "environment": environment,
@@ -36,7 +36,7 @@ def find_affordances(task: Task, view: View, agent: str | None = None) -> list[A
 
 
 def environment(task: Task) -> list[Affordance]:
-    """Return which object affords which block by its classes alone."""
+    """Return the affordances that follow from the classes of the objects alone."""
     return [
         Affordance((), thing.name, block.name, slot.name, {})
         for thing in task.assigned
@@ -45,7 +45,7 @@ def environment(task: Task) -> list[Affordance]:
 
 
 def afforded_to(task: Task, *names: str) -> list[Affordance]:
-    """Return what is afforded to an agent, or to several agents that pool their tokens."""
+    """Return the affordances for an agent, or for several agents that pool their tokens."""
     own = _of_agents(task, names)
     fillable = FillableBlocks(own)
     found = []
@@ -58,7 +58,7 @@ def afforded_to(task: Task, *names: str) -> list[Affordance]:
 
 
 def observer(task: Task) -> tuple[list[Affordance], list[Implication]]:
-    """Return what is afforded to each agent, and what it implies for agents with the same capability classes."""
+    """Return the affordances for each agent, and their implications for agents with the same capability classes."""
     by_agent = {name: afforded_to(task, name) for name in task.agents}
     implied = [
         Implication(seen, other, next((one.witness for one in by_agent[other] if one.key[1:] == seen.key[1:]), {}))
@@ -71,7 +71,7 @@ def observer(task: Task) -> tuple[list[Affordance], list[Implication]]:
 
 
 def team(task: Task) -> list[Affordance]:
-    """Return what is afforded to a group of agents but to no smaller group within it."""
+    """Return the affordances that need a whole group of agents, so that no smaller part of the group suffices."""
     found: list[Affordance] = []
     known: dict[tuple[object, ...], list[frozenset[str]]] = {}
     for size in range(1, len(task.agents) + 1):
@@ -85,7 +85,7 @@ def team(task: Task) -> list[Affordance]:
 
 
 def capabilities(task: Task, name: str) -> frozenset[tuple[str, int]]:
-    """Return the capability classes of an agent's tokens, the tokens of each class numbered from 1."""
+    """Return pairs of (capability class, number) for an agent's tokens. Tokens of a class are numbered from 1."""
     counted: list[str] = []
     for token in task.agents[name]:
         members = task.token_by_name[token].classes
@@ -94,7 +94,7 @@ def capabilities(task: Task, name: str) -> frozenset[tuple[str, int]]:
 
 
 def _of_agents(task: Task, names: Iterable[str]) -> Task:
-    """Return the task without the tokens of other agents."""
+    """Return the task without the tokens of agents that are not named."""
     own = {token for name in names for token in task.agents[name]}
     others = {token for tokens in task.agents.values() for token in tokens} - own
     for token in task.tokens:
@@ -104,7 +104,7 @@ def _of_agents(task: Task, names: Iterable[str]) -> Task:
 
 
 def _offered(task: Task, thing: Token) -> Iterator[tuple[Block, Slot]]:
-    """Yield the slots for objects, not for hands, that a token fits by its classes."""
+    """Yield pairs of (block, slot) for the object slots that a token fits by its classes. Hand slots are left out."""
     for block in task.domain.blocks:
         for slot in block.slots:
             general = slot.object_class is task_root(task) or issubclass(slot.object_class, CapabilityClass)

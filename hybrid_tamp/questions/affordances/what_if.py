@@ -1,4 +1,4 @@
-"""What if the task had one token more or less: questions of the form ``+CLASS`` or ``-TOKEN``."""
+"""Affordances gained or lost with one token more or less. Questions have the form ``+CLASS`` or ``-TOKEN``."""
 
 from collections.abc import Callable, Iterable
 
@@ -16,13 +16,13 @@ def answer_what_if(task: Task, question: str, before: Iterable[Affordance], find
     """Return the affordances that are gained and lost with one token more or less.
 
     Args:
-        task: the task.
+        task: the task without the change.
         question: ``+CLASS`` or ``-TOKEN``.
-        before: the affordances without the change.
-        find: finds affordances.
+        before: the affordances of the task without the change.
+        find: function that returns the affordances of a task.
 
     Raises:
-        InputError: the question has another form, or there is no such class or token.
+        InputError: if the question has another form, or if the class or the token is unknown.
     """
     old, new = ({each.key: each for each in some} for some in (before, find(change_task(task, question, find))))
     return WhatIf(
@@ -35,12 +35,13 @@ def answer_what_if(task: Task, question: str, before: Iterable[Affordance], find
 def change_task(task: Task, question: str, find: FindAffordances) -> Task:
     """Return the changed task of a question (see `answer_what_if`).
 
-    One more token is a copy of the first member of the class and belongs to the same agent. It is placed where it gives
-    the most affordances: beside the original or across from it. A token of a class without members meets every fact
-    about it and belongs to no agent.
+    ``+CLASS`` copies a member of the class, preferably a member that belongs to an agent. The copy belongs to the same
+    agent. Of the positions beside the original and across an object, the copy gets the position with the most
+    affordances. If the class has no members, the new token belongs to no agent, and every feasibility fact about the
+    new token holds.
 
     Raises:
-        InputError: the question has another form, or there is no such class or token.
+        InputError: if the question has another form, or if the class or the token is unknown.
     """
     sign, name = question[:1], question[1:].strip()
     if sign == "-":
@@ -49,16 +50,16 @@ def change_task(task: Task, question: str, find: FindAffordances) -> Task:
             raise InputError([Issue("questions", wanted, repr(name), tuple(sorted(task.token_by_name)))])
         return without_token(task, task.token_by_name[name])
     if sign != "+":
-        remedy = "ask for one more token of a class, '+CLASS', or for one less, '-TOKEN'"
-        raise InputError([Issue("questions", "a question begins with + or -", repr(question), remedy=remedy)])
+        remedy = "write '+CLASS' to add a token of a class, or '-TOKEN' to remove a token"
+        raise InputError([Issue("questions", "a question must begin with + or -", repr(question), remedy=remedy)])
     classes = {each.name: each for each in task.domain.classes if not is_place(each)}
     if name not in classes:
-        wanted = f"unknown class of objects in the domain {task.domain.name}"
+        wanted = f"unknown object class in the domain {task.domain.name}"
         raise InputError([Issue("questions", wanted, repr(name), tuple(sorted(classes)))])
     members = [each for each in task.values_of(classes[name]) if isinstance(each, Token)]
     if not members:
         return with_ideal(task, classes[name])
-    # An agent's token first, because a copy of a token that belongs to nobody acts for nobody.
+    # Prefer a member that belongs to an agent, because a copy of any other member gives no agent a new token.
     owned = {token for tokens in task.agents.values() for token in tokens}
     members.sort(key=lambda token: token.name not in owned)
     more = [apply_change(task, change) for change in propose_copies(task, members[0])]

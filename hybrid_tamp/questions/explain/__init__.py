@@ -1,1 +1,1 @@
-"""Why a task has no plan, what would give it one, and why each token is in the plan that it has."""
+"""Explanations of failures to find a plan, suggested repairs, and explanations of the tokens in a plan."""

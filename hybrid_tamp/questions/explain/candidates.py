@@ -1,4 +1,4 @@
-"""The single changes that might give a task a plan; first those to which the reasons point."""
+"""Candidates for single changes that might make a task solvable."""
 
 from collections.abc import Iterable, Iterator, Mapping, Set
 from itertools import product
@@ -21,10 +21,10 @@ from hybrid_tamp.questions.explain.property_changes import find_property_changes
 
 
 def propose_changes(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
-    """Yield every single change once, the most promising first."""
+    """Yield every single change of a task once. Changes that remove the cause of a reason come first."""
     seen: set[Change] = set()
     for change in _Space(task).ordered(reasons):
-        # One property may make several facts hold.
+        # Several failing facts may lead to the same property change.
         if change not in seen:
             seen.add(change)
             yield change
@@ -49,7 +49,7 @@ def points_to(reason: Reason, change: Change) -> bool:
 
 
 class _Space:
-    """The single changes of one task."""
+    """The space of all single changes of one task."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
@@ -58,7 +58,7 @@ class _Space:
         self._slots = {(b.name, s.name): s.object_class for b in task.domain.blocks for s in b.slots}
 
     def ordered(self, reasons: Iterable[Reason]) -> Iterator[Change]:
-        """Yield every single change, some more than once, the most promising first."""
+        """Yield every single change, most promising changes first. Some changes occur more than once."""
         for reason in reasons:
             yield from self.pointed(reason)
         yield from self.tokens()
@@ -81,7 +81,7 @@ class _Space:
             yield self.fact(reason.atom)
 
     def tokens(self, wanted: type[ObjectClass] | None = None) -> Iterator[Change]:
-        """Yield copies of each token, and a token of each class that has no members yet."""
+        """Yield copies of every token, and a first member for every class without members."""
         for token in self.task.assigned:
             if wanted is None or token.is_member(wanted):
                 yield from propose_copies(self.task, token)
@@ -90,7 +90,7 @@ class _Space:
                 yield IdealToken(each)
 
     def classes(self, wanted: type[ObjectClass] | None = None) -> Iterator[Change]:
-        """Yield one more class for a token."""
+        """Yield changes that make a token a member of one more class."""
         relations = self.task.domain.relations
         for each, token in product(self.task.domain.classes if wanted is None else (wanted,), self.task.assigned):
             own = set(token.classes) - {task_root(self.task)}
@@ -98,9 +98,10 @@ class _Space:
                 yield JoinClass(token, each)
 
     def edges(self, towards: SlotName | None = None) -> Iterator[Change]:
-        """Yield edges from slots that tokens can reach: first to slots that no token can reach, then likely edges.
+        """Yield new edges that leave slots which tokens can reach.
 
-        An edge is likely if the network has one between the same actions that leaves or enters the same slot.
+        Edges to unreachable slots come first, then likely edges. An edge is likely if the network already has an edge
+        between the same two actions that leaves the same slot or enters the same slot.
         """
         sources = {slot for token in self.task.assigned for slot in self._passages.slots(token)}
         network, relations = self.task.domain.network, self.task.domain.relations
@@ -115,17 +116,17 @@ class _Space:
         def likely(one: SlotName, other: SlotName) -> bool:
             return (one, split_mode(other[0])[0]) in out_of or (split_mode(one[0])[0], other) in into
 
-        # Last the edges within one block, with which an action follows itself.
+        # Edges within one block come last, because they only let an action follow itself.
         pairs.sort(key=lambda pair: (pair[1] in sources, not likely(*pair), pair[0][0] == pair[1][0]))
         return (AddEdge(source, target) for source, target in pairs)
 
     def fact(self, atom: Atom) -> Change:
-        """Return the change that makes a feasibility fact hold."""
+        """Return the change that grants a feasibility fact."""
         predicate = self.task.domain.predicate_by_name[atom.predicate]
         return GrantFact(atom, with_unit(-self.task.margin(atom), predicate.unit))
 
     def failing(self) -> list[Atom]:
-        """Return the feasibility facts that alone keep some tokens out of some block, the smallest violation first."""
+        """Return each feasibility fact that is the only obstacle to some binding, smallest violation first."""
         found: dict[Atom, float] = {}
         for block in self.task.domain.blocks:
             for failure in self._single_failures(block):
@@ -133,7 +134,7 @@ class _Space:
         return sorted(found, key=lambda atom: (-found[atom], atom))
 
     def _single_failures(self, block: Block) -> Iterator[dict[Atom, float]]:
-        """Yield the failing fact of each binding of the block in which exactly one fact fails."""
+        """Yield the failing facts of the bindings of a block in which at most one fact fails."""
         conditions = order_conditions(block)
         roles = {argument for literal in conditions for argument in literal.arguments if argument in block.roles}
         choices = {role: values for role, values in self.task.choices(block).items() if role in roles}
@@ -147,9 +148,13 @@ class _Space:
     def _failure(
         self, conditions: Iterable[Literal], roles: Set[str], bound: Mapping[str, Value]
     ) -> dict[Atom, float] | None:
-        """Return the one fact that fails with its margin in scales of its predicate, or an empty dict if none fails.
+        """Return the only fact that fails for a binding, or an empty dict if none fails.
 
-        The answer is None if several facts fail, or one over symbols alone. Conditions with open roles are ignored.
+        Conditions whose roles are not all bound are skipped.
+
+        Returns:
+            Maps the failing fact to its margin divided by the scale of its predicate. None if several facts fail, or if
+            the failing fact has symbols only.
         """
         found: dict[Atom, float] = {}
         for literal in conditions:

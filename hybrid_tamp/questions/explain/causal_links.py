@@ -1,4 +1,4 @@
-"""Why each token is in a plan: the causal links from the goal back to the initial state."""
+"""Explanation of each token in a plan by the causal links from the goal back to the initial state."""
 
 from collections.abc import Iterator
 from math import inf
@@ -11,13 +11,13 @@ from hybrid_tamp.model.token import Token
 
 
 def find_links(task: Task, plan: TaskPlan) -> list[Link]:
-    """Return the links from the goal back to the initial state, each once."""
+    """Return the causal links from the goal back to the initial state, without duplicates."""
     found: dict[Link, None] = {}
     open_atoms: list[tuple[Atom, str | None, float]] = [(atom, None, inf) for atom in task.goal]
     seen = set()
     while open_atoms:
         atom, needed_by, before = open_atoms.pop(0)
-        # The last instance that begins before and brings the atom about.
+        # The producer is the last instance that starts before the consumer and achieves the atom.
         makers = [each for each in plan.instances if each.start < before and atom in _achieved(task, each)]
         producer = max(makers, key=lambda instance: instance.start, default=None)
         if producer is None:
@@ -30,7 +30,7 @@ def find_links(task: Task, plan: TaskPlan) -> list[Link]:
 
 
 def find_causes(task: Task, plan: TaskPlan) -> list[Cause]:
-    """Return for every token why it is in the plan, or why not."""
+    """Return the reason why each token is in the plan, or why the plan does not need the token."""
     links = find_links(task, plan)
     instances = {instance.name: instance for instance in plan.instances}
     needed = {link.instance for link in links}
@@ -40,7 +40,7 @@ def find_causes(task: Task, plan: TaskPlan) -> list[Cause]:
         if own:
             why = _why(token, own[0], instances)
         elif any(token.name in atom.arguments for atom in task.goal):
-            why = "the goal names it, and the goal atoms about it hold initially"
+            why = "the goal names this token, but every goal atom about it already holds in the initial state"
         else:
             why = _why_not(task, plan, token, needed)
         found.append(Cause(token.name, bool(own), why, own))
@@ -61,11 +61,11 @@ def _why(token: Token, link: Link, instances: dict[str, BlockInstance]) -> str:
     instance = instances[link.instance]
     roles = " and ".join(role for role, name in instance.roles.items() if name == token.name)
     part = "target" if token.place or token.name in instance.targets.values() else "slot"
-    return f"{part} {roles} of {instance.name}, which brings about {link.atom.text} for {link.needed_by_text}"
+    return f"{part} {roles} of {instance.name}, which achieves {link.atom.text} for {link.needed_by_text}"
 
 
 def _why_not(task: Task, plan: TaskPlan, token: Token, needed: set[str]) -> str:
-    """Say why a token is in no instance that the goal needs."""
+    """Return the reason why the goal needs no instance with this token."""
     roles = [
         (instance, role)
         for instance in plan.instances
@@ -74,6 +74,6 @@ def _why_not(task: Task, plan: TaskPlan, token: Token, needed: set[str]) -> str:
         if isinstance(sort, type) and token.is_member(sort)
     ]
     if not roles:
-        return "no block that the goal needs has a slot or target for a token of its classes"
+        return "no block that contributes to the goal has a slot or a target that this token can fill"
     instance, role = roles[0]
-    return f"it is not needed: {role} of {instance.name} is {instance.roles[role]}, and one is enough"
+    return f"not needed: {instance.roles[role]} already fills {role} of {instance.name}"

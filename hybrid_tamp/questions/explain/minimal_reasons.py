@@ -1,7 +1,7 @@
-"""The smallest set of reasons why a task has no plan.
+"""Reduction of the reasons why a task has no plan to a minimal set.
 
-If single changes give a plan, a reason is left out if its removal gives none. If no single change does, those reasons
-are kept that have to be removed together.
+If a single change makes the task solvable, a reason is dropped if its removal does not. If no single change does, the
+kept reasons are those that must be removed together.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,16 +17,18 @@ from hybrid_tamp.questions.explain.candidates import find_answers
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_ANSWERS = 4
-"""Number of ways to remove a reason that are tried before it is left out."""
+"""Largest number of ways to remove a reason that are tried before the reason is dropped."""
 
 
 def keep_necessary(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> list[Reason]:
-    """Return the reasons whose removal would give a plan; reasons that are left out stay removed meanwhile.
+    """Return the reasons whose removal may make the task solvable.
+
+    Once a reason is dropped, the remaining reasons are examined in the task without the cause of this reason.
 
     Args:
-        task: the task.
-        reasons: reasons to which no suggestion points.
-        trials: plans changed tasks; when its time is over, the remaining reasons are kept.
+        task: a task that has no plan.
+        reasons: reasons that no suggestion removes.
+        trials: planner for changed tasks. After its deadline, all remaining reasons are kept.
     """
     kept = list(reasons)
     for reason in reversed(reasons):
@@ -38,11 +40,11 @@ def keep_necessary(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) 
 
 
 def _tasks_without(task: Task, reason: Reason) -> Iterator[Task]:
-    """Yield tasks in which the reason is removed."""
+    """Yield tasks in which the cause of the reason is removed."""
     for change in islice(find_answers(task, reason), MOST_ANSWERS):
         yield apply_change(task, change)
     if reason.atom is not None:
-        # A reason names one symbol, e.g. the face on whose wrong side a hand is, and may hold for others, too.
+        # The reason may also hold for other symbols than the one it names, for example for other faces of a box.
         parameters = task.domain.predicate_by_name[reason.atom.predicate].parameters
         choices = [
             parameter.sort.symbols if isinstance(parameter.sort, SymbolSort) else (name,)
@@ -52,14 +54,15 @@ def _tasks_without(task: Task, reason: Reason) -> Iterator[Task]:
 
 
 def remove_together(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> tuple[list[Reason], list[Change]]:
-    """Return the reasons that must all be removed to give a plan, and the changes that remove them.
+    """Return the reasons that must be removed together, and the changes that remove them.
 
-    Each is removed by the first change that answers it; if that gives no plan, all reasons are returned.
+    Each reason is removed by the first change that addresses it. If these changes together do not make the task
+    solvable, all reasons are returned without changes.
 
     Args:
-        task: a task to which no known single change gives a plan.
-        reasons: why it has none.
-        trials: plans changed tasks; when its time is over, the remaining reasons are kept.
+        task: a task that no known single change makes solvable.
+        reasons: reasons why the task has no plan.
+        trials: planner for changed tasks. After its deadline, all remaining reasons are kept.
     """
     kept, changes = list(reasons), _find_changes(task, reasons, trials)
     if not changes:
@@ -74,10 +77,7 @@ def remove_together(task: Task, reasons: Sequence[Reason], trials: TrialPlanner)
 
 
 def _find_changes(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> list[Change]:
-    """Return one change for each of several reasons if there is a plan with all of them, else an empty list.
-
-    The changes are applied one after the other.
-    """
+    """Return one change per reason if all changes together make the task solvable, else an empty list."""
     changes: list[Change] = []
     if len(reasons) < 2 or trials.over:
         return []

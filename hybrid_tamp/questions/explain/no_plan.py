@@ -1,9 +1,11 @@
-"""Why a task has no plan, read from its declarations: each reason is true and can be checked by hand.
+"""Reasons why a task has no plan, derived from its declarations. Each reason is true and can be checked by hand.
 
-For every goal atom that cannot be reached, the search examines the blocks that could bring it about, and in turn the
-blocks that could bring about the atoms for which those wait. A block is useless if no token can fill one of its slots,
-if there are too few tokens, or if its feasibility facts hold for no choice of tokens; the reason then names the margin
-of the best choice.
+A backward search starts at every goal atom that cannot be reached. It examines the blocks that could achieve the atom,
+then the blocks that could achieve their preconditions. A block cannot run if:
+
+- no token can fill one of its slots,
+- the task has too few tokens for its slots, or
+- its feasibility facts fail for every choice of tokens. The reason then gives the margin of the best choice.
 """
 
 import math
@@ -24,19 +26,19 @@ from hybrid_tamp.questions.explain.repairs import Repairs, find_counterfactual_r
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_EXPLAINED = 5
-"""Largest number of alternatives of a goal with a choice that are explained."""
+"""Largest number of alternatives to explain if the goal leaves a choice."""
 
 
 def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -> Explanation:
-    """Explain why planning a task gave no plan.
+    """Explain why planning found no plan.
 
     Args:
-        outcome: the outcome of planning, without a plan. If its failure has a detail, there is no search for reasons.
-        seconds: time to search for single changes if it is proven that there is no plan [s].
-        most: the number of changes that is enough.
+        outcome: the outcome of planning, which must be a failure. A failure with a detail gets no other reasons.
+        seconds: time limit of the search for single changes, in seconds. The search needs a proof that no plan exists.
+        most: number of changes after which the search stops.
     """
     task, failure = outcome.task, outcome.failure
-    assert failure is not None, "it has no plan"
+    assert failure is not None, "the outcome must be a failure"
     if failure.kind == CLASS_UNKNOWN:
         return Explanation(failure.kind, failure.message, _unknown_classes(task))
     if failure.kind == NOT_REFINED:
@@ -50,30 +52,30 @@ def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -
 
 
 def _excluded(task: Task, exclusion: Exclusion) -> Reason:
-    """Return the exclusion of a binding as a reason."""
+    """Return a reason that states why a binding was excluded."""
     short, block = exclusion.shortfall, exclusion.instance.block
     return Reason(task.goal, block, "forward models", exclusion.text, short.atom, short.margin, short.unit)
 
 
 def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
-    """Explain why a task that is proven to have no plan has none, and find single changes with which it has one.
+    """Explain why an unsolvable task has no plan, and suggest single changes that make it solvable.
 
-    A change with which there is a plan also proves a reason: without the change there is no plan.
+    Each suggestion proves a reason too, because the task has no plan without the change.
 
     Args:
-        task: the task.
-        seconds: time to search for changes [s].
-        most: the number of changes that is enough.
+        task: a task that is proven to have no plan.
+        seconds: time limit of the search for changes, in seconds.
+        most: number of changes after which the search stops.
 
     Returns:
-        The suggestions, and the smallest set of reasons that was found in the time (see `minimal_reasons`).
+        The suggestions, and the smallest set of reasons found within the time limit (see `minimal_reasons`).
     """
     part = keep_relevant(task)
     reasons = explain_alternatives(part, proven=True)
     with TrialPlanner(time.monotonic() + seconds) as trials:
         found = _find_repairs(part, reasons, trials, most)
         if part is not task and not found.suggestions:
-            # A change may make another block relevant, for example by an edge through it.
+            # A change may make another block relevant, for example by a new edge to the block.
             found = _find_repairs(task, reasons, trials, most)
         elif part is not task:
             found = replace(found, complete=len(found.suggestions) >= most)
@@ -88,15 +90,15 @@ def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
 
 
 def explain(task: Task, proven: bool = False) -> list[Reason]:
-    """Return reasons why the goal cannot be reached; an empty list if none is visible in the declarations.
+    """Return reasons why the goal cannot be reached. The list is empty if the declarations show no reason.
 
     Args:
-        task: the task.
-        proven: whether it is proven that there is no plan; then the answer is never empty.
+        task: the task to explain.
+        proven: whether the task is proven to have no plan. The list is then never empty.
     """
     search = BackwardSearch(task)
     open_atoms = [atom for atom in task.goal if not search.holds(atom)]
-    # First the blocks that bring the goal about, because the search further back is bounded.
+    # Blocks that achieve the goal directly come first, because the search further back is bounded.
     direct = {atom: search.explain_directly(atom) for atom in open_atoms}
     reasons = {atom: told or _reasons(search, atom) for atom, told in direct.items()}
     found = [reason for atom in open_atoms for reason in merge_reasons(atom, reasons[atom])]
@@ -104,12 +106,12 @@ def explain(task: Task, proven: bool = False) -> list[Reason]:
 
 
 def explain_alternatives(task: Task, proven: bool = False) -> list[Reason]:
-    """Return why the goal cannot be reached; for a goal with a choice, why its nearest alternatives cannot."""
+    """Return reasons why the first few alternatives of the goal cannot be reached."""
     return list(dict.fromkeys(r for each in task.alternatives()[:MOST_EXPLAINED] for r in explain(each, proven)))
 
 
 def _find_repairs(task: Task, reasons: list[Reason], trials: TrialPlanner, most: int) -> Repairs:
-    """Search for changes with which one of the nearest alternatives can be reached."""
+    """Search for changes that make one of the first few alternatives of the goal reachable."""
     found, complete = list[Suggestion](), True
     for each in task.alternatives()[:MOST_EXPLAINED]:
         if len(found) < most:
@@ -120,7 +122,7 @@ def _find_repairs(task: Task, reasons: list[Reason], trials: TrialPlanner, most:
 
 
 def _unknown_classes(task: Task) -> tuple[Reason, ...]:
-    """Return a reason for every goal atom that needs a class of which its token may or may not be a member."""
+    """Return a reason for every goal atom that depends on an unknown class membership of its token."""
     reasons = []
     for atom, token, object_class in task.unsettled:
         message = f"it is unknown whether {token.name} is a member of {object_class.name}"
@@ -131,9 +133,9 @@ def _unknown_classes(task: Task) -> tuple[Reason, ...]:
 
 def _hidden(atoms: list[Atom]) -> Reason:
     if len(atoms) > 1:
-        message = "each goal alone is possible as far as the feasibility facts tell; together they are not"
+        message = "the feasibility facts allow each goal atom on its own, but no plan achieves all of them together"
     else:
-        message = "no single feasibility fact excludes it; what its blocks need cannot be brought about together"
+        message = "no single feasibility fact rules out this goal, but no plan achieves all preconditions of its blocks"
     return Reason(tuple(atoms), "", "together", message)
 
 
@@ -145,7 +147,7 @@ def _reasons(search: BackwardSearch, goal: Atom) -> list[Reason]:
 
 
 class _Walk:
-    """Collects the reasons why an atom cannot be reached, backwards from it."""
+    """A backward search that collects the reasons why an atom cannot be reached."""
 
     def __init__(self, search: BackwardSearch) -> None:
         self._search = search
@@ -153,9 +155,12 @@ class _Walk:
         self._known: dict[Atom, list[Reason]] = {}
 
     def reasons(self, atom: Atom) -> list[Reason]:
-        """Return why blocks that bring an atom about are useless, and what prevents the nearest other block."""
+        """Return why the blocks that achieve an atom cannot run.
+
+        A block that only waits for other atoms is explained by the failing condition that is nearest to holding.
+        """
         if atom not in self._known:
-            # A way that leads back to itself has no reason of its own.
+            # The empty list ends the recursion if an atom depends on itself.
             self._known[atom] = []
             ways = self._search.ways[atom]
             at_hand = [] if ways.reasons else self._search.explain_infeasible(atom, self._reached)
@@ -166,7 +171,7 @@ class _Walk:
         return self._known[atom]
 
     def _violation(self, reason: Reason) -> float:
-        """Return the margin of a reason in scales of its predicate; minus infinity if it has none."""
+        """Return the margin of a reason divided by its predicate's scale, or minus infinity if it has no margin."""
         if reason.margin is None or reason.atom is None:
             return -math.inf
         return reason.margin / self._search.task.domain.predicate_by_name[reason.atom.predicate].scale

@@ -1,4 +1,4 @@
-"""Which property of a token, changed by how much, makes a feasibility fact hold: a stronger hand, a lighter box."""
+"""Smallest property changes that make a feasibility fact hold, for example a stronger hand or a lighter box."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,13 +14,13 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.questions.changes import task_root
 
 _STEPS = (0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 2.0, 5.0, 10.0, 100.0, 1000.0)
-"""Steps by which a property is changed, as multiples of its value, or in its own unit if the value is 0."""
+"""Step sizes of property changes, relative to the value, or in the property's unit if the value is 0."""
 _HALVINGS = 40
 _DIGITS = 3
 
 
 def find_property_changes(task: Task, atom: Atom) -> Iterator[SetProperty]:
-    """Yield the smallest changes of one property of one token that make a feasibility fact hold."""
+    """Yield the smallest single property changes that make a feasibility fact hold."""
     for name in atom.arguments:
         token = task.token_by_name.get(name)
         for key in sorted(token.properties) if token else ():
@@ -46,7 +46,10 @@ def _unit(token: Token, key: str) -> str:
 
 
 def _components(token: Token, key: str) -> tuple[int | None, ...]:
-    """Return the components of a property that may change: None for a number, 0 to 2 for a free vector."""
+    """Return the components of a property that may change.
+
+    A number gives ``(None,)``. A vector without a validator gives ``(0, 1, 2)``. Other properties cannot change.
+    """
     value = token[key]
     if isinstance(value, float):
         return (None,)
@@ -61,7 +64,7 @@ def _value(token: Token, key: str, component: int | None) -> float:
 
 
 def _least(task: Task, token: Token, key: str, component: int | None, atom: Atom) -> Token | None:
-    """Return the token with the least change of a number that makes the fact hold, or None."""
+    """Return the token with the smallest change of a number that makes the fact hold, or None if no step does."""
     value = _value(token, key, component)
     size = abs(value) or 1.0
     for step in _STEPS:
@@ -73,7 +76,7 @@ def _least(task: Task, token: Token, key: str, component: int | None, atom: Atom
 
 
 def _nearest(task: Task, token: Token, key: str, component: int | None, far: float, atom: Atom) -> float:
-    """Return a number near the least sufficient change, rounded away from the present number if possible."""
+    """Return a value close to the smallest sufficient change, rounded to three digits if the fact still holds."""
     near = _value(token, key, component)
     enough = far
     for _ in range(_HALVINGS):
@@ -92,7 +95,7 @@ def _nearest(task: Task, token: Token, key: str, component: int | None, far: flo
 
 
 def _meets(task: Task, token: Token, key: str, component: int | None, value: float, atom: Atom) -> Token | None:
-    """Return the token with another number if the number is valid and the fact then holds, else None."""
+    """Return the token with a new value if the value is valid and makes the fact hold, else None."""
     changed = _with(task, token, key, component, value)
     if changed is None:
         return None

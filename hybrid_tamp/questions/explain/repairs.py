@@ -1,9 +1,9 @@
-"""Which single change of a task gives it a plan, found by planning the changed task.
+"""Search for single changes that make a task solvable.
 
-The delete relaxation of a changed task takes some hundredths of a second and can prove that the change is useless. The
-planner tries the other changes, and its plans must obey the law. If the task has no plan only because of what blocks
-delete, the relaxation proves nothing. Then the planner gets many edges or facts at once: if all of them together are
-useless, each one is.
+The delete relaxation of a changed task takes a few hundredths of a second and may prove that the change is useless. The
+planner tries the remaining changes. Its plans must obey the law of assignment. If only deleted atoms make the task
+unsolvable, the relaxation proves nothing. The planner then tries many edges or facts at once. If the task is unsolvable
+with all of them, each of them is useless.
 """
 
 from collections import Counter
@@ -24,7 +24,7 @@ from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
 
 OF_A_KIND = 2
-"""Largest number of suggested changes of one kind: a third hand is no news."""
+"""Largest number of suggested changes of the same kind."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class Repairs:
     """The result of a search for single changes.
 
     Attributes:
-        suggestions: changes that give the task a plan, in the order in which they were found.
-        complete: whether every single change was examined, or the wanted number of changes was found.
+        suggestions: changes that make the task solvable, in the order in which they were found.
+        complete: whether the search examined every single change or found the requested number of changes.
     """
 
     suggestions: tuple[Suggestion, ...]
@@ -41,20 +41,20 @@ class Repairs:
 
 
 def find_repairs(task: Task, reasons: Sequence[Reason], trials: TrialPlanner, most: int) -> Repairs:
-    """Search for single changes that give a task a plan.
+    """Search for single changes that make a task solvable.
 
     Args:
         task: a task that has no plan.
-        reasons: known reasons why it has none; the changes to which they point are tried first.
-        trials: plans changed tasks; when its time is over, only the current search is finished.
-        most: the number of changes that is enough.
+        reasons: known reasons why the task has no plan. Changes that remove these reasons are tried first.
+        trials: planner for changed tasks. After its deadline, no further change is tried.
+        most: number of changes after which the search stops.
     """
     found: list[Suggestion] = []
     kinds, copied = Counter[str](), set[str]()
     for change in _Sieve(task, reasons, trials).promising(propose_changes(task, reasons)):
         if trials.over:
             return Repairs(tuple(found), complete=False)
-        # Copies of one token at several places count once.
+        # Copies of the same token at different positions count once.
         source = change.like if isinstance(change, CopyToken) else None
         if change is None or kinds[change.kind] == OF_A_KIND or (source is not None and source.name in copied):
             continue
@@ -69,31 +69,31 @@ def find_repairs(task: Task, reasons: Sequence[Reason], trials: TrialPlanner, mo
 
 
 class _Sieve:
-    """Separates changes that may be useful from those that are proven to be useless."""
+    """A filter that removes changes which are proven to be useless."""
 
     def __init__(self, task: Task, reasons: Iterable[Reason], trials: TrialPlanner) -> None:
         self._task = task
         self._known = StaticFacts(task)
         self._trials = trials
-        # Reasons of other kinds come from the delete relaxation.
+        # Reasons of every kind except "together" prove that the delete relaxation is unsolvable.
         self._relaxed_unsolvable = any(reason.kind != "together" for reason in reasons) or not self._possible([])
 
     def promising(self, changes: Iterable[Change]) -> Iterator[Change | None]:
-        """Yield the changes that may be useful, and None after other tests so that the caller can check the time."""
+        """Yield the changes that may be useful, and None for other tests so that the caller can check the deadline."""
         for kind, group in groupby(changes, key=lambda change: change.kind):
             if kind not in ("edge", "fact"):
                 yield from (change if self._possible([change]) else None for change in group)
             elif self._relaxed_unsolvable:
                 yield from self._split(list(group), self._possible)
             else:
-                # Planning takes longer: the first changes are tried alone, later ones in larger and larger groups.
+                # Planning takes longer than the relaxation. So the size of the groups doubles, starting from one.
                 rest, size = list(group), 1
                 while rest:
                     yield from self._split(rest[:size], self._may_be_planned)
                     rest, size = rest[size:], 2 * size
 
     def _split(self, group: list[Change], may_help: Callable[[list[Change]], bool]) -> Iterator[Change | None]:
-        """Yield the useful ones among many changes: if all together are useless, each one is."""
+        """Yield the changes of a group that may be useful. The group is bisected, and useless halves are skipped."""
         if not may_help(group):
             yield None
         elif len(group) == 1:
@@ -107,19 +107,19 @@ class _Sieve:
     def _possible(self, group: list[Change]) -> bool:
         compilation = compile_task(apply_together(self._task, group))
         if not group or isinstance(group[0], AddEdge):
-            # Facts take most of the time, and an edge changes none.
+            # Edges do not change the feasibility facts, which take most of the time to compute.
             compilation = replace(compilation, feasible=self._known)
         return may_be_solvable(compilation.problem)
 
     def _may_be_planned(self, group: list[Change]) -> bool:
-        # The caller plans single changes.
+        # A single change needs no test here, because the caller plans it anyway.
         return len(group) == 1 or not self._trials.proves_unsolvable(apply_together(self._task, group))
 
 
 def find_counterfactual_reasons(
     task: Task, reasons: Iterable[Reason], suggestions: Iterable[Suggestion]
 ) -> list[Reason]:
-    """Return a reason for each suggestion to which no other reason points."""
+    """Return a reason for each suggestion that removes none of the given reasons."""
     found: list[Reason] = []
     for suggestion in suggestions:
         if not any(points_to(reason, suggestion.change) for reason in (*reasons, *found)):
@@ -140,10 +140,10 @@ def _counterfactual(task: Task, change: Change) -> Reason:
             reason = _short_class(task, object_class)
         case CopyToken(like):
             reason = _short_class(task, next(each for each in like.classes if each in task.domain.classes))
-    return replace(reason, message=f"{reason.message}; with {change.what} there would be a plan")
+    return replace(reason, message=f"{reason.message}; the task would have a plan with {change.what}")
 
 
 def _short_class(task: Task, object_class: type[ObjectClass]) -> Reason:
     have = len(task.values_of(object_class))
-    message = f"the task has {have} of class {object_class.name}"
+    message = f"the task has {have} {'token' if have == 1 else 'tokens'} of class {object_class.name}"
     return Reason(task.goal, "", "too_few_tokens" if have else "no_token", message, lacks=object_class)

@@ -1,4 +1,4 @@
-"""Plans of changed tasks: does one exist, or is it proven that none exists?"""
+"""Trial planning of changed tasks with a deadline."""
 
 import time
 from contextlib import ExitStack
@@ -13,18 +13,18 @@ from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
 
 LEAST = 2.0
-"""Least time for a search that begins shortly before the deadline [s]."""
+"""Minimum time limit of a search in seconds, even shortly before the deadline."""
 PROVING = 10.0
-"""Time limit of one attempt to prove that there is no plan [s]."""
+"""Time limit of one attempt to prove that a task has no plan, in seconds."""
 
 
 class TrialPlanner(ExitStack):
-    """Plans changed tasks, until a deadline on the monotonic clock [s]."""
+    """A planner for changed tasks with a deadline on the monotonic clock, in seconds."""
 
     def __init__(self, deadline: float) -> None:
         super().__init__()
         self._deadline = deadline
-        # Each process answers once; while one searches, the other one starts.
+        # Each process plans one task. The second process starts while the first one searches.
         self._processes = cycle(self.enter_context(PlannerProcess()) for _ in range(2))
 
     @property
@@ -33,14 +33,14 @@ class TrialPlanner(ExitStack):
         return time.monotonic() > self._deadline
 
     def length(self, task: Task) -> int | None:
-        """Return the number of actions of a plan, or None if none is found in time."""
+        """Return the number of actions of a plan for the task, or None if no plan is found in time."""
         try:
             return self._search(task, max(LEAST, self._deadline - time.monotonic()))
         except LimitReached:
             return None
 
     def proves_unsolvable(self, task: Task) -> bool:
-        """Say whether a short search proves that there is no plan."""
+        """Say whether a short search proves that the task has no plan."""
         if not any(may_be_solvable(compile_task(each).problem) for each in task.alternatives()):
             return True
         try:
@@ -50,7 +50,7 @@ class TrialPlanner(ExitStack):
 
     def _search(self, task: Task, seconds: float) -> int | None:
         limits = replace(task.limits, time=min(task.limits.time, seconds))
-        # Any plan is enough; the default engine ends if there is none.
+        # Any plan is enough. The default engine also terminates on unsolvable tasks.
         simple = task.replaced(objective="length", planner=DEFAULT_PLANNER, limits=limits)
         process = next(self._processes)
         try:

@@ -1,1 +1,1 @@
-"""Which blocks were seen to run, and how another agent does likewise (paper, Sec. II-E)."""
+"""Imitation: segmentation of a demonstration into blocks, and transfer to another agent (paper, Sec. II-E)."""

@@ -1,11 +1,11 @@
-"""Interpretations of an observation, and the beam search through time for the best one.
+"""Beam search through time for the cheapest interpretation of an observation.
 
-An instance ends because one of its tokens moves on, or because its block has no hold. Its tokens then go to slots of
-other instances, along edges of the network, together with tokens that wait elsewhere. At this instant the exit
-conditions of all ending instances and the entry conditions of all starting ones must be seen to hold. Only the cheapest
-interpretation with the same running instances is kept. An interpretation is cheap if it has few instances, if their
-tokens come to rest where the blocks bring them, and if later instances need what earlier ones with targets achieve:
-a hand may reach behind an object for one of two regions in one line, and the region that is used is right.
+An instance ends if one of its tokens leaves, or if its block has no hold. Its tokens then enter slots of new instances
+along edges of the network. Tokens of other instances may join them. At this instant, the exit conditions of all ending
+instances and the entry conditions of all starting instances must be observed to hold. Of all interpretations with the
+same running instances, only the cheapest is kept. Few instances make an interpretation cheap, and so do tokens that
+stop near their predicted positions. An instance with targets costs less if a later instance needs its effects. This
+cost settles ambiguous targets, for example if a hand reaches behind an object and two regions lie on the same line.
 """
 
 from collections.abc import Iterator
@@ -21,21 +21,21 @@ from hybrid_tamp.questions.imitate.hypotheses import Hypotheses, Hypothesis, Rol
 from hybrid_tamp.questions.imitate.observation import Observation, Truth
 
 BEAM = 48
-"""Number of interpretations that are followed at once."""
+"""Beam width: the number of interpretations that are kept."""
 _SLACK = 3
-"""Number of rows by which the new instance of a token may begin late after the token has begun to leave."""
+"""Largest delay between the departure of a token and the start of its next instance, in rows."""
 _UNUSED = 0.2
-"""Cost of an instance with targets whose exit conditions no starting instance needs, in instances of blocks."""
+"""Extra cost of an instance with targets if no next instance needs its effects. One block instance costs 1."""
 
 
 @dataclass(frozen=True)
 class Interpretation:
-    """An explanation of the observation so far.
+    """An explanation of the first part of an observation.
 
     Attributes:
-        running: the instances that run now.
-        past: the instances that have ended; their `due` is the row at which they ended.
-        cost: the cost of all instances.
+        running: instances that are still running.
+        past: instances that have ended. Their `due` is the row at which they ended.
+        cost: total cost of all instances.
     """
 
     running: tuple[Hypothesis, ...]
@@ -44,18 +44,18 @@ class Interpretation:
 
     @property
     def due(self) -> int:
-        """The row by which one of the running instances must end; beyond the last one if none must."""
+        """Row by which the first running instance must end, or a row beyond the last if none must end."""
         return min(hypothesis.due for hypothesis in self.running)
 
     @property
     def state(self) -> frozenset[Hypothesis]:
-        """The part on which its continuation depends."""
+        """Running instances without their costs. The possible continuations depend only on this state."""
         return frozenset(replace(hypothesis, cost=0.0) for hypothesis in self.running)
 
 
 @dataclass(frozen=True)
 class _Reassignment:
-    """A partial reassignment: ending instances, starting ones (block, slots, targets), tokens that need a slot."""
+    """A partial reassignment: instances that end, (block, slots, targets) that start, and tokens without a slot."""
 
     ending: tuple[Hypothesis, ...]
     starting: tuple[tuple[str, Roles, Roles], ...]
@@ -72,14 +72,14 @@ def find_best(task: Task, observation: Observation) -> Interpretation:
     """Return the cheapest interpretation of the whole observation.
 
     Args:
-        task: a task with the tokens, the domain and the initial assignment; its goal is ignored.
-        observation: the states over time.
+        task: task with the tokens, the domain and the initial assignment. Its goal is ignored.
+        observation: observed states over time.
     """
     return _Search(task, observation).best()
 
 
 class _Search:
-    """The search through time for one observation."""
+    """Beam search through time for one observation."""
 
     def __init__(self, task: Task, observation: Observation) -> None:
         self.task = task
@@ -106,14 +106,14 @@ class _Search:
             )
 
     def _successors(self, interpretation: Interpretation) -> list[Interpretation]:
-        """Return the possible continuations at the end of the instance that is due first."""
+        """Return the interpretations that end the instance that is due first."""
         due = min(interpretation.running, key=lambda hypothesis: hypothesis.due)
         reassignments = self._reassignments(interpretation, _Reassignment((due,), (), due.tokens))
         found = [each for reassignment in reassignments for each in self._continuations(interpretation, reassignment)]
         return found or [self._unexplained(interpretation, due)]
 
     def _reassignments(self, interpretation: Interpretation, reassignment: _Reassignment) -> Iterator[_Reassignment]:
-        """Yield every reassignment in which all leaving tokens find slots."""
+        """Yield every complete reassignment that extends a partial one."""
         if not reassignment.leaving:
             yield reassignment
             return
@@ -140,7 +140,7 @@ class _Search:
     def _slot_choices(
         self, interpretation: Interpretation, reassignment: _Reassignment, name: str, slot: str, token: str
     ) -> Iterator[Roles]:
-        """Yield the tokens for all slots of a block in which a given token takes a given slot."""
+        """Yield every assignment of tokens to the slots of a block with a given token in a given slot."""
         placed = _placed(reassignment)
         choices = {}
         for each in self.hypotheses.block(name).slots:
@@ -165,14 +165,14 @@ class _Search:
             yield _after(paid, reassignment.ending, list(started), row)
 
     def _unused_cost(self, reassignment: _Reassignment) -> float:
-        """Return the cost of ending instances with targets whose exit conditions no starting instance needs."""
+        """Return the extra cost of ending instances with targets if no starting instance needs their effects."""
         entries = (self._ground(name, slots + targets, True) for name, slots, targets in reassignment.starting)
         needed = frozenset[Atom]().union(*entries)
         aimed = [each for each in reassignment.ending if each.block and each.targets]
         return _UNUSED * sum(not needed & self._ground(each.block or "", each.slots + each.targets) for each in aimed)
 
     def _ground(self, name: str, roles: Roles, entries: bool = False) -> frozenset[Atom]:
-        """Return the measured entry or exit conditions of an instance."""
+        """Return the ground measured entry conditions of an instance if `entries`, else its exit conditions."""
         key = (name, roles, entries)
         if key not in self._atoms:
             block, binding = self.hypotheses.block(name), self.task.bind(dict(roles))
@@ -181,7 +181,7 @@ class _Search:
         return self._atoms[key]
 
     def _instant(self, reassignment: _Reassignment) -> int | None:
-        """Return the row of a reassignment: as late as movements allow, otherwise as early as conditions allow."""
+        """Return the row of a reassignment: the last allowed row before tokens move, or else the first allowed row."""
         low, high = reassignment.window
         rows = low + np.flatnonzero(self._allowed(reassignment, strict=True)[low : high + 1])
         if not len(rows):
@@ -197,13 +197,13 @@ class _Search:
         onset = min((self.seen.onset(token, low) for token in moving), default=low)
         still = all(self.seen.departure(token, low) > self.seen.last for token in moving)
         if still and any(each.block and not self.hypotheses.block(each.block).hold for each in reassignment.ending):
-            # No token moves any more, and an ending block does not hold: a block that only holds begins at once.
+            # No token moves any more, and an ending block has no hold, so the next block must begin at once.
             return int(rows[0])
         before = rows[rows <= onset]
         return int(before[-1] if len(before) else rows[0])
 
     def _allowed(self, reassignment: _Reassignment, strict: bool = False) -> Truth:
-        """Return the rows in which the ending instances may end and the starting ones may begin."""
+        """Return a mask of the rows in which the ending instances may end and the starting instances may begin."""
         allowed = np.ones(len(self.seen.times), dtype=bool)
         for hypothesis in reassignment.ending:
             allowed = allowed & self.hypotheses.ready(hypothesis, strict)
@@ -212,7 +212,7 @@ class _Search:
         return allowed
 
     def _unexplained(self, interpretation: Interpretation, due: Hypothesis) -> Interpretation:
-        """End an instance without explanation: no block explains the token that moves first, and the others rest."""
+        """End an instance if no block explains its next movement. The first token to move is left unexplained."""
         row = min(max(due.reached, due.due), self.seen.last)
         resting = self.task.domain.resting
         anchor = self.hypotheses.block(resting).anchor
@@ -234,7 +234,7 @@ def _after(
 
 
 def _kept(beam: list[Interpretation]) -> list[Interpretation]:
-    """Return the cheapest interpretations, one for each set of running instances."""
+    """Return the `BEAM` cheapest interpretations, at most one for each set of running instances."""
     found: dict[frozenset[Hypothesis], Interpretation] = {}
     for each in sorted(beam, key=lambda interpretation: interpretation.cost):
         found.setdefault(each.state, each)

@@ -1,8 +1,8 @@
-"""Hypotheses of an observer: one instance of a block that explains what some tokens do for a while.
+"""Hypotheses of an observer. A hypothesis explains the observed motion of some tokens by one block instance.
 
-An instance of a block lasts at least until its exit conditions are seen to hold. After that its tokens are still until
-they leave. What a block does not write does not change while it runs, and what it reads of its targets does not change
-before its exit conditions hold.
+An instance lasts at least until its exit conditions are observed to hold. After that, its tokens stay still until they
+leave. While a block runs, the state variables that it does not write stay constant. The state variables that it reads
+from its targets stay constant until its exit conditions hold.
 """
 
 from collections.abc import Mapping
@@ -25,35 +25,35 @@ from hybrid_tamp.questions.imitate.observation import SURE, Observation, Truth
 
 _POSE = ("position", "orientation")
 Roles = tuple[tuple[str, str], ...]
-"""(role, token or symbol) of an instance."""
+"""Pairs of (role, name of the token or symbol) of an instance."""
 
 UNEXPLAINED_COST = 20.0
-"""Cost of a movement that no block explains, in instances of blocks."""
+"""Cost of a movement that no block explains. One block instance costs 1."""
 MISFIT_SCALE = 0.05
-"""Misfit that costs as much as one instance [m]."""
+"""Misfit that costs as much as one block instance, in metres."""
 PAUSE_COST = 4.0
-"""Cost of a pause that the block's own policy does not make, in instances of blocks."""
+"""Cost of a pause that the rollout of the block's policy does not show. One block instance costs 1."""
 _MISFIT_BOUND = (0.08, 0.25)
-"""Largest misfit [m], and its growth per distance moved."""
+"""Pair of (largest misfit of a token that does not move, in metres, and its increase per metre moved)."""
 _OPEN = 0.2
-"""Longest time for which noise may make exit conditions come and go [s]."""
+"""Longest time for which noise may switch exit conditions on and off, in seconds."""
 _PAUSE = 0.2
-"""Time after which a token that is still has ended its movement [s]."""
+"""Time that a token must stay still to end an unexplained movement, in seconds."""
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """One instance of a block as the observer sees it, or a movement that no block explains.
+    """A hypothetical block instance, or a movement that no block explains.
 
     Attributes:
-        block: the block's name; None if no block explains the movement.
-        slots: (slot, token) pairs.
-        targets: (target, token or symbol) pairs.
-        start: the row at which its tokens enter.
-        reached: the first row at which its exit conditions hold.
-        departs: the row by which its tokens have left, because one of them moves; beyond the last row if none moves.
-        due: the row by which it must end; earlier than `departs` for a block without a hold.
-        cost: its share of the cost of an interpretation.
+        block: name of the block, or None if no block explains the movement.
+        slots: pairs of (slot, token).
+        targets: pairs of (target, token or symbol).
+        start: row at which the tokens enter the instance.
+        reached: first row at which the exit conditions hold.
+        departs: first row at which a token has moved away, or a row beyond the last if none moves away.
+        due: row by which the instance must end. It equals `departs` if the block has a hold, else `reached`.
+        cost: cost of the hypothesis. An interpretation sums the costs of its hypotheses.
     """
 
     block: str | None
@@ -67,16 +67,16 @@ class Hypothesis:
 
     @property
     def tokens(self) -> tuple[str, ...]:
-        """The tokens in its slots."""
+        """Names of the tokens in the slots."""
         return tuple(token for _, token in self.slots)
 
     def slot_of(self, token: str) -> str:
-        """Return the slot of one of its tokens."""
+        """Return the slot of a token."""
         return next(slot for slot, name in self.slots if name == token)
 
 
 class Hypotheses:
-    """The hypotheses about one observation, and the rows in which they can begin and end."""
+    """Generator of the hypotheses about one observation. It also finds the rows where they may begin and end."""
 
     def __init__(self, task: Task, observation: Observation) -> None:
         self.task = task
@@ -86,11 +86,11 @@ class Hypotheses:
         self._found: dict[tuple[str, Roles, Roles, int], tuple[Hypothesis, ...]] = {}
 
     def block(self, name: str) -> Block:
-        """Return the block with a name."""
+        """Return the block with the given name."""
         return self.task.domain.block_by_name[name]
 
     def truth(self, literals: tuple[Literal, ...], roles: Roles, strict: bool = False, sure: float = SURE) -> Truth:
-        """Return the rows in which all conditions hold; arguments as of `Observation.truth`."""
+        """Return a mask of the rows in which all conditions hold (see `Observation.truth` for the arguments)."""
         binding = self.task.bind(dict(roles))
         found = np.ones(len(self.observation.times), dtype=bool)
         for literal in literals:
@@ -100,18 +100,18 @@ class Hypotheses:
         return found
 
     def ready(self, hypothesis: Hypothesis, strict: bool = False) -> Truth:
-        """Return the rows in which a hypothesis may end: its exit conditions hold, and its minimum duration is over."""
+        """Return a mask of the rows from `reached` on in which the exit conditions of a hypothesis hold."""
         if hypothesis.block is None:
             return self._from(hypothesis.reached)
         exits = self.block(hypothesis.block).measured_exits
         return self.truth(exits, hypothesis.slots + hypothesis.targets, strict) & self._from(hypothesis.reached)
 
     def may_start(self, name: str, roles: Roles, strict: bool = False) -> Truth:
-        """Return the rows in which the measured entry conditions of a block hold."""
+        """Return a mask of the rows in which the measured entry conditions of a block hold."""
         return self.truth(self.block(name).measured_entries, roles, strict)
 
     def find(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Hypothesis, ...]:
-        """Return the hypotheses that may begin in a row: none if the observation contradicts, several given noise."""
+        """Return the hypotheses that may begin in a row. Noise may leave several. A contradiction leaves none."""
         key = (name, slots, targets, start)
         if key not in self._found:
             rows = self._reached(self.block(name), slots + targets, start)
@@ -120,7 +120,7 @@ class Hypotheses:
         return self._found[key]
 
     def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
-        """Return the rows at which the exit conditions may first hold, with more or less allowance for noise."""
+        """Return candidates for the first row at which the exit conditions hold. Noise may leave several."""
         seen = self.observation
         earliest = seen.times[start] + block.duration.minimum
         if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:
@@ -149,7 +149,7 @@ class Hypotheses:
         return Hypothesis(name, slots, targets, start, reached, departs, departs if block.hold else reached, cost)
 
     def unexplained(self, token: str, start: int) -> Hypothesis:
-        """Return the hypothesis that no block explains the movement of a token until it pauses."""
+        """Return an unexplained hypothesis that lasts until the token next stays still."""
         seen, row = self.observation, start + 1
         while row < seen.last:
             left = seen.departure(token, row)
@@ -161,7 +161,10 @@ class Hypotheses:
         return Hypothesis(None, (("token", token),), (), start, row, seen.departure(token, row), due, UNEXPLAINED_COST)
 
     def targets(self, block: Block, slots: Roles) -> tuple[Roles, ...]:
-        """Return the targets that the feasibility facts allow, tokens before symbols, in the order of the task."""
+        """Return the bindings of the targets that the feasibility facts allow.
+
+        Tokens precede symbols in each binding, and the bindings follow the order of the tokens in the task.
+        """
         key = (block.name, slots)
         if key not in self._targets:
             choices = self.task.choices(block, self.task.bind(dict(slots)))
@@ -178,7 +181,10 @@ class Hypotheses:
         return (Atom(atom.predicate, atom.arguments) in self.static) == literal.positive
 
     def _departure(self, block: Block, slot: str, token: str, start: int, reached: int) -> int:
-        """Return the row by which a token has left: written properties may change until `reached`, others never."""
+        """Return the row at which a token has left the instance.
+
+        Until `reached`, changes of state variables that the block writes are allowed. Any other change is a departure.
+        """
         written = set(block.writes.get(slot, ()))
         rows = [self.observation.departure(token, reached if written & set(_POSE) else start)]
         for (name, varying), changes in self._changes.items():
@@ -188,7 +194,10 @@ class Hypotheses:
 
     @cached_property
     def _changes(self) -> dict[tuple[str, str], tuple[int, ...]]:
-        """(token, property other than pose and velocity) to the rows at which a unary predicate of it changes."""
+        """Maps (token, state variable) to the rows at which a unary predicate that reads the variable changes.
+
+        Poses and velocities are left out.
+        """
         found: dict[tuple[str, str], tuple[int, ...]] = {}
         bodies = {varying.name for varying in BODY_STATE}
         for predicate, token in product(self.task.domain.predicates, self.task.assigned):
@@ -203,7 +212,7 @@ class Hypotheses:
         return found
 
     def _disturbed(self, block: Block, targets: Roles, start: int, reached: int) -> bool:
-        """Say whether a property that the block reads of a target changes before its exit conditions hold."""
+        """Say whether a target whose pose the block reads moves before the exit conditions hold."""
         named = dict(targets)
         return any(
             self.observation.departure(named[target.name], start) < reached
@@ -212,7 +221,7 @@ class Hypotheses:
         )
 
     def _misfit(self, block: Block, slots: Roles, targets: Roles, start: int, reached: int) -> float | None:
-        """Return the distance of the tokens from where the block would bring them [m]; None if it is too large."""
+        """Return the summed distance of the tokens from their predicted positions in metres, or None if too large."""
         seen = self.observation
         tokens = [token for _, token in slots]
         before = seen.likely(start)

@@ -1,6 +1,7 @@
-"""Compares a movement with the block's own policy on the block's forward model, from the same start.
+"""Comparison of an observed movement with a rollout of a block's policy on its forward model from the same state.
 
-If the movement has more pauses, several blocks made it. If its path is much longer, this block did not make it.
+If the movement has more pauses than the rollout, several blocks produced it. If its path is much longer than in the
+rollout, the block did not produce it.
 """
 
 from itertools import pairwise
@@ -15,26 +16,26 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.questions.imitate.observation import Observation, Truth
 
 _SLOW = 0.03
-"""Speed below which a token pauses [m/s]."""
+"""Speed below which a token counts as pausing, in m/s."""
 _SHORTEST = 0.12
-"""Least duration of a pause [s]."""
+"""Minimum duration of a pause, in seconds."""
 _SPAN = 0.05
-"""Time between the samples that measure the length of a path [s]."""
+"""Time between the samples of a path whose length is measured, in seconds."""
 _LONGER = (1.5, 0.1)
-"""A path is too long if it exceeds the expected length times the first by the second [m]."""
+"""Pair of (factor, offset in metres). The longest allowed path is the expected length times factor plus offset."""
 _CHECK_EVERY = 12
-"""Number of control periods between measurements of a block's exit conditions."""
+"""Number of control periods between two tests of a block's exit conditions in a rollout."""
 _PATIENCE = 2.0
-"""Factor by which a block may exceed its expected duration in its own forward model."""
+"""Longest duration of a rollout, as a multiple of the block's expected duration."""
 
 
 def count_pauses(speeds: FloatArray, period: float, slow: float = _SLOW) -> int:
     """Count the pauses between movements.
 
     Args:
-        speeds: speed of the fastest token at a constant rate, shape ``(t,)`` [m/s].
-        period: time between two rows [s].
-        slow: speed below which it pauses [m/s].
+        speeds: speed of the fastest token in each row, in m/s. Shape ``(t,)``.
+        period: time between two rows, in seconds.
+        slow: speed below which the token counts as pausing, in m/s.
     """
     still: Truth = speeds < slow
     ends = [0, *(np.flatnonzero(np.diff(still.astype(int))) + 1).tolist(), len(still)]
@@ -43,11 +44,11 @@ def count_pauses(speeds: FloatArray, period: float, slow: float = _SLOW) -> int:
 
 
 def measure_length(positions: FloatArray, period: float) -> float:
-    """Return the length of the longest path of a token [m].
+    """Return the length of the longest path of any token, in metres.
 
     Args:
-        positions: positions of the tokens at a constant rate, shape ``(t, tokens, 3)`` [m].
-        period: time between two rows [s].
+        positions: positions of the tokens in each row, in metres. Shape ``(t, tokens, 3)``.
+        period: time between two rows, in seconds.
     """
     stride = max(1, round(_SPAN / period))
     corners = np.concatenate([positions[::stride], positions[-1:]])
@@ -55,7 +56,7 @@ def measure_length(positions: FloatArray, period: float) -> float:
 
 
 def count_unexpected_pauses(block: Block, binding: Binding, seen: Observation, start: int, reached: int) -> int | None:
-    """Return the number of pauses that the block itself does not make, or None if the path is too long for it."""
+    """Return how many more pauses the movement has than the block's rollout, or None if its path is too long."""
     moved = [str(getattr(binding[slot], "name", "")) for slot, written in block.writes.items() if "position" in written]
     if not moved or block.policy is None:
         return 0
@@ -78,7 +79,7 @@ def count_unexpected_pauses(block: Block, binding: Binding, seen: Observation, s
 
 
 def _fastest(velocities: FloatArray) -> FloatArray:
-    """Return the speed of the fastest of some tokens ``(t,)`` from their velocities ``(t, tokens, 3)``."""
+    """Return the speed of the fastest token, shape ``(t,)``, from velocities of shape ``(t, tokens, 3)``."""
     return np.asarray(np.linalg.norm(velocities, axis=-1).max(axis=-1))
 
 

@@ -1,4 +1,4 @@
-"""What an observer sees: the states of all tokens over time, but no intentions."""
+"""Observed states of all tokens over time, with an estimate of their noise."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,36 +13,36 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 Truth = NDArray[np.bool_]
-"""Whether something holds, row by row, shape ``(t,)``."""
+"""Mask of the rows in which a condition holds. Shape ``(t,)``."""
 
 SMOOTHING = 0.02
-"""Window over which poses and velocities are averaged [s]; much shorter than any block."""
+"""Window over which poses and velocities are averaged, in seconds. It is much shorter than any block."""
 ALLOWANCE = 0.25
-"""Inaccuracy of measurements, in scales of predicates."""
+"""Tolerance of observed margins, as a multiple of the predicate's scale."""
 SURE = 3.0
-"""Number of standard deviations of a margin that count as noise."""
+"""Tolerance for noise, in standard deviations of a margin."""
 _MEDIAN = 0.6745
-"""Median of the absolute value of noise, in standard deviations."""
+"""Median of the absolute value of a standard normal variable."""
 _LEAST = 1e-4
-"""Least noise of positions [m]; below this the estimate comes from the movement itself."""
+"""Smallest noise of positions in metres. Smaller estimates reflect the movement itself and are ignored."""
 _DRAWS = 16
-"""Number of states that are examined if noise leaves the true one open."""
+"""Number of states drawn to represent a noisy state."""
 STILL = (0.01, 0.04)
-"""Largest change of position [m] and orientation [rad] of a token that rests or is held."""
+"""Largest changes of a token that stays still: position in metres and orientation in radians."""
 _ONSET = (0.003, 0.01)
-"""Least change of position [m] or orientation [rad] of a token that has begun to move."""
+"""Smallest changes of a token that has begun to move: position in metres and orientation in radians."""
 
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """States over time, smoothed.
+    """A time series of observed states, smoothed.
 
     Attributes:
-        times: instant of each row [s], shape ``(t,)``.
-        trajectory: state of each row, batch shape ``(t,)``.
-        measured: the same before it was smoothed.
-        allowance: a condition counts as met if its margin lacks no more than this, in scales of its predicate.
-        deviation: standard deviation of the noise after smoothing, a state without batch.
+        times: time of each row, in seconds. Shape ``(t,)``.
+        trajectory: smoothed state of each row. Batch shape ``(t,)``.
+        measured: measured state of each row, before smoothing. Batch shape ``(t,)``.
+        allowance: tolerance of observed margins, as a multiple of the predicate's scale.
+        deviation: standard deviation of the noise after smoothing, as a state without batch dimensions.
     """
 
     times: FloatArray
@@ -56,13 +56,13 @@ class Observation:
     def of(
         cls, times: FloatArray, trajectory: State, allowance: float = ALLOWANCE, deviation: State | None = None
     ) -> "Observation":
-        """Smooth what was measured at a constant rate.
+        """Return an observation of states that were measured at a constant rate.
 
         Args:
-            times: instants [s], shape ``(t,)``, evenly spaced.
-            trajectory: measured states, batch shape ``(t,)``.
-            allowance: inaccuracy of the states, in scales of predicates.
-            deviation: standard deviation of the noise, a state without batch; by default it is estimated.
+            times: evenly spaced times, in seconds. Shape ``(t,)``.
+            trajectory: measured states. Batch shape ``(t,)``.
+            allowance: tolerance of observed margins, as a multiple of the predicate's scale.
+            deviation: standard deviation of the noise after smoothing. By default it is estimated.
         """
         period = float(times[1] - times[0]) if len(times) > 1 else 1.0
         window = max(1, round(SMOOTHING / period)) | 1
@@ -76,31 +76,32 @@ class Observation:
 
     @property
     def last(self) -> int:
-        """The last row."""
+        """Index of the last row."""
         return len(self.times) - 1
 
     def row(self, time: float) -> int:
-        """Return the first row at an instant [s] or after it."""
+        """Return the first row at or after a time in seconds."""
         return min(int(np.searchsorted(self.times, time - 1e-9)), self.last)
 
     def at(self, time: float) -> State:
-        """Return the state measured nearest to an instant [s]."""
+        """Return the measured state nearest to a time in seconds."""
         return State(self.measured.layout, self.measured.values[int(np.argmin(np.abs(self.times - time)))])
 
     def state(self, row: int) -> State:
-        """Return the state of one row."""
+        """Return the smoothed state of a row."""
         return State(self.trajectory.layout, self.trajectory.values[row])
 
     def likely(self, row: int) -> State:
-        """Return states that a row may show without noise, batch shape ``(n,)``, likely ones first."""
+        """Return possible true states of a noisy row, most likely states first. Batch shape ``(n,)``."""
         draws = np.random.default_rng(row).standard_normal((_DRAWS, self.trajectory.layout.size))
         draws *= np.linspace(0.0, SURE, _DRAWS)[:, None]
         return State(self.trajectory.layout, self.trajectory.values[row] + draws * self.deviation.values)
 
     def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE) -> Truth:
-        """Return the rows in which the measured states satisfy a condition.
+        """Return a mask of the rows in which the measured states satisfy a condition.
 
-        Unless `strict`, also return rows that nearly satisfy it, given noise of `sure` standard deviations.
+        Unless `strict`, the mask includes rows whose smoothed margin falls short by no more than the allowance plus
+        `sure` standard deviations of the margin's noise.
         """
         key = (literal.ground(binding), strict, sure)
         if key not in self._truths:
@@ -113,22 +114,22 @@ class Observation:
         return self._truths[key]
 
     def departure(self, token: str, row: int) -> int:
-        """Return the row in which a token has left its pose of a row; beyond the last row if it stays."""
+        """Return the first row after `row` in which the token has left its pose, or a row beyond the last."""
         moved = np.flatnonzero(self._moved(token, row, STILL)[row:])
         return row + int(moved[0]) if len(moved) else self.last + 1
 
     def onset(self, token: str, row: int) -> int:
-        """Return the row in which the movement begins by which a token leaves its pose of a row."""
+        """Return the row in which the token begins the movement that takes it away from its pose in `row`."""
         left = self.departure(token, row)
         return row + int(np.flatnonzero(~self._moved(token, row, _ONSET)[row:left])[-1])
 
     def place(self, token: str, row: int) -> FloatArray:
-        """Return the position of a token in a row, ``(3,)`` [m]."""
+        """Return the position of a token in a row, in metres. Shape ``(3,)``."""
         return np.asarray(self.trajectory[token, "position"][row])
 
     @cached_property
     def _shaken(self) -> State:
-        """The observation with the same noise added again; the change of a margin shows its inaccuracy."""
+        """The smoothed states plus random noise of the estimated size. They show how noise affects a margin."""
         draws = np.random.default_rng(0).standard_normal(self.trajectory.values.shape)
         return State(self.trajectory.layout, self.trajectory.values + draws * self.deviation.values)
 
@@ -144,12 +145,12 @@ class Observation:
 
 @dataclass(frozen=True)
 class Shown:
-    """A demonstration: what an agent was seen to do.
+    """A demonstration by another agent.
 
     Attributes:
-        source: name of the folder or file that holds it.
-        task: the demonstrator's task in the initial state of the observation.
-        observation: the states over time.
+        source: name of the folder or file with the demonstration.
+        task: the demonstrator's task, starting from the first observed state.
+        observation: observed states over time.
     """
 
     source: str
@@ -158,16 +159,16 @@ class Shown:
 
 
 def _noise(trajectory: State, period: float) -> FloatArray:
-    """Return the standard deviation of the noise of each column; zero if positions are exact."""
+    """Return the standard deviation of the noise of each column, or zeros if the positions are exact."""
     found = measured_noise(trajectory.values, period)
     places = [found[part] for (_, name), part in trajectory.layout.slices.items() if name == "position"]
     return found if places and max(place.max() for place in places) > _LEAST else np.zeros_like(found)
 
 
 def measured_noise(values: FloatArray, period: float) -> FloatArray:
-    """Return the standard deviation of the noise of each column of values ``(t, c)``, from their third differences.
+    """Return the standard deviation of the noise of each column of ``values``, which have shape ``(t, c)``.
 
-    A difference spans some hundredths of a second, in which movements are nearly smooth.
+    The estimate uses third differences over a few hundredths of a second, in which movements are almost smooth.
     """
     step = max(1, round(SMOOTHING / period))
     if len(values) <= 3 * step:
@@ -177,7 +178,7 @@ def measured_noise(values: FloatArray, period: float) -> FloatArray:
 
 
 def _smoothed(layout: StateLayout, values: FloatArray, window: int) -> FloatArray:
-    """Average poses and velocities over a window of rows, but no other properties, because these may jump."""
+    """Average poses and velocities over a window of rows. Other state variables may jump and are not averaged."""
     found = values.copy()
     averaged = {varying.name for varying in BODY_STATE}
     kernel, half = np.ones(window) / window, window // 2

@@ -1,6 +1,7 @@
-"""Segmentation of an observation: which tokens were in which blocks, from when to when (paper, Sec. II-E).
+"""Segmentation of an observation into a timeline of block instances (paper, Sec. II-E).
 
-The observer sees only states over time. The timeline obeys the law as far as blocks explain the observation.
+The observer sees only states over time. The timeline obeys the law of assignment except where no block explains the
+observation.
 """
 
 from collections.abc import Iterator
@@ -18,8 +19,8 @@ def segment(task: Task, observation: Observation) -> Segmentation:
     """Return the timeline that explains an observation best.
 
     Args:
-        task: a task with the tokens, the domain and the initial assignment; its goal counts for violations only.
-        observation: the states over time.
+        task: task with the tokens, the domain and the initial assignment. Its goal affects only the violations.
+        observation: observed states over time.
     """
     best = find_best(task, observation)
     times = observation.times
@@ -35,7 +36,7 @@ def segment(task: Task, observation: Observation) -> Segmentation:
 def _instances(
     task: Task, observation: Observation, hypotheses: list[tuple[Hypothesis, int]]
 ) -> Iterator[BlockInstance]:
-    """Yield the instances of blocks, named in the order in which they begin."""
+    """Yield a named block instance for each explained hypothesis, in the order of the start times."""
     numbers: dict[str, int] = {}
     for hypothesis, end in sorted(hypotheses, key=lambda pair: (pair[0].start, pair[1], pair[0].slots)):
         if hypothesis.block is None:

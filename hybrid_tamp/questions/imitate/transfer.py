@@ -1,7 +1,8 @@
-"""Transfer of a plan that was seen to another agent with the same capability classes (paper, Sec. II-E).
+"""Transfer of a demonstrated plan to another agent with the same capability classes (paper, Sec. II-E).
 
-Objects take the roles that they have in the goal. All other tokens take the roles that their classes allow. The first
-lawful assignment of roles counts; assignments with a similar arrangement of tokens are tried first.
+The goals determine the roles of the tokens that they name. All other tokens take roles that their classes allow.
+Assignments of roles are tried in turn, and the first assignment with a lawful plan is used. Assignments that arrange
+the tokens as in the demonstration are tried first.
 """
 
 from collections.abc import Iterator, Mapping
@@ -23,18 +24,18 @@ from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError, schedule
 
 KIND = "not_imitable"
 _MOST = 2000
-"""Largest number of assignments of roles that are examined."""
+"""Maximum number of assignments of roles to try."""
 _MOST_BREACHES = 4
 
 
 @dataclass(frozen=True)
 class Transfer:
-    """A plan for another agent.
+    """A plan that was transferred to another agent.
 
     Attributes:
-        plan: the plan, scheduled and lawful.
-        task: the task with the ground goal that the plan reaches; the task itself if its goal leaves no choice.
-        roles: token that was seen to the token that takes its role.
+        plan: the scheduled plan, which obeys the law of assignment.
+        task: the imitator's task. If its goal leaves a choice, the goal is the alternative that the plan achieves.
+        roles: maps each token of the demonstration to the imitator's token that takes its role.
     """
 
     plan: TaskPlan
@@ -43,19 +44,19 @@ class Transfer:
 
 
 def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
-    """Return a plan of a task that imitates the plan that was seen.
+    """Return a plan for a task that imitates a demonstrated plan.
 
     Args:
         shown: the demonstrator's task.
-        plan: the plan that was seen; movements that no block explains are left out.
-        task: the imitator's task, with the same domain.
+        plan: the demonstrated plan, without the movements that no block explains.
+        task: the imitator's task, which must have the same domain.
 
     Raises:
-        NoPlan: the task has no such plan; the message says why.
+        NoPlan: if the plan cannot be transferred to the task. The message gives the reason.
     """
     if shown.domain.name != task.domain.name:
-        belongs = f"the demonstration belongs to domain {shown.domain.name}, but {task.name} to {task.domain.name}"
-        raise _refused(belongs)
+        domains = f"the demonstration uses domain {shown.domain.name}, but {task.name} uses {task.domain.name}"
+        raise _refused(domains)
     seen = _acting(shown, plan)
     wanted = _classes(shown, seen)
     able = {
@@ -65,10 +66,10 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
     for token, names in able.items():
         if not names:
             classes = ", ".join(sorted(sort.name for sort in wanted[token]))
-            raise _refused(f"no token of {task.name} is a member of {classes}, unlike {token} in the demonstration")
+            raise _refused(f"{token} in the demonstration is a member of {classes}, but no token of {task.name} is")
     found = list(islice(_assignments(able, _goal_roles(shown, task, able)), _MOST))
     if not found:
-        raise _refused(f"{task.name} has too few tokens for the roles: {_counted(wanted, able)}")
+        raise _refused(f"{task.name} has too few tokens to replace {_counted(wanted, able)}")
     found.sort(key=lambda roles: _compare_arrangements(shown, task, roles))
     why = ""
     for roles in found:
@@ -76,18 +77,20 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
         if isinstance(found_or_why, Transfer):
             return found_or_why
         why = why or found_or_why
-    raise _refused(f"the plan that was seen is not lawful for {task.name}: {why}")
+    raise _refused(f"the demonstrated plan breaks the law of assignment for {task.name}: {why}")
 
 
 def _refused(said: str) -> NoPlan:
-    return NoPlan(f"This cannot be imitated: {said}.", proven=False, kind=KIND)
+    return NoPlan(f"The demonstration cannot be imitated: {said}.", proven=False, kind=KIND)
 
 
 def _acting(shown: Task, plan: TaskPlan) -> list[BlockInstance]:
-    """Return the instances of all tokens that do more than rest; gaps of unexplained movements are closed.
+    """Return the instances of all tokens that do more than rest.
+
+    If an unexplained movement lies between two resting instances of a token, the two instances are merged.
 
     Raises:
-        NoPlan: no block explains a movement between blocks that act.
+        NoPlan: if an unexplained movement begins or ends at an instance that does not rest.
     """
     resting = shown.domain.resting
     busy = {t for i in plan.instances if i.block != resting for t in i.slots.values()}
@@ -98,7 +101,7 @@ def _acting(shown: Task, plan: TaskPlan) -> list[BlockInstance]:
             if last is not None and not at(last.end, instance.start):
                 if {last.block, instance.block} != {resting}:
                     gap = f"from {last.end:.2f} s to {instance.start:.2f} s"
-                    raise _refused(f"no block explains the movement of {token} {gap}, between blocks that act")
+                    raise _refused(f"no block explains the movement of {token} {gap}, next to a block that acts")
                 del found[instance.name]
                 instance = replace(last, end=instance.end)
                 found[instance.name] = instance
@@ -107,7 +110,7 @@ def _acting(shown: Task, plan: TaskPlan) -> list[BlockInstance]:
 
 
 def _classes(shown: Task, seen: list[BlockInstance]) -> dict[str, set[type[ObjectClass]]]:
-    """Return each token that has a role, with the classes of its roles."""
+    """Return a dict that maps each token in a role to the classes of its roles."""
     found: dict[str, set[type[ObjectClass]]] = {}
     for instance in seen:
         roles = shown.domain.block_by_name[instance.block].roles
@@ -119,10 +122,10 @@ def _classes(shown: Task, seen: list[BlockInstance]) -> dict[str, set[type[Objec
 
 
 def _goal_roles(shown: Task, task: Task, able: Mapping[str, list[str]]) -> dict[str, str]:
-    """Return the roles that the goals determine: token that was seen to token of the task.
+    """Return a dict that maps tokens in the demonstrator's goal to tokens in the imitator's goal.
 
     Raises:
-        NoPlan: the goals are not alike.
+        NoPlan: if the goals do not match.
     """
     taken: dict[str, str] = {}
     left = list(task.goal)
@@ -130,18 +133,18 @@ def _goal_roles(shown: Task, task: Task, able: Mapping[str, list[str]]) -> dict[
         same = [(other, _alike(shown, task, atom, other, taken, able)) for other in left]
         other, roles = next(((other, roles) for other, roles in same if roles is not None), (None, {}))
         if other is None:
-            raise _refused(f"{atom.text} was the goal, and nothing like it is a goal of {task.name}")
+            raise _refused(f"the demonstration has the goal {atom.text}, but {task.name} has no matching goal")
         left.remove(other)
         taken |= roles or {}
     if left:
-        raise _refused(f"{left[0].text} is a goal of {task.name}, and the demonstration has no goal like it")
+        raise _refused(f"{task.name} has the goal {left[0].text}, but the demonstration has no matching goal")
     return taken
 
 
 def _alike(
     shown: Task, task: Task, one: Atom, other: Atom, taken: Mapping[str, str], able: Mapping[str, list[str]]
 ) -> dict[str, str] | None:
-    """Return the roles that make two goal atoms equal, or None if no roles do."""
+    """Return the roles that make two goal atoms equal, or None if there are no such roles."""
     if (one.predicate, one.positive) != (other.predicate, other.positive):
         return None
     found: dict[str, str] = {}
@@ -157,7 +160,7 @@ def _alike(
 
 
 def _assignments(able: Mapping[str, list[str]], fixed: dict[str, str]) -> Iterator[dict[str, str]]:
-    """Yield every way to give each role to a different token."""
+    """Yield every dict that extends ``fixed`` and maps each demonstrated token to a different able token."""
     free = [token for token in able if token not in fixed]
     if not free:
         yield {token: fixed[token] for token in able}
@@ -169,7 +172,7 @@ def _assignments(able: Mapping[str, list[str]], fixed: dict[str, str]) -> Iterat
 
 
 def _compare_arrangements(shown: Task, task: Task, roles: Mapping[str, str]) -> float:
-    """Return how much the arrangements of the tokens differ, as a sum over pairs of tokens [m]."""
+    """Return the difference between two arrangements of tokens, summed over all pairs of tokens, in metres."""
     before = np.array([shown.state[name, "position"] for name in roles])
     after = np.array([task.state[name, "position"] for name in roles.values()])
     return float(np.linalg.norm((before[:, None] - before) - (after[:, None] - after), axis=-1).sum())
@@ -180,11 +183,11 @@ def _counted(wanted: Mapping[str, set[type[ObjectClass]]], able: Mapping[str, li
     for token, names in able.items():
         classes = ", ".join(sorted(sort.name for sort in wanted[token]))
         said.setdefault((classes, tuple(names)), []).append(token)
-    return "; ".join(f"{' and '.join(t)} of {c} by {' or '.join(n)}" for (c, n), t in said.items())
+    return "; ".join(f"{' and '.join(t)} ({c}) by {' or '.join(n)}" for (c, n), t in said.items())
 
 
 def _transfer_roles(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles: Mapping[str, str]) -> Transfer | str:
-    """Return the scheduled plan, or why there is none."""
+    """Return the plan scheduled with the given roles, or the reason why this is impossible."""
     instants = [time for time in plan.instants if any(at(i.start, time) for i in seen)]
 
     def index(time: float) -> int:
@@ -214,7 +217,7 @@ def _transfer_roles(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles
 
 
 def _bystanders(task: Task, acting: set[str]) -> Iterator[OrderedInstance]:
-    """Yield instances for the tokens without a role: they stay where they start."""
+    """Yield an instance for each token without a role. The token stays in its initial block."""
     for token in task.assigned:
         if token.name not in acting:
             block = task.start_block(token.name)

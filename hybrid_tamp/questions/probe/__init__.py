@@ -1,1 +1,1 @@
-"""Of which classes a token never seen before is a member (paper, Sec. II-B)."""
+"""Tests of the class membership of new tokens (paper, Sec. II-B)."""

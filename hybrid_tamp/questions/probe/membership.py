@@ -1,8 +1,8 @@
-"""Whether a new token is a member of a class: predicted from a labelled member, then tried (paper, Sec. II-B).
+"""Trials that test whether a new token is a member of a class (paper, Sec. II-B).
 
-Features of its shape rank the classes. For each class the surface of a labelled member is warped onto the new token,
-and the properties of the labelled member are carried over. Trial tasks of the domain assume that the token is a member
-with these properties. They are planned and run from several starts, and the measurements decide the verdict.
+Features of the token's shape rank the classes. For each class, the surface of a labelled member is warped onto the new
+token, and the properties of the labelled member are transferred. The domain's trial tasks assume that the token is a
+member with these properties. They are planned and run from several starts. The measurements decide the verdict.
 """
 
 import logging
@@ -28,35 +28,36 @@ from hybrid_tamp.model.trial import TrialRecipe
 from hybrid_tamp.physics.protocol import Backend
 
 STARTS = 4
-"""Least number of starts for a class: if all or none of the trials succeed, the interval excludes 1/2."""
+"""Minimum number of trials for a class. If all or none of four trials succeed, the interval excludes 1/2."""
 MOST_STARTS = 16
-"""Largest number of starts for a class: enough to tell a success rate of 9/10 from 1/2."""
+"""Maximum number of trials for a class. It suffices to distinguish a success rate of 9/10 from 1/2."""
 BLOCK_SECONDS = 8.0
-"""Time limit of a block in a trial, whatever its limit in a task is [s]."""
+"""Upper bound on the time limit of each block in a trial, in seconds."""
 MOST_SECONDS = 60.0
-"""Simulated time within which a trial must end [s]."""
+"""Maximum simulated time of a trial, in seconds."""
 
 FindPlan = Callable[[Task], TaskPlan]
-"""Task to plan; raises NoPlan or LimitReached."""
+"""Function that returns a plan for a task. It raises NoPlan or LimitReached if it finds none."""
 Tell = Callable[[float, str], None]
-"""Called with the share of the work that is done, 0 to 1, and its description."""
+"""Progress callback. Its arguments are the finished share of the work (0 to 1) and a description."""
 
 _logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
 class Prober:
-    """Probes tokens.
+    """Procedure that tests the class membership of tokens by trials.
 
     Attributes:
-        find_plan: plans a trial task.
-        backend: runs the plans.
-        starts: least number of starts for a class.
-        most_starts: largest number of starts, used while the verdict is unsure. It is tested after each trial, so a
-            token that succeeds in half of the trials gets a verdict more often than the interval says.
-        most_seconds: largest simulated time of a trial [s].
-        deadline: end of the work, on the monotonic clock [s].
-        tell: called with the progress.
+        find_plan: function that plans a trial task.
+        backend: physics backend that runs the plans.
+        starts: minimum number of trials for a class.
+        most_starts: maximum number of trials for a class. Trials continue beyond the minimum only while the verdict is
+            unsure. The verdict is tested after every trial, so a token with a true success rate of 1/2 gets a verdict
+            more often than the confidence level implies.
+        most_seconds: maximum simulated time of a trial, in seconds.
+        deadline: time on the monotonic clock at which the probe is aborted, in seconds.
+        tell: progress callback.
     """
 
     find_plan: FindPlan
@@ -68,17 +69,17 @@ class Prober:
     tell: Tell = lambda share, what: None
 
     def probe(self, task: Task, name: str, classes: Sequence[str] = (), seed: int = 0) -> MembershipResult:
-        """Find out of which of its unknown classes a token is a member.
+        """Test for each class whether a token is a member.
 
         Args:
-            task: the task; its other tokens provide hands and labelled members.
-            name: the token.
-            classes: names of the classes to try; by default its unknown classes.
-            seed: the seed of the starts.
+            task: the task of the token. Its other tokens provide hands and labelled members.
+            name: name of the token.
+            classes: names of the classes to test. By default, all classes that are unknown for the token.
+            seed: random seed of the starts.
 
         Raises:
-            InputError: there is no such token or class, or nothing to find out.
-            LimitReached: the deadline passed.
+            InputError: if the token or a class is unknown, if the token has no shape, or if no class is to be tested.
+            LimitReached: if the deadline passes.
         """
         token = _token(task, name)
         wanted = _classes(task, token, classes)
@@ -94,10 +95,10 @@ class Prober:
         likelihood = object_class.features(token.solid)
         untried = Verdict(object_class.name, likelihood)
         if recipe is None:
-            return replace(untried, obstacle=f"the domain {task.domain.name} does not say how it is tried")
+            return replace(untried, obstacle=f"the domain {task.domain.name} defines no trial for this class")
         found = _nearest(task, token, recipe)
         if found is None:
-            return replace(untried, obstacle="no token of the task is a member with a shape that could be carried over")
+            return replace(untried, obstacle="the task has no labelled member of this class with a shape to warp")
         labelled, warped = found
         estimate = recipe.estimate(task, token, labelled, warped.carry)
         known = Verdict(
@@ -114,10 +115,10 @@ class Prober:
     def run_trials(
         self, known: Verdict, recipe: TrialRecipe[Task], task: Task, member: Token, plan: TaskPlan, seed: int
     ) -> Verdict:
-        """Return the verdict with trials of a member added until they are enough.
+        """Run trials until the verdict is sure or the maximum number is reached, and add them to the verdict.
 
         Raises:
-            LimitReached: the deadline passed.
+            LimitReached: if the deadline passes.
         """
         children = np.random.SeedSequence(seed).spawn(max(self.starts, self.most_starts))
         for number, rng in enumerate(map(np.random.default_rng, children)):
@@ -127,15 +128,15 @@ class Prober:
         return known
 
     def run_trial(self, recipe: TrialRecipe[Task], task: Task, plan: TaskPlan) -> Trial:
-        """Run one of a recipe's tasks.
+        """Run one trial task of a recipe.
 
         Raises:
-            LimitReached: the deadline passed.
+            LimitReached: if the deadline passes.
         """
         try:
             recording = execute(task, plan, self.backend, self._watch)
         except _NeverSettles:
-            return Trial(False, f"it did not settle within {self.most_seconds:g} s of simulated time", {})
+            return Trial(False, f"the trial did not end within {self.most_seconds:g} s of simulated time", {})
         measured = dict(task.domain.metrics(task, recording)) if task.domain.metrics else {}
         faults = list(_faults(recipe, recording, measured))
         _logger.info("%s: %s", task.name, "; ".join(faults) or "succeeded")
@@ -145,15 +146,15 @@ class Prober:
         if simulated > self.most_seconds:
             raise _NeverSettles
         if time.monotonic() > self.deadline:
-            raise LimitReached("the probe was not done in time; a larger time_limit gives it more", limit="time")
+            raise LimitReached("the probe exceeded its time limit; increase time_limit", limit="time")
 
 
 class _NeverSettles(Exception):
-    """A trial exceeded its simulated time."""
+    """Raised if a trial exceeds its maximum simulated time."""
 
 
 def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]]) -> Token:
-    """Return the token as a member of more classes, with their properties; other classes may stay unknown."""
+    """Return the token as a member of more classes. ``learnt`` maps each class to the token's properties in it."""
     classes = (*token.classes, *learnt)
     unknown = tuple(each for each in token.unknown if each not in classes)
     properties = {**token.properties}
@@ -165,9 +166,9 @@ def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]
 def _token(task: Task, name: str) -> Token:
     token = task.token_by_name.get(name)
     if token is None:
-        raise InputError([Issue("token", "the name of a token", repr(name), tuple(task.token_by_name))])
+        raise InputError([Issue("token", "expected the name of a token", repr(name), tuple(task.token_by_name))])
     if token.shape is None:
-        raise InputError([Issue("token", f"a token with a shape, which {name} has not")])
+        raise InputError([Issue("token", f"expected a token with a shape, but {name} has none")])
     return token
 
 
@@ -175,17 +176,17 @@ def _classes(task: Task, token: Token, names: Sequence[str]) -> tuple[type[Objec
     known = task.domain.class_by_name
     for name in names:
         if name not in known:
-            raise InputError([Issue("classes", "a class of the domain", repr(name), tuple(known))])
+            raise InputError([Issue("classes", "expected a class of the domain", repr(name), tuple(known))])
         if known[name] in token.classes:
-            raise InputError([Issue("classes", f"a class of which {token.name} is not known to be a member", name)])
+            raise InputError([Issue("classes", f"{token.name} is already known to be a member of {name}")])
     if not names and not token.unknown:
-        remedy = "write unknown: [CLASS, ...] in the task file, or name classes=[...]"
-        raise InputError([Issue("token", "a token that is unknown in some class", token.name, remedy=remedy)])
+        remedy = "add unknown: [CLASS, ...] to the token in the task file, or pass classes=[...]"
+        raise InputError([Issue("token", "expected a token with unknown classes", token.name, remedy=remedy)])
     return tuple(known[name] for name in names) or token.unknown
 
 
 def _nearest(task: Task, token: Token, recipe: TrialRecipe[Task]) -> tuple[Token, Warp] | None:
-    """Return the labelled member whose warped surface fits best, and the warp."""
+    """Return the labelled member whose warped surface fits the token best, and its warp."""
     found = []
     for labelled in task.tokens:
         if labelled.is_member(recipe.object_class) and labelled.shape is not None and labelled.name != token.name:
@@ -194,7 +195,7 @@ def _nearest(task: Task, token: Token, recipe: TrialRecipe[Task]) -> tuple[Token
 
 
 def with_time_bounds(domain: Domain) -> Domain:
-    """Return the domain with shorter time limits of blocks: otherwise failing trials take most of the time."""
+    """Return the domain with shorter time limits of blocks, so that failing trials end early."""
     durations = [replace(block.duration, maximum=min(block.duration.maximum, BLOCK_SECONDS)) for block in domain.blocks]
     blocks = zip(domain.blocks, durations, strict=True)
     return domain.with_blocks([replace(block, duration=duration) for block, duration in blocks])
@@ -203,7 +204,7 @@ def with_time_bounds(domain: Domain) -> Domain:
 def _faults(
     recipe: TrialRecipe[Task], recording: Recording, measured: Mapping[tuple[str, str], float]
 ) -> Iterator[str]:
-    """Yield the faults of a trial."""
+    """Yield the reasons why a trial failed."""
     if recording.failure is not None:
         yield f"{recording.failure.instance}: {recording.failure.reason}"
     for key, (low, high) in recipe.bounds.items():
