@@ -1,8 +1,7 @@
-"""Joint lifting (paper, Sec. II-E): hands, of one robot or of several, lift things too heavy for fewer hands.
+"""Joint lifting (paper, Sec. II-E): hands of one or several robots lift objects that are too heavy for fewer hands.
 
-Read the modules in this order: `places` (where hands bear a box), `classes`, `load` (loads borne by friction),
-`predicates`, `bearing` (policy and forward model of hands that bear a box), `lifting` (LIFTING, HOLDING and LOWERING,
-by two hands or by four). REACHING (D5) and RESTING (D6) come from `..common`.
+Modules, in reading order: `places`, `classes`, `load`, `predicates`, `bearing`, `lifting` (LIFTING, HOLDING and
+LOWERING). `..common` provides REACHING (D5) and RESTING (D6).
 """
 
 from collections.abc import Iterator
@@ -28,9 +27,9 @@ def _beside(binding: Binding, state: State) -> FloatArray:
 
 
 def _edges() -> Iterator[tuple[str, str]]:
-    """Yield the reassignments. An edge that names an action alone holds for each of its modes.
+    """Yield the reassignments. An edge that names an action without a mode applies to each of the action's modes.
 
-    A box in the air is passed on with all its hands, in the mode in which it was lifted.
+    A box in the air moves to the next block together with all its hands, in the mode in which it was lifted.
     """
     yield from (("RESTING.token", "REACHING.hand"), ("REACHING.hand", "RESTING.token"))
     yield from (("RESTING.token", "LIFTING.object"), ("LOWERING.object", "RESTING.token"))
@@ -65,5 +64,5 @@ DOMAIN = Domain(
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_edges(), [block.name for block in _BLOCKS]),
     metrics=metrics,
-    description="hands lift together what is too heavy for fewer of them",
+    description="hands together lift objects that are too heavy for fewer hands",
 )

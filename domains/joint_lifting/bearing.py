@@ -1,9 +1,9 @@
-"""How hands bear a box between them: the policy and the forward model that LIFTING, HOLDING and LOWERING share.
+"""Policy and forward model of hands that bear a box between them. LIFTING, HOLDING and LOWERING share them.
 
-Each hand follows its reference c, which moves with the box: F = K (c - x) + D (c' - v) - S n + W z. Here n is the
-outward normal of its face, along which K is smaller, S is the squeeze and W is its share of the weight. Only friction
-joins hand and box. In the forward model, too, a hand bears at most mu times the force with which it presses on its
-face; with more load the box slips.
+Each hand follows a reference c that moves with the box. Its force is F = K (c - x) + D (c' - v) - S n + W z, where n is
+the outward normal of its face, S is the squeeze and W is its share of the weight. The stiffness K is smaller along n.
+Only friction joins a hand to the box. In the forward model, too, a hand bears at most mu times the force with which it
+presses on its face. Under a larger load, the box slips.
 """
 
 from collections.abc import Callable
@@ -33,10 +33,10 @@ from .places import CREWS, corner_heights, gap_at, outward
 SLOTS = ("first", "second", "third", "fourth")
 """Slots of the hands, in the order of the places of a crew."""
 _SOFTNESS = 0.1
-"""Stiffness of a hand that squeezes along the normal of its face, as a share of its stiffness in other directions.
+"""Stiffness of a squeezing hand along the normal of its face, as a share of its stiffness in other directions.
 
-Along the face the hand must be stiff: two hands that push against each other with S over a length L buckle, and the box
-turns about the vertical, unless S < K L / 2.
+The hand must be stiff along its face. Two hands that push against each other with a force S over a length L buckle
+unless S < K L / 2. If they buckle, the box turns about the vertical axis.
 """
 _TOUCH = 1e-4
 
@@ -46,8 +46,8 @@ class Roles:
     """The tokens of an instance.
 
     Attributes:
-        crew: symbol of the number of hands.
-        hands: the hands with their places.
+        crew: symbol for the number of hands.
+        hands: pairs of (hand, place).
         thing: the box.
     """
 
@@ -63,20 +63,20 @@ class Roles:
 
 
 def places_of(crew: str) -> tuple[tuple[str, str], ...]:
-    """Return the slots of the hands of a crew, each with its place at the box."""
+    """Return pairs of (slot, place) for the hands of a crew."""
     return tuple(zip(SLOTS, CREWS[crew], strict=False))
 
 
 class Course(NamedTuple):
-    """The progress of a movement at a time, each of shape ``(...)``.
+    """The progress of a movement at given times. All fields have the shape ``(...)``.
 
     Attributes:
-        closed: share of their gap that the hands have travelled, 0 to 1.
-        closing: its rate [1/s].
-        grip: share of the squeeze.
-        loaded: share of the weight that the hands bear, at most `grip`.
-        rise: planned height of the box above its start [m].
-        rising: its rate [m/s].
+        closed: share, from 0 to 1, of the gap to the face that the hands have closed.
+        closing: rate of `closed` [1/s].
+        grip: share, from 0 to 1, of the squeeze that the hands apply.
+        loaded: share, from 0 to 1, of the weight that the hands bear, at most `grip`.
+        rise: planned height of the box above its initial height [m].
+        rising: rate of `rise` [m/s].
     """
 
     closed: FloatArray
@@ -97,11 +97,11 @@ def bearing(
     """Return the impedance policy of all hands.
 
     Args:
-        roles: hands and box.
-        start: state at the beginning.
-        squeeze: force with which each hand presses on its face, ``(...)`` [N].
-        gaps: distance that each hand moves towards its face, ``(...)`` [m]; away from it if negative.
-        course: elapsed time ``(...)`` [s] to the progress of the movement.
+        roles: the hands and the box.
+        start: state at the beginning of the movement.
+        squeeze: force ``(...)`` [N] with which each hand presses on its face.
+        gaps: distance ``(...)`` [m] that each hand moves towards its face. Negative values move it away.
+        course: maps the elapsed time ``(...)`` [s] to the progress of the movement.
     """
     weight = load(roles.thing, roles.crew) * UP
     references = [
@@ -122,7 +122,7 @@ def bearing(
             place = begun - normal * (gap * closed) + UP * rise
             velocity = UP * rising - normal * (gap * closing)
             error = place - state[hand, "position"]
-            # Hands reach their places approximately; for that, none must press harder than the others.
+            # Hands reach their places only approximately, but all hands must press equally hard.
             given_way = normal * ((1.0 - _SOFTNESS) * grip * dot(error, normal)[..., None])
             push = STIFFNESS * (error - given_way) - normal * (squeeze[..., None] * grip)
             braking = brake * (velocity - state[hand, "velocity"])
@@ -133,7 +133,7 @@ def bearing(
 
 
 def squeezing(crew: str) -> Hyperparameter:
-    """Return the hyperparameter of the squeeze; its bound leaves the hands enough force to bear the box."""
+    """Return the hyperparameter of the squeeze. Its upper bound leaves the hands enough force to bear the box."""
 
     def initial(binding: Binding, state: State) -> FloatArray:
         return np.asarray(squeeze_for(get_token(binding, "object"), crew))
@@ -146,17 +146,17 @@ def squeezing(crew: str) -> Hyperparameter:
 
 
 def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSystem:
-    """Make the system: Coulomb friction joins hands and box vertically as long as the hands press hard enough.
+    """Return the system in which Coulomb friction joins hands and box as long as the hands press hard enough.
 
-    The box keeps its orientation, moves up and down only, and stops at the floor. The faces stop the hands; the hands
-    on the opposite side hold the box.
+    The box keeps its orientation, moves only up and down, and stops at the floor. The hands stop at their faces,
+    because the hands on the opposite side keep the box in place.
     """
     roles = Roles.of(crew, binding)
     thing, mass, coefficient = roles.thing, roles.thing["mass"], friction(roles.thing)
 
     def system(state: State, commands: Commands, dt: float) -> State:
         lowest = -corner_heights(state, thing).min(axis=-1) / dt
-        """Vertical speed that brings the box to the floor in this step [m/s]."""
+        """Vertical speed [m/s] at which the box reaches the floor in this step."""
         sinking = state[thing, "velocity"][..., 2] - GRAVITY * dt
         moved = [(hand, *_pressed(state, hand, thing, place, commands, dt)) for hand, place in roles.hands]
         momentum, total = mass * sinking, mass * np.ones_like(sinking)
@@ -175,7 +175,7 @@ def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSyste
             changes[hand.name, "position"] = state[hand, "position"] + after * dt
         speed = np.maximum(sinking + lifting / mass, lowest)
         changes[thing.name, "position"] = state[thing, "position"] + UP * (speed * dt)[..., None]
-        # On the floor the box is at rest, at any distance that it moved in this step.
+        # A box that reaches the floor in this step is at rest after it.
         changes[thing.name, "velocity"] = UP * np.where(speed > lowest, speed, 0.0)[..., None]
         changes[thing.name, "angular_velocity"] = np.zeros_like(state[thing, "angular_velocity"])
         return state.replace(changes)
@@ -186,7 +186,7 @@ def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSyste
 def _pressed(
     state: State, hand: Token, thing: Token, place: str, commands: Commands, dt: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return a hand's velocity ``(..., 3)`` [m/s], stopped at its face, and the force ``(...)`` [N] that presses."""
+    """Return a hand's velocity ``(..., 3)`` [m/s], which its face stops, and its pressing force ``(...)`` [N]."""
     force, normal = force_on(hand, state, commands), outward(state, thing, place)
     velocity = state[hand, "velocity"] + force / hand["mass"] * dt
     gap = np.maximum(gap_at(state, hand, thing, place), 0.0)

@@ -1,8 +1,8 @@
-"""LIFTING, HOLDING and LOWERING (paper, Sec. II-E): hands on opposite sides of a box lift it, keep it up, set it down.
+"""The blocks LIFTING, HOLDING and LOWERING (paper, Sec. II-E), in which hands on opposite sides of a box lift it.
 
-Each has two modes: ``two``, with one hand on either side, and ``four``, with two on either side. If a box is too heavy
-for two hands, four can lift it, also those of two robots. No hand is joined to the box: LIFTING and LOWERING end by
-themselves, and HOLDING keeps the box in the air as long as the hands squeeze it.
+Each block has two modes: ``two``, with one hand on each side, and ``four``, with two hands on each side. Four hands,
+which may belong to two robots, can lift a box that is too heavy for two hands. The box is not attached to any hand.
+LIFTING and LOWERING end by themselves. HOLDING keeps the box in the air as long as the hands squeeze it.
 """
 
 from collections.abc import Callable
@@ -53,15 +53,15 @@ from .predicates import (
 )
 
 MODES = {"two": "two hands", "four": "four hands"}
-"""Mode to its crew."""
+"""Maps each mode to its crew."""
 _CLOSING = 0.3
-"""Time for hands to close on a box, and to move away from it [s]."""
+"""Time that the hands take to close on a box, or to move away from it [s]."""
 GRASPED = 0.5
 """Time until the hands squeeze the box fully and bear its weight [s]."""
 _HELD = 1.0
-"""Least time for which a box is held up [s]."""
+"""Smallest time for which a box is kept in the air [s]."""
 _SPEED = Hyperparameter("speed", "m/s", 0.03, 0.2, lambda b, s: np.asarray(0.1), "mean speed up or down")
-_HEIGHT = Hyperparameter("height", "m", 0.11, 0.3, lambda b, s: np.asarray(LIFT), "how high the box is lifted")
+_HEIGHT = Hyperparameter("height", "m", 0.11, 0.3, lambda b, s: np.asarray(LIFT), "height to which the box is lifted")
 
 
 def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
@@ -74,7 +74,7 @@ def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameter
         closing, rising = elapsed / _CLOSING, (elapsed - GRASPED) / duration
         closed, rate = straight_profile().share(closing), straight_profile().rate(closing) / _CLOSING
         grip = straight_profile().share(elapsed / GRASPED)
-        # A hand that bears weight before it touches the box would rise.
+        # A hand that compensated the weight before it touched the box would rise.
         loaded = straight_profile().share((elapsed - _CLOSING) / (GRASPED - _CLOSING))
         rise, climb = height * profile.share(rising), height * profile.rate(rising) / duration
         return Course(closed, rate, grip, loaded, rise, climb)
@@ -104,7 +104,7 @@ def _lower(crew: str, profile: Profile, binding: Binding, start: State, paramete
         rise, climb = -drop * profile.share(sinking), -drop * profile.rate(sinking) / duration
         return Course(opened, rate, grip, grip, rise, climb)
 
-    # Away from the face, to the place where hands stand by.
+    # The hands move away from their faces to their standby positions.
     gaps = (np.asarray(-STANDBY_GAP),) * len(roles.hands)
     return bearing(roles, start, squeeze, gaps, course)
 
@@ -125,12 +125,12 @@ def _lowered(crew: str, binding: Binding, state: State, chosen: Hyperparameters)
 
 
 def _up(crew: str, binding: Binding, state: State) -> State:
-    """The box is lifted, the hands at its faces."""
+    """Return the state with the box lifted and the hands at its faces."""
     return _at(Roles.of(crew, binding), state, LIFT * UP, 0.0)
 
 
 def _down(crew: str, binding: Binding, state: State) -> State:
-    """The box stands on the floor, the hands beside it."""
+    """Return the state with the box on the floor and the hands in their standby positions beside it."""
     roles = Roles.of(crew, binding)
     return _at(roles, state, -UP * corner_heights(state, roles.thing).min(axis=-1)[..., None], STANDBY_GAP)
 
@@ -143,7 +143,7 @@ def _at(roles: Roles, state: State, way: FloatArray, gap: float) -> State:
 
 
 def _able(crew: str) -> tuple[Literal, ...]:
-    """Return the static conditions on the hands of a crew, each at its place."""
+    """Return the static conditions on the hands of a crew, each of which has its place."""
     return tuple(
         literal
         for slot, place in places_of(crew)
@@ -162,7 +162,7 @@ def _at_places(crew: str) -> tuple[Literal, ...]:
 
 
 def _together(action: str, mode: str, duration: Duration, policy: Callable[..., Policy], profile: Profile) -> Block:
-    """Return the common part of the three actions in a mode: able hands are at their places."""
+    """Return the part that the three actions have in common: capable hands at their places, in a mode."""
     crew = MODES[mode]
     slots = [slot for slot, _ in places_of(crew)]
     return Block(
@@ -172,7 +172,7 @@ def _together(action: str, mode: str, duration: Duration, policy: Callable[..., 
         entry=(*_at_places(crew), *_able(crew)),
         exit=(AT_REST("object"), *(AT_REST(slot) for slot in slots)),
         writes={**{slot: MOTION for slot in slots}, "object": BODY},
-        # A box moves straight up and down, so feasibility does not change.
+        # A box moves straight up and down, so its feasibility facts do not change.
         keeps=FEASIBLE,
         hyperparameters=(squeezing(crew),),
         duration=duration,
@@ -182,7 +182,7 @@ def _together(action: str, mode: str, duration: Duration, policy: Callable[..., 
 
 
 def lifting(mode: str, primitive: DMP | None = None) -> Block:
-    """Return one mode of LIFTING; its primitive moves the box up, by default a straight movement."""
+    """Return one mode of LIFTING. Its primitive, by default a straight movement, moves the box up."""
     profile, crew = profile_of(primitive), MODES[mode]
     block = _together("LIFTING", mode, Duration(GRASPED, 12.0, partial(_lifted, crew, profile)), _lift, profile)
     return replace(
@@ -193,7 +193,7 @@ def lifting(mode: str, primitive: DMP | None = None) -> Block:
         taught=partial(lifting, mode),
         movement=Movement("object", "position", 1),
         outcome=partial(_up, crew),
-        description=f"{crew} close on a box, squeeze it from opposite sides and lift it by friction",
+        description=f"{crew} close on a box, squeeze the box from opposite sides and lift it by friction",
     )
 
 
@@ -214,7 +214,7 @@ def holding(mode: str) -> Block:
 
 
 def lowering(mode: str, primitive: DMP | None = None) -> Block:
-    """Return one mode of LOWERING; its primitive moves the box down, by default a straight movement."""
+    """Return one mode of LOWERING. Its primitive, by default a straight movement, moves the box down."""
     profile, crew = profile_of(primitive), MODES[mode]
     block = _together("LOWERING", mode, Duration(_CLOSING, 15.0, partial(_lowered, crew)), _lower, profile)
     clear = (CLEAR_OF(slot, "object") for slot, _ in places_of(crew))
@@ -226,7 +226,7 @@ def lowering(mode: str, primitive: DMP | None = None) -> Block:
         taught=partial(lowering, mode),
         movement=Movement("object", "position", 1),
         outcome=partial(_down, crew),
-        description=f"{crew} set a box down and let go of it",
+        description=f"{crew} set a box down and release it",
     )
 
 

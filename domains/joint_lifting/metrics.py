@@ -1,4 +1,4 @@
-"""Metrics of joint lifting for a finished run."""
+"""Metrics of joint lifting in a finished run."""
 
 from collections.abc import Iterator, Mapping
 
@@ -20,11 +20,11 @@ CONTROLLED: Mapping[str, tuple[float, float]] = {
 
 
 def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
-    """Return the metrics of every lift by instance and metric.
+    """Return the metrics of every lift. The result maps each (instance, metric) to its value.
 
-    They cover the time from the moment when the hands of LIFTING bear the box to the end of HOLDING: the final height
-    of the lowest corner of the box, its largest tilt, and the largest slip of a hand along its face. If the backend
-    measures contact forces, the largest force of a hand on the box during LIFTING is added.
+    The metrics are the final height of the lowest corner of the box, the largest tilt of the box, and the largest slip
+    of a hand along its face. They cover the time from when the hands of LIFTING bear the box to the end of HOLDING. If
+    the backend measures contact forces, the largest force of a hand on the box during LIFTING is added.
     """
     return measure_instances(task, recording, {"LIFTING": _lift})
 
@@ -51,6 +51,6 @@ def _lift(task: Task, recording: Recording, lift: BlockInstance) -> Iterator[tup
 
 
 def _slip(run: State, hand: Token, thing: Token) -> float:
-    """Return the largest movement [m] of a hand along its face, across and up, since it bears the box."""
+    """Return the largest displacement [m] of a hand along its face since the hand began to bear the box."""
     along = offset_in_box(run, hand, thing)[..., 1:]
     return float(np.linalg.norm(along - along[0], axis=-1).max())

@@ -1,9 +1,10 @@
-"""Where hands bear a box: world frame unless a name says otherwise, batch first.
+"""The places at which hands bear a box.
 
-Hands squeeze a box along its own x axis, at its left face (-x) and at its right one (+x). There is one hand in the
-middle of each face, or two side by side, in the front half (-y) and in the back half (+y). A hand is upright, its lower
-end above the box's centre. So it touches the face along a line for every yaw of the box, and the box hangs from its
-hands wherever on these lines the forces act.
+Hands squeeze a box along its own x axis, at its left face (-x) and its right face (+x). Each face has either one hand
+in the middle or two hands side by side, in the front half (-y) and in the back half (+y). A hand is upright, and its
+lower end is above the centre of the box. So the hand touches its face along a vertical line for every yaw of the box,
+and the box hangs stably from the hands. Vectors are in the world frame unless a name says otherwise. Batch dimensions
+come first.
 """
 
 from itertools import product
@@ -22,26 +23,26 @@ SPOTS: dict[str, tuple[float, float]] = {
     "right front": (1.0, -0.5),
     "right back": (1.0, 0.5),
 }
-"""Place to the sign of its side along x, and to its position along y as a share of the half extent."""
-PLACE = SymbolSort("place", tuple(SPOTS), "where a hand bears a box: at -x or +x, in the middle or at -y or +y")
+"""Maps each place to the sign of its side along x, and to its position along y as a share of the half extent."""
+PLACE = SymbolSort("place", tuple(SPOTS), "place of a hand at a box: on side -x or +x, in the middle or at -y or +y")
 
 CREWS: dict[str, tuple[str, ...]] = {
     "two hands": ("left", "right"),
     "four hands": ("left front", "left back", "right front", "right back"),
 }
-"""Crew to the places of its hands."""
-CREW = SymbolSort("crew", tuple(CREWS), "how many hands lift a box together")
+"""Maps each crew to the places of its hands."""
+CREW = SymbolSort("crew", tuple(CREWS), "number of hands that lift a box together")
 
 ABOVE_CENTRE = 0.01
 """Height of the lower end of a hand above the centre of a box [m]."""
 STANDBY_GAP = 0.012
-"""Gap between a face and a hand that stands by [m]."""
+"""Gap between a face and a hand in its standby position [m]."""
 FLOOR_TOLERANCE = 0.01
-"""Largest distance between the floor and the corners of a box that stands on it [m]."""
+"""Largest distance between the floor and the bottom corners of a box that stands on the floor [m]."""
 
 
 def offset_in_box(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the centre of a hand in the box's frame, ``(..., 3)`` [m]."""
+    """Return the position ``(..., 3)`` [m] of a hand's centre in the body frame of a box."""
     return to_body(state, thing, state[hand, "position"] - state[thing, "position"])
 
 
@@ -51,7 +52,7 @@ def outward(state: State, thing: Token, place: str) -> FloatArray:
 
 
 def place_at(state: State, hand: Token, thing: Token, place: str, gap: float = STANDBY_GAP) -> FloatArray:
-    """Return the centre ``(..., 3)`` [m] of a hand that stands at a place."""
+    """Return the position ``(..., 3)`` [m] of the centre of a hand at a place of a box."""
     side, along = SPOTS[place]
     half_x, half_y, _ = thing["half_extents"]
     in_body = np.array([side * (half_x + hand["radius"] + gap), along * half_y, ABOVE_CENTRE + hand["length"] / 2.0])
@@ -65,7 +66,7 @@ def gap_at(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
 
 
 def corner_heights(state: State, thing: Token) -> FloatArray:
-    """Return the heights of the four corners of the bottom face, ``(..., 4)`` [m]."""
+    """Return the heights ``(..., 4)`` [m] of the four corners of the bottom face."""
     halves, orientation = np.asarray(thing["half_extents"]), state[thing, "orientation"]
     corners = (np.array([x, y, -1.0]) * halves for x, y in product((-1.0, 1.0), repeat=2))
     return np.stack([state[thing, "position"][..., 2] + rotate(orientation, each)[..., 2] for each in corners], axis=-1)

@@ -1,4 +1,4 @@
-"""Predicates of joint lifting."""
+"""Predicates for joint lifting."""
 
 import numpy as np
 
@@ -27,19 +27,19 @@ _OBJECT = Parameter("object", Liftable)
 _PLACE = Parameter("place", PLACE)
 _CREW = Parameter("crew", CREW)
 RAISED_HEIGHT = 0.1
-"""Least height of all points of a raised box above the floor [m]."""
+"""Smallest height of the lowest point of a raised box above the floor [m]."""
 LIFT = 0.15
 """Height to which a box is lifted by default [m]."""
 PLACE_TOLERANCE = 0.03
-"""Largest distance of a hand from its place at a box [m]: hands that squeeze it closed the gap and may have slipped."""
+"""Largest distance of a hand from its place at a box [m]. It allows for closing the standby gap and for slip."""
 _CLEAR = 0.005
 _UPRIGHT = np.sin(np.radians(3.0))
 _MIDDLE = 0.02
-"""Distance from the middle between front and back [m] within which a hand may go to either half."""
+"""Distance [m] from the middle of the box, between front and back, within which a hand may go to either half."""
 _TOUCHING = 0.03
-"""Least length of the line along which a hand touches a face [m]."""
+"""Smallest length of the line along which a hand touches a face [m]."""
 _ABREAST = 0.02
-"""Gap between two hands side by side [m]."""
+"""Gap between two hands that are side by side [m]."""
 
 
 def _rise(state: State, thing: Token) -> FloatArray:
@@ -61,7 +61,7 @@ def _uprightness(state: State, hand: Token) -> FloatArray:
 
 
 def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Least distance at which a hand starts beyond the face of its place, and inside its half of the box."""
+    """Return how far a hand starts outside the face of its place and inside its half: the smaller distance [m]."""
     side, along = SPOTS[place]
     offset = offset_in_box(state, hand, thing)
     beyond = side * offset[..., 0] - thing["half_extents"][0] - hand["radius"]
@@ -69,14 +69,14 @@ def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
 
 
 def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Least depth in the workspace of the hand's place, beside the standing and the lifted box."""
+    """Return the smaller depth [m] in the workspace of the hand's places beside the standing and the lifted box."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
     beside = place_at(state, hand, thing, place)
     return np.asarray(np.minimum(beside - lower, upper - beside - LIFT * UP).min(axis=-1))
 
 
 def _room(hand: Token, thing: Token, place: str) -> float:
-    """Least of the spare width of the face, or of its half, and of the spare length of the contact line [m]."""
+    """Return the smaller one of the spare width [m] for a hand at its face and the spare length [m] of its contact."""
     _, half_y, half_z = thing["half_extents"]
     wide = half_y - _ABREAST if SPOTS[place][1] else 2.0 * half_y
     return float(min(wide - 2.0 * hand["radius"], min(half_z - ABOVE_CENTRE, hand["length"]) - _TOUCHING))
@@ -103,8 +103,8 @@ RAISED = length_predicate(
     (_OBJECT,),
     _rise,
     reads={"object": POSE},
-    description=f"{{object}} is all of it at least {RAISED_HEIGHT} m above the floor",
-    denial=f"{{object}} is not all of it at least {RAISED_HEIGHT} m above the floor",
+    description=f"the lowest point of {{object}} is at least {RAISED_HEIGHT} m above the floor",
+    denial=f"the lowest point of {{object}} is less than {RAISED_HEIGHT} m above the floor",
 )
 AT_PLACE = length_predicate(
     "at_place",
@@ -112,8 +112,8 @@ AT_PLACE = length_predicate(
     near(PLACE_TOLERANCE, place_at),
     reads={"hand": ("position",), "object": POSE},
     kind=Kind.MAINTAINED,
-    description="{hand} is at the place {place} of {object}",
-    denial="{hand} is not at the place {place} of {object}",
+    description="{hand} is at the {place} of {object}",
+    denial="{hand} is not at the {place} of {object}",
 )
 CLEAR_OF = length_predicate(
     "clear_of",
@@ -121,8 +121,8 @@ CLEAR_OF = length_predicate(
     _clearance,
     reads={"hand": ("position",), "object": POSE},
     kind=Kind.MAINTAINED,
-    description="{hand} has let go of {object}",
-    denial="{hand} has not let go of {object}",
+    description="{hand} has released {object}",
+    denial="{hand} has not released {object}",
 )
 UPRIGHT = Predicate(
     "upright",
@@ -132,8 +132,8 @@ UPRIGHT = Predicate(
     scale=0.05,
     reads={"hand": ("orientation",)},
     kind=Kind.STATIC,
-    description="{hand}, whose wrist is stiff, stands upright",
-    denial="{hand}, whose wrist is stiff, does not stand upright",
+    description="{hand} is upright",
+    denial="{hand} is not upright and cannot turn",
 )
 ON_SIDE = Predicate(
     "on_side",
@@ -141,29 +141,32 @@ ON_SIDE = Predicate(
     _outlook,
     unit="m",
     scale=0.1,
-    # The side where the hand starts does not change, so the position of the hand is not listed.
+    # The side on which the hand starts does not change, so the position of the hand is not listed.
     reads={"object": POSE},
     kind=Kind.STATIC,
-    description="{hand} starts on the side of {object} where its place {place} is",
-    denial="{hand} does not start on the side of {object} where its place {place} is",
+    description="{hand} starts on the {place} side of {object}",
+    denial="{hand} does not start on the {place} side of {object}",
 )
-"""Hands stay on their side and half of a box: two that crossed over at once would collide."""
+"""The hand starts on the side, and in the half, of the box to which its place belongs.
+
+Hands stay on their side and half of a box because two hands that crossed over at the same time would collide.
+"""
 WITHIN_REACH = length_predicate(
     "within_reach",
     (_HAND, _OBJECT, _PLACE),
     _reach,
     reads={"object": POSE},
     kind=Kind.STATIC,
-    description="{hand} reaches the place {place} of {object}, and that place when {object} is lifted",
-    denial="the place {place} of {object}, or that place when {object} is lifted, is not in the workspace of {hand}",
+    description="{hand} can reach the {place} of {object}, both standing and lifted, within its workspace",
+    denial="{hand} cannot reach the {place} of {object}, both standing and lifted, within its workspace",
 )
 FITS = length_predicate(
     "fits",
     (_HAND, _OBJECT, _PLACE),
     everywhere(_room),
     kind=Kind.STATIC,
-    description="{hand} has room at the place {place} of {object}",
-    denial="{hand} has no room at the place {place} of {object}",
+    description="{hand} fits at the {place} of {object}",
+    denial="{hand} does not fit at the {place} of {object}",
 )
 BEARS = Predicate(
     "bears",
@@ -172,8 +175,8 @@ BEARS = Predicate(
     unit="N",
     scale=10.0,
     kind=Kind.STATIC,
-    description="{hand} bears its share of the weight of {object} by friction, as one of {crew}",
-    denial="{object} is too heavy for {hand} to bear its share of it by friction, as one of {crew}",
+    description="{hand} can bear its share of the weight of {object} by friction as one of {crew}",
+    denial="{object} is too heavy for {hand} to bear by friction as one of {crew}",
     share=_share,
 )
 FEASIBLE = (UPRIGHT, ON_SIDE, WITHIN_REACH, FITS, BEARS)

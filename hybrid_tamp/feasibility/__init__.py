@@ -1,1 +1,1 @@
-"""What a task's tokens can do at all: bindings, shares of a load, passages of the network, relevance."""
+"""Feasibility and relevance of a task's blocks: bindings, shares of a load, reachable slots and relevant blocks."""

@@ -1,7 +1,7 @@
-"""Backward search from a goal atom: which blocks could bring it about, what they wait for, and why others cannot.
+"""Backward search from a goal atom for blocks that could achieve it, with reasons why other blocks cannot.
 
-The search ignores what blocks delete (the delete relaxation of planning), and of the network it asks only whether edges
-lead a token to a slot at all. So an atom that it cannot reach cannot be reached by any plan.
+The search ignores the atoms that blocks delete (the delete relaxation of planning). Of the network, the search checks
+only whether edges lead a token to a slot at all. So no plan can achieve an atom that the search cannot reach.
 """
 
 from collections.abc import Iterator
@@ -22,11 +22,11 @@ from hybrid_tamp.model.token import Token
 
 @dataclass
 class Ways:
-    """The ways to bring an atom about.
+    """The ways to achieve an atom.
 
     Attributes:
-        waits: for each way, the atoms that must be brought about first; each way once.
-        reasons: why blocks that could bring the atom about cannot run.
+        waits: ordered set of the ways. Each way is given by the atoms that must be achieved first.
+        reasons: why blocks with the atom as an effect cannot run.
     """
 
     waits: dict[tuple[Atom, ...], None] = field(default_factory=dict)
@@ -34,10 +34,10 @@ class Ways:
 
 
 class BackwardSearch:
-    """The search for ways to a task's goal atoms.
+    """The search for ways to achieve a task's goal atoms.
 
     Attributes:
-        ways: atom that does not hold initially to the ways to it.
+        ways: maps each explored atom that does not hold initially to the ways to achieve it.
     """
 
     def __init__(self, task: Task) -> None:
@@ -54,7 +54,7 @@ class BackwardSearch:
         return atom in (self._static if static else self._facts)
 
     def explain_directly(self, goal: Atom) -> list[Reason]:
-        """Return why no block can bring an atom about; an empty list if a block can once other atoms hold."""
+        """Return why no block can achieve an atom, or no reason if a block can achieve it once other atoms hold."""
         try:
             self.ways[goal] = self._find_ways(goal)
         except TooMany:
@@ -62,10 +62,10 @@ class BackwardSearch:
         return [] if self.ways[goal].waits else self.ways[goal].reasons
 
     def explore(self, goal: Atom) -> bool:
-        """Find all ways to an atom and to all atoms that they wait for, and say whether it can be reached.
+        """Find all ways to achieve an atom and the atoms needed for it, and say whether the atom can be achieved.
 
         Raises:
-            TooMany: there are more ways than are examined.
+            TooMany: the number of ways exceeds `MOST`.
         """
         open_atoms, seen = [goal], set[Atom]()
         while open_atoms:
@@ -77,7 +77,7 @@ class BackwardSearch:
         return self.holds(goal) or goal in self.find_reached()
 
     def find_reached(self) -> set[Atom]:
-        """Return the explored atoms that can be brought about."""
+        """Return the explored atoms that can be achieved."""
         found: set[Atom] = set()
         before = -1
         while len(found) > before:
@@ -95,7 +95,7 @@ class BackwardSearch:
                 ways.reasons.append(member)
             elif not find_feasible(self._static, filter(_over_symbols, conditions), allowed):
                 outcome = ", ".join(value for value in fixed.values() if isinstance(value, str))
-                message = f"{BLOCK} never brings about {outcome or atom.predicate}"
+                message = f"{BLOCK} cannot achieve {outcome or atom.predicate} with any binding"
                 never.append(Reason((), block.name, "no_block", message))
             elif missing := self._missing(block, conditions, allowed):
                 ways.reasons.extend(missing)
@@ -105,14 +105,14 @@ class BackwardSearch:
             else:
                 ways.reasons.extend(self._infeasible(block, conditions, allowed))
         if not ways.waits and not ways.reasons:
-            message = f"no block of {self.task.domain.name} brings about {atom.predicate}, whatever its conditions are"
+            message = f"no block of {self.task.domain.name} has {atom.predicate} as an effect"
             ways.reasons = never or [Reason((), "", "no_block", message)]
         return ways
 
     def explain_infeasible(self, atom: Atom, reached: set[Atom]) -> list[Reason]:
-        """Return the feasibility conditions that alone keep blocks from bringing an atom about if `reached` holds.
+        """Return a reason for each feasibility condition that prevents blocks from achieving an atom.
 
-        Blocks that have to wait for another atom first give no reason.
+        Only blocks whose other conditions can hold are examined, given the initial facts and the atoms in `reached`.
         """
         found: list[Reason] = []
         for block, fixed in self._achievers(atom):
@@ -126,7 +126,10 @@ class BackwardSearch:
         return found
 
     def _narrowed(self, block: Block, allowed: Choices, reached: set[Atom]) -> Choices:
-        """Keep the values of each role with which the changing conditions can hold if only `reached` may hold."""
+        """Return the choices, restricted to values of each role with which the block's changing conditions can hold.
+
+        Only the initial facts and the atoms in `reached` may hold.
+        """
         kept = dict(allowed)
         for literal in block.changing_entry:
             if not literal.positive:
@@ -141,7 +144,7 @@ class BackwardSearch:
         return kept
 
     def _achievers(self, atom: Atom) -> Iterator[tuple[Block, Bound]]:
-        """Yield the blocks with an exit condition that is the atom, except those whose entry needs the same atom."""
+        """Yield pairs of (block, roles that the atom binds) for blocks that achieve the atom without needing it."""
         for block in self.task.domain.blocks:
             for literal in block.exit:
                 if literal.positive and literal.predicate.name == atom.predicate and literal not in block.entry:
@@ -159,16 +162,17 @@ class BackwardSearch:
                 yield tuple(atom for atom in atoms if not self.holds(atom))
 
     def _missing(self, block: Block, conditions: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
-        """Return a reason for every class with fewer tokens than the block has slots for it.
+        """Return a reason for every class that has fewer tokens than the block has slots of this class.
 
-        More tokens would be enough only if the present ones meet the conditions that the slots share.
+        The reason says that more tokens would be enough only if the present tokens meet the conditions that the slots
+        share.
         """
         found: list[Reason] = []
         for slot, wanted, have in _short_slots(self.task, block):
             unable = explain_unmet(self.task, self._static, block, conditions, allowed, alike=True)
             message = (
-                f"no token can fill slot {slot.name} of {BLOCK}: {BLOCK} needs {wanted} of class "
-                f"{slot.object_class.name}, the task has {have}; {wanted - have} more "
+                f"no token can fill slot {slot.name} of {BLOCK}: {BLOCK} needs {wanted} tokens of class "
+                f"{slot.object_class.name}, but the task has {have}; {wanted - have} more "
                 f"{'like these would not be enough' if unable else 'would be enough'}"
             )
             kind: ReasonKind = "too_few_tokens" if have else "no_token"
@@ -182,7 +186,7 @@ class BackwardSearch:
         literal, bound, margin = find_best_choice(self._static, conditions, allowed)
         atom, unit = literal.ground(bound), literal.predicate.unit
         message = (
-            f"{BLOCK} is impossible: no choice of tokens meets all its conditions at once; in the best one "
+            f"{BLOCK} is impossible: no binding satisfies all its conditions at once; in the best binding, "
             f"{literal.predicate.sentence(atom.arguments, not literal.positive)} (off by {with_unit(-margin, unit)})"
         )
         return [Reason((), block.name, "not_feasible", message, atom, margin, unit)]
@@ -192,13 +196,13 @@ def _no_member(task: Task, block: Block, fixed: Bound) -> Reason | None:
     for role, value in fixed.items():
         sort = block.roles.get(role)
         if isinstance(value, Token) and isinstance(sort, type) and value not in task.values_of(sort):
-            message = f"{value.name} is not a member of {sort.name}, which {role} of {BLOCK} needs"
+            message = f"{value.name} must be a member of {sort.name} to fill {role} of {BLOCK}, but it is not"
             return Reason((), block.name, "no_token", message, lacks=sort)
     return None
 
 
 def _short_slots(task: Task, block: Block) -> Iterator[tuple[Slot, int, int]]:
-    """Yield the last slot of each class that has too few tokens, the number of tokens needed and the number present."""
+    """Yield the last slot of each class with too few tokens, the number of tokens needed and the number present."""
     for slot in {each.object_class: each for each in block.slots}.values():
         wanted = sum(each.object_class is slot.object_class for each in block.slots)
         have = len(task.values_of(slot.object_class))

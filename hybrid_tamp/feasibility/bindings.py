@@ -1,4 +1,4 @@
-"""Which tokens and symbols can take a block's roles, as far as feasibility facts decide."""
+"""Bindings of a block's roles to tokens and symbols that satisfy feasibility conditions."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
@@ -9,26 +9,26 @@ from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.predicate import Literal, Value
 
 Bound = dict[str, Value]
-"""Role to its value."""
+"""Maps each role to its value."""
 
 MOST = 50_000
-"""Largest number of bindings of a block that are examined."""
+"""Largest number of a block's bindings that are examined."""
 
 
 class TooMany(Exception):
-    """A block has more bindings than are examined."""
+    """Raised if a block has more than `MOST` bindings to examine."""
 
 
 def order_conditions(block: Block) -> tuple[Literal, ...]:
-    """Return the block's feasibility conditions, those over symbols alone first: they leave the fewest choices."""
+    """Return the block's feasibility conditions. Conditions on symbols come first: they leave the fewest choices."""
     return tuple(sorted(block.static_entry, key=lambda literal: literal.predicate.rows is None))
 
 
 def find_feasible(facts: StaticFacts, conditions: Iterable[Literal], allowed: Choices) -> list[Bound]:
-    """Return the bindings of the conditions' roles to different tokens under which all conditions hold.
+    """Return the bindings of the conditions' roles under which all conditions hold. Each token fills one role only.
 
     Raises:
-        TooMany: more than `MOST` bindings satisfy all conditions or some of them.
+        TooMany: more than `MOST` bindings satisfy one of the conditions.
     """
     conditions = list(conditions)
     roles = {argument for literal in conditions for argument in literal.arguments}
@@ -47,7 +47,7 @@ def find_feasible(facts: StaticFacts, conditions: Iterable[Literal], allowed: Ch
 
 
 def complete(bounds: Iterable[Bound], allowed: Choices) -> Iterator[Bound]:
-    """Yield every way to bind the remaining roles to different tokens."""
+    """Yield every extension of the bindings to all roles. Each token fills one role only."""
     for bound in bounds:
         rest = {role: values for role, values in allowed.items() if role not in bound}
         yield from enumerate_bindings({**{role: (value,) for role, value in bound.items()}, **rest})

@@ -1,4 +1,4 @@
-"""Which blocks tokens can fill: by their classes alone, or by classes, feasibility facts and edges."""
+"""The blocks that tokens can fill, judged by classes alone or by classes, feasibility facts and edges."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence, Set
@@ -15,24 +15,24 @@ from hybrid_tamp.model.token import Token
 
 
 class Members:
-    """The members of classes among some tokens."""
+    """Lookup of the members of each class among the given tokens."""
 
     def __init__(self, tokens: Iterable[Token]) -> None:
-        # From each token up to the classes above its own: asking every class of every token takes longer.
+        # Collecting the base classes of each token is faster than testing each token against each class.
         self._of: defaultdict[type, list[Token]] = defaultdict(list)
         for token in tokens:
             for above in {above for member in token.classes for above in member.__mro__}:
                 self._of[above].append(token)
 
     def can_fill(self, block: Block) -> bool:
-        """Say whether the slots and targets of a block, except symbols, can have a different token each."""
-        # The roles with the fewest members first; one with as many members as there are roles always finds one left.
+        """Say whether each slot and each target of a block, except symbols, can have its own token."""
+        # A role with at least as many members as there are roles always has a member left, so it is not tested.
         members = sorted(self._of_roles(block), key=len)
         tight = {str(role): tokens for role, tokens in enumerate(members) if len(tokens) < len(members)}
         return next(enumerate_bindings(tight), None) is not None
 
     def names(self, block: Block) -> Set[str]:
-        """Return the names of the tokens that fit a slot or a target of a block."""
+        """Return the names of the tokens that can fill a slot or a target of a block."""
         return frozenset(token.name for tokens in self._of_roles(block) for token in tokens)
 
     def _of_roles(self, block: Block) -> list[Sequence[Token]]:
@@ -40,27 +40,27 @@ class Members:
 
 
 class FillableBlocks:
-    """The blocks that a task's tokens can fill; the tokens can come to them through such blocks only."""
+    """The blocks that a task's tokens can fill, given that tokens pass only through blocks that can be filled."""
 
     def __init__(self, task: Task) -> None:
         self._task = task
         self._facts = StaticFacts(task)
 
     def witness(self, block: Block, fixed: Bound) -> Mapping[str, str] | None:
-        """Return a binding of a block as names, or None if there is none.
+        """Return a feasible binding of a block that includes `fixed`, or None. The result maps roles to names.
 
         Raises:
-            TooMany: there are more choices of tokens than are examined.
+            TooMany: the number of bindings to examine exceeds `MOST`.
         """
         found = self._find(block, fixed, self.passages)
         return None if found is None else {role: name_of(value) for role, value in found.items()}
 
     @cached_property
     def passages(self) -> Passages:
-        """The slots to which tokens can come through blocks that can be filled.
+        """The slots that tokens can reach through blocks that can be filled.
 
         Raises:
-            TooMany: there are more choices of tokens than are examined.
+            TooMany: the number of bindings to examine exceeds `MOST`.
         """
         blocks: Collection[str] = [block.name for block in self._task.domain.blocks]
         while True:

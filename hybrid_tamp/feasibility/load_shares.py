@@ -1,8 +1,8 @@
-"""Conditions that no choice of tokens meets: of one token, or of as many at once as a block needs.
+"""Reasons for feasibility conditions that too few tokens meet.
 
-If several tokens bear a load together, the domain declares the share of each (`Predicate.share`). Hands that squeeze an
-object push against each other, so a pair bears twice what its weaker hand bears. The load is borne if each token
-bears its share.
+A block may require the same condition of several tokens at once. If these tokens bear a load together, the domain
+declares the share of each token (`Predicate.share`), and each token must bear its own share. For example, two hands
+that squeeze an object push against each other, so together they bear twice as much as the weaker hand.
 """
 
 from collections.abc import Iterable
@@ -21,11 +21,14 @@ from hybrid_tamp.model.task import Task
 _MANY = 100
 
 _Group = list[tuple[Literal, str]]
-"""A condition that a block makes alike on several slots of one class: the literal for each slot, and the slot or ''."""
+"""Pairs of (literal, slot) of one condition that a block requires of several slots of one class.
+
+A condition without a slot is the only one of its group; its slot is an empty string.
+"""
 
 
 class _Candidate(NamedTuple):
-    """The largest margin of a condition that one token can have, and the binding that gives it."""
+    """The largest margin of a condition for one token, and the binding with this margin."""
 
     margin: float
     literal: Literal
@@ -36,21 +39,21 @@ class _Candidate(NamedTuple):
 def explain_unmet(
     task: Task, facts: StaticFacts, block: Block, conditions: Iterable[Literal], allowed: Choices, alike: bool = False
 ) -> list[Reason]:
-    """Return a reason for every condition that too few tokens meet, whatever the other conditions are.
+    """Return a reason for every condition that too few tokens meet, regardless of the other conditions.
 
     Args:
         task: the task.
-        facts: its feasibility facts.
+        facts: feasibility facts of the task.
         block: the block.
         conditions: feasibility conditions of the block.
-        allowed: the values that each role may have.
+        allowed: maps each role to the values that it may have.
         alike: whether to examine only conditions that several slots share.
     """
     found = []
     for group in _group(block, conditions):
         places = _count_places(group)
         ranked = _rank(facts, group, allowed)
-        # As many tokens must meet it as there are slots.
+        # One token per slot must meet the condition.
         best = ranked[:places]
         if best and best[-1].margin < 0 and (places > 1 or not alike):
             found.append(_reason(task, block, group, best, len(ranked)))
@@ -60,10 +63,13 @@ def explain_unmet(
 def find_best_choice(
     facts: StaticFacts, conditions: tuple[Literal, ...], allowed: Choices
 ) -> tuple[Literal, Bound, float]:
-    """Return the condition that fails, by how much, in the binding in which the worst condition fails least."""
+    """Return the first condition that cannot be met together with those before it, with its best binding and margin.
+
+    The best binding meets the conditions before and has the largest margin of the failing condition.
+    """
     met: tuple[Literal, ...] = ()
     for literal in conditions:
-        # The conditions are met together up to the one that leaves no choice.
+        # The conditions in `met` can be met together.
         if not find_feasible(facts, (*met, literal), allowed):
             roles = {role: values for role, values in allowed.items() if role in literal.arguments}
             bounds = complete(find_feasible(facts, met, allowed), roles)
@@ -90,7 +96,7 @@ def _count_places(group: _Group) -> int:
 
 
 def _rank(facts: StaticFacts, group: _Group, allowed: Choices) -> list[_Candidate]:
-    """Return the best candidate of each token that could be in one of the slots, the largest margin first."""
+    """Return the best candidate for each token that could fill one of the slots, in order of decreasing margin."""
     best: dict[Value, _Candidate] = {}
     for literal, slot in group:
         for bound in enumerate_bindings({role: allowed[role] for role in literal.arguments if role in allowed}):
@@ -108,44 +114,43 @@ def _reason(task: Task, block: Block, group: _Group, best: list[_Candidate], can
     meeting = [name_of(one.bound[one.slot]) for one in best if one.margin >= 0 and one.slot]
     if meeting:
         verb = "does" if len(meeting) == 1 else "do"
-        message += f"; {_count_places(group)} at once must meet it, and only {', '.join(meeting)} {verb}"
+        message += f"; {_count_places(group)} tokens must meet this condition, but only {', '.join(meeting)} {verb}"
     if predicate.share is not None:
         message += f": {_describe_load(task, group, best, candidates)}"
     return Reason((), block.name, "not_feasible", message, atom, margin, predicate.unit)
 
 
 def with_unit(number: float, unit: str) -> str:
-    """Return a number with its unit."""
+    """Return a number with its unit as text."""
     return f"{number:.4g}" if unit == "1" else f"{number:.4g} {unit}"
 
 
 def _describe_load(task: Task, group: _Group, best: list[_Candidate], candidates: int) -> str:
-    """Say how large the load and the strengths are, and how many tokens would bear it if none bears its share."""
+    """Return a text with the load and the tokens' strengths. If no token bears its share, add how many tokens could."""
     literal, places = group[0][0], _count_places(group)
     unit = literal.predicate.unit
     shares = [_share(task, one) for one in best]
     wanted, sum_there = max(need for _, need, _ in shares), sum(has for _, _, has in shares)
-    short = sum_there < places * wanted
-    said = f"it takes {with_unit(wanted, unit)}"
-    if places > 1:
-        said += f" from each of {places}" + (f", {with_unit(places * wanted, unit)} together" if short else "")
-    said += f", and the best {len(shares)} of {candidates} have " if candidates > len(shares) else ", and there is "
-    said += ", ".join(f"{with_unit(has, unit)} ({name})" for name, _, has in shares)
-    if places > 1 and short:
-        said += f", {with_unit(sum_there, unit)} together"
+    short = places > 1 and sum_there < places * wanted
+    said = f"each of {places} tokens must bear " if places > 1 else "the token must bear "
+    said += with_unit(wanted, unit) + (f" ({with_unit(places * wanted, unit)} in total)" if short else "")
+    best_of = f"the best {len(shares)} of {candidates} tokens" if candidates > len(shares) else "the tokens"
+    said += f", but {best_of} can bear " + ", ".join(f"{with_unit(has, unit)} ({name})" for name, _, has in shares)
+    if short:
+        said += f" and {with_unit(sum_there, unit)} in total"
     name, need, has = shares[-1]
     each = ceil(need / has) if has > 0 else _MANY
     if each >= _MANY or any(one.margin >= 0 for one in best):
         return said
-    said += f"; pooled, {each * places} like {name} would bear it"
+    said += f"; {each * places} tokens like {name} could bear the load"
     if places > 1:
         said += f", {each} in each place"
     most = _count_most_bearers(task, literal)
-    return said + (f", but no block of {task.domain.name} takes more than {most} at once" * (each * places > most))
+    return said + (f", but no block of {task.domain.name} uses more than {most} of them" * (each * places > most))
 
 
 def _share(task: Task, candidate: _Candidate) -> tuple[str, float, float]:
-    """Return the name of the token that bears a share, the share, and what it can bear."""
+    """Return the name of the token that bears a share, the share, and the load that the token can bear."""
     literal = candidate.literal
     assert literal.predicate.share is not None
     values = [candidate.bound.get(argument, argument) for argument in literal.arguments]
@@ -154,7 +159,7 @@ def _share(task: Task, candidate: _Candidate) -> tuple[str, float, float]:
 
 
 def _count_most_bearers(task: Task, literal: Literal) -> int:
-    """Return the largest number of tokens that share a load in one block."""
+    """Return the largest number of tokens that share a load in any block of the domain."""
     return max(
         sum(other.predicate is literal.predicate and other.positive for other in block.entry)
         for block in task.domain.blocks

@@ -1,4 +1,4 @@
-"""Reasons of blocks, merged so that a reason that several modes of an action share is given once."""
+"""Merging of reasons: a reason that several modes of an action share is given only once."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -8,11 +8,11 @@ from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import Atom
 
 BLOCK = "\N{OBJECT REPLACEMENT CHARACTER}"
-"""Stands for the block's name in a message until it is known for which modes the message holds."""
+"""Placeholder for the name of the block in a message, until the modes that share the message are known."""
 
 
 def merge_reasons(goal: Atom, reasons: Iterable[Reason]) -> list[Reason]:
-    """Return the reasons for a goal, each once: a reason that several modes of an action share names them all."""
+    """Return the reasons for a goal without duplicates. A reason that several modes share names all these modes."""
     groups: dict[Reason, list[str]] = {}
     for reason in reasons:
         action, mode = split_mode(reason.block)

@@ -1,4 +1,4 @@
-"""Which slots tokens can reach along edges of the network, whatever the conditions of blocks are."""
+"""The slots that tokens can reach along edges of the network, regardless of the conditions of blocks."""
 
 from collections.abc import Collection
 
@@ -20,7 +20,7 @@ class Passages:
     """The slots that each token of a task can reach along edges through slots of its classes."""
 
     def __init__(self, task: Task, through: Collection[str] | None = None) -> None:
-        """Take a task and the names of the blocks through which tokens may go; all blocks if None."""
+        """Set the task and the names of the blocks that tokens may pass through. None allows all blocks."""
         self._task = task
         self._through = task.domain.block_by_name if through is None else through
         self._classes = {
@@ -43,7 +43,7 @@ class Passages:
         return self._known[key]
 
     def allow(self, block: Block, bound: Bound) -> bool:
-        """Say whether every token that is bound to a slot of a block can reach it."""
+        """Say whether every token that is bound to a slot of a block can reach that slot."""
         return all(
             (block.name, slot.name) in self.slots(token)
             for slot in block.slots
@@ -51,7 +51,7 @@ class Passages:
         )
 
     def explain_missing(self, block: Block, allowed: Choices) -> list[Reason]:
-        """Return a reason for every slot of a block that none of the tokens that could fill it can reach."""
+        """Return a reason for every slot of a block that its allowed tokens cannot reach."""
         found = []
         for slot in block.slots:
             tokens = [token for token in allowed[slot.name] if isinstance(token, Token)]
@@ -60,8 +60,8 @@ class Passages:
                 shown = ", ".join(where[:_SHOWN]) + (", ..." if len(where) > _SHOWN else "")
                 names = ", ".join(sorted(token.name for token in tokens))
                 message = (
-                    f"no edge of the network leads to slot {slot.name} of {BLOCK} "
-                    f"from any slot that {names} can reach: {shown}"
+                    f"no path in the network leads {names} to slot {slot.name} of {BLOCK}; "
+                    f"the only slots within reach are {shown}"
                 )
                 found.append(Reason((), block.name, "no_edge", message, lacks=(block.name, slot.name)))
         return found

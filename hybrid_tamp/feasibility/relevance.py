@@ -1,9 +1,9 @@
-"""Relevance: the blocks that a goal may need, whatever tokens exist, and the part of a task that uses these blocks.
+"""Relevance: the blocks that a goal may need, regardless of the tokens, and the part of a task that uses these blocks.
 
 The search goes backwards from the goal. A block is relevant if it changes an atom that the goal or the entry of a
-relevant block needs. It is also relevant if tokens may have to pass through it between relevant blocks. If a task has
-any plan, it has a plan that uses only relevant blocks: instead of passing through another block, a token stays where
-it was or moves on at once.
+relevant block needs. A block is also relevant if tokens may have to pass through it between relevant blocks. If a task
+has any plan, it has a plan that uses only relevant blocks: instead of passing through another block, a token stays
+where it is or moves directly to its next slot.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Set
@@ -20,7 +20,7 @@ from hybrid_tamp.model.token import Token
 
 Classes = tuple[type[ObjectClass], ...]
 Pattern = tuple[str, tuple[Classes, ...]]
-"""A predicate and, for each of its arguments, the classes of the tokens that it may be; empty for a symbol."""
+"""Pair of (predicate, classes). For each argument, the classes that its token may have, or no class for a symbol."""
 
 
 def restrict_domain(task: Task, blocks: Collection[Block], tokens: Iterable[Token]) -> Domain:
@@ -47,14 +47,14 @@ def restrict_domain(task: Task, blocks: Collection[Block], tokens: Iterable[Toke
 
 
 def find_relevant_blocks(task: Task) -> tuple[Block, ...]:
-    """Return the blocks that a plan of the task may need, in the domain's order, including the resting block."""
+    """Return the blocks that a plan for the task may need, including the resting block, in the domain's order."""
     domain = task.domain
     kept = {domain.resting, *task.assignment.values()}
     wanted = set(_goal_patterns(task))
     more = kept
     while more:
         kept = _with_serving(domain, kept | more, wanted)
-        # Last, because tokens need not pass through blocks that are relevant already.
+        # This step comes last because it examines only paths that avoid the relevant blocks.
         more = _on_the_way(domain, kept)
     return tuple(block for block in domain.blocks if block.name in kept)
 
@@ -82,7 +82,7 @@ def _of_sort(sort: type[ObjectClass] | SymbolSort | None) -> Classes:
 
 
 def _with_serving(domain: Domain, kept: Set[str], wanted: Set[Pattern]) -> set[str]:
-    """Return the given blocks and all blocks that serve them or the goal."""
+    """Return the given blocks and all blocks that change atoms needed by these blocks or by the goal."""
     found, before = set(kept), set[str]()
     while found != before:
         before = set(found)
@@ -109,7 +109,7 @@ def _serves(domain: Domain, block: Block, wanted: Collection[Pattern]) -> bool:
 
 
 def _on_the_way(domain: Domain, kept: Collection[str]) -> set[str]:
-    """Return the other blocks through which tokens may have to pass between slots of some blocks."""
+    """Return the further blocks through which tokens may have to pass between slots of the kept blocks."""
     graph = domain.network.graph
     ends = [slot for slot in graph if slot[0] in kept]
     after = {slot: _reached(graph.successors, slot, kept) for slot in ends}
@@ -134,7 +134,7 @@ def _reached(step: Callable[[SlotName], Iterable[SlotName]], end: SlotName, kept
 
 
 def _passed_by(domain: Domain, source: SlotName, target: SlotName) -> bool:
-    """Say whether a token can go from one slot to the other directly and wait in one of them without limit."""
+    """Say whether a token can move directly from one slot to the other and can wait in one of them without limit."""
     waits = any(
         block.hold and len(block.slots) == 1 for block in (domain.block_by_name[n] for n, _ in (source, target))
     )
@@ -142,9 +142,10 @@ def _passed_by(domain: Domain, source: SlotName, target: SlotName) -> bool:
 
 
 def keep_relevant(task: Task) -> Task:
-    """Return the task with relevant blocks only; the task itself if all are relevant.
+    """Return the task restricted to its relevant blocks, or the task itself if all blocks are relevant.
 
-    A token is left out if it has classes of its own and no relevant block asks for any of them.
+    A token is removed if it has classes besides `TOKEN` and no relevant block has a role for any of them. A token that
+    the goal or the assignment names is kept.
     """
     blocks = find_relevant_blocks(task)
     if len(blocks) == len(task.domain.blocks):

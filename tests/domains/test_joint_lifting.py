@@ -180,7 +180,7 @@ def test_what_no_box_can_be_is_refused() -> None:
 def test_a_box_that_does_not_stand_on_its_bottom_face_is_refused(pose: str, said: str) -> None:
     text = (PROBLEMS / "lift_two_hands.yaml").read_text(encoding="utf-8")
     assert "[0, 0, 0.12]" in text
-    with pytest.raises(InputError, match="LIFTABLE stands on its bottom face") as raised:
+    with pytest.raises(InputError, match="LIFTABLE box must stand on its bottom face") as raised:
         load_task_text(text.replace("[0, 0, 0.12]", pose), "box")
     assert said in str(raised.value)
 

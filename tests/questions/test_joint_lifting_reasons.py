@@ -53,10 +53,11 @@ def test_too_heavy_for_two_and_two_more_would_do() -> None:
     heavy, few = found["LIFTING:two not_feasible"], found["LIFTING:four too_few_tokens"]
     assert heavy.atom == Atom("bears", ("right-hand", "crate", "two hands"))
     assert heavy.margin == pytest.approx(-40.42, abs=0.01)
-    assert "it takes 117.7 N from each of 2, 235.4 N together" in heavy.message
-    assert "there is 77.3 N (left-hand), 77.3 N (right-hand), 154.6 N together" in heavy.message
-    assert heavy.message.endswith("pooled, 4 like right-hand would bear it, 2 in each place")
-    assert few.message.endswith("needs 4 of class STATIC END-EFFECTOR, the task has 2; 2 more would be enough")
+    assert "each of 2 tokens must bear 117.7 N (235.4 N in total)" in heavy.message
+    assert "the tokens can bear 77.3 N (left-hand), 77.3 N (right-hand) and 154.6 N in total" in heavy.message
+    assert heavy.message.endswith("4 tokens like right-hand could bear the load, 2 in each place")
+    assert "needs 4 tokens of class STATIC END-EFFECTOR" in few.message
+    assert few.message.endswith("but the task has 2; 2 more would be enough")
 
 
 def test_one_more_hand_is_not_suggested_and_would_not_do_but_two_do() -> None:
@@ -78,12 +79,12 @@ def test_too_heavy_for_four_and_more_hands_would_not_do() -> None:
     found = reasons(crate(40))
     few, heavy = found["LIFTING:four too_few_tokens"], found["LIFTING:four not_feasible"]
     assert few.message.endswith("the task has 2; 2 more like these would not be enough")
-    assert "it takes 98.1 N from each of 4" in heavy.message
-    assert heavy.message.endswith("but no block of joint_lifting takes more than 4 at once")
-    assert "no block of joint_lifting takes more than 4 at once" in found["LIFTING:two not_feasible"].message
+    assert "each of 4 tokens must bear 98.1 N" in heavy.message
+    assert heavy.message.endswith("but no block of joint_lifting uses more than 4 of them")
+    assert "no block of joint_lifting uses more than 4 of them" in found["LIFTING:two not_feasible"].message
     four = reasons(crate(40, "four"))
     assert set(four) == {"LIFTING:two not_feasible", "LIFTING:four not_feasible"}
-    assert "309.2 N together" in four["LIFTING:four not_feasible"].message
+    assert "309.2 N in total" in four["LIFTING:four not_feasible"].message
 
 
 def test_hands_on_one_side_are_told_which_place_is_missing() -> None:
@@ -95,5 +96,5 @@ def test_a_narrow_crate_has_no_room_for_two_hands_side_by_side() -> None:
     found = explain(problem("lift_four_hands", ("[0.2, 0.25, 0.15]", "[0.2, 0.08, 0.15]")))
     narrow = [reason for reason in found if reason.block == "LIFTING:four"]
     assert narrow
-    assert all("has no room at the place" in reason.message for reason in narrow)
+    assert all("does not fit at the" in reason.message for reason in narrow)
     assert [reason.margin for reason in narrow] == pytest.approx([0.08 - 0.02 - 0.07] * len(narrow))

@@ -41,7 +41,7 @@ def test_one_hand_too_few() -> None:
     reason = only(explain(task("tumble_one_hand")))
     assert (reason.kind, reason.block) == ("too_few_tokens", "TIPPING:lower")
     assert "no token can fill slot second of TIPPING:lower" in reason.message
-    assert "needs 2 of class STATIC END-EFFECTOR, the task has 1; 1 more would be enough" in reason.message
+    assert "needs 2 tokens of class STATIC END-EFFECTOR, but the task has 1; 1 more would be enough" in reason.message
 
 
 @pytest.mark.parametrize("name", ["tumble_two_hands", "tumble_four_hands"])
@@ -53,26 +53,26 @@ def test_too_heavy_for_two_and_no_block_takes_more(name: str) -> None:
     assert reason.atom == Atom("strong_enough", ("hand-2", "box"))
     assert reason.unit == "N"
     assert reason.margin == pytest.approx(300.0 - needed)
-    assert f"it takes {needed:.4g} N from each of 2, {2 * needed:.4g} N together" in reason.message
-    assert "300 N (hand-1), 300 N (hand-2), 600 N together" in reason.message
+    assert f"each of 2 tokens must bear {needed:.4g} N ({2 * needed:.4g} N in total)" in reason.message
+    assert "300 N (hand-1), 300 N (hand-2) and 600 N in total" in reason.message
     assert "box is too heavy for hand-2" in reason.message
-    assert ("the best 2 of 4 have" in reason.message) == (name == "tumble_four_hands")
-    assert "pooled, 4 like hand-2 would bear it, 2 in each place" in reason.message
-    assert "no block of rolling_tumbling takes more than 2 at once" in reason.message
+    assert ("the best 2 of 4 tokens can bear" in reason.message) == (name == "tumble_four_hands")
+    assert "4 tokens like hand-2 could bear the load, 2 in each place" in reason.message
+    assert "no block of rolling_tumbling uses more than 2 of them" in reason.message
 
 
 def test_one_strong_hand_does_not_make_up_for_a_weak_one() -> None:
     reason = only(explain(task("tumble_two_hands", (FORCE, "maximal_force: 60"), once=True)))
     assert reason.atom == Atom("strong_enough", ("hand-1", "box"))
-    assert "2 at once must meet it, and only hand-2 does" in reason.message
-    assert "together" not in reason.message
+    assert "2 tokens must meet this condition, but only hand-2 does" in reason.message
+    assert "in total" not in reason.message
 
 
 def test_the_strongest_two_of_four_count() -> None:
     weak = (FORCE, "maximal_force: 60")
     assert explain(task("tumble_four_hands", weak, weak, once=True)) == []
     reason = only(explain(task("tumble_four_hands", weak, weak, weak, once=True)))
-    assert "2 at once must meet it, and only hand-4 does" in reason.message
+    assert "2 tokens must meet this condition, but only hand-4 does" in reason.message
 
 
 def test_strong_enough_but_too_far() -> None:
