@@ -1,8 +1,8 @@
-"""From plan actions back to block instances: which tokens enter which instance at which reassignment.
+"""Decoder of planned actions to block instances with their tokens.
 
-A `fill` takes no time: it only chooses a token that enters when the block begins. Each `begin` is one reassignment,
-and the `leave` actions after it belong to the same instant. A chain begins with its first block; the reassignments
-inside it follow before the next `begin`.
+A `fill` chooses a token that enters when the block begins. Each `begin` is one reassignment, and the `leave` actions
+after it belong to the same instant. A chain begins with its first block. The reassignments inside the chain follow
+before the next `begin`.
 """
 
 from collections import Counter
@@ -25,15 +25,15 @@ class UndecodableError(NotAPlanError):
 
 @dataclass
 class OrderedInstance:
-    """A block instance whose times are numbers of reassignments.
+    """A block instance with numbers of reassignments in place of times.
 
     Attributes:
-        name: unique name.
-        block: name of the block.
-        slots: slot to token.
-        targets: target to token or symbol.
-        begin: reassignment at which it begins; 0 is the start of the plan.
-        end: reassignment at which it ends, or None if it runs to the end.
+        name: Unique name of the instance.
+        block: Name of the block.
+        slots: Maps each slot to its token.
+        targets: Maps each target to its token or symbol.
+        begin: Number of the reassignment at which the instance begins. 0 is the start of the plan.
+        end: Number of the reassignment at which the instance ends, or None for the end of the plan.
     """
 
     name: str
@@ -46,7 +46,7 @@ class OrderedInstance:
     def timed(
         self, start: float, end: float, hyperparameters: Mapping[str, float], reached: float | None
     ) -> BlockInstance:
-        """Return the instance with times [s] and hyperparameters."""
+        """Return the instance with its times [s] and hyperparameters."""
         slots, targets = dict(self.slots), dict(self.targets)
         return BlockInstance(self.name, self.block, slots, start, end, targets, dict(hyperparameters), reached)
 
@@ -61,12 +61,12 @@ class _Decoding:
     pending: list[tuple[Link, Mapping[str, str]]] = field(default_factory=list)
 
     def enter(self, links: Sequence[Link], named: Mapping[str, str]) -> None:
-        """Begin the blocks of one step: the first block now, the others when the reassignment is complete."""
+        """Begin the first block of a step. The later blocks begin when the reassignment is complete."""
         self._begin(links[0], named)
         self.pending += [(link, named) for link in links[1:]]
 
     def pass_through(self) -> None:
-        """Pass through the chains that have been entered. Each junction is a reassignment of its own."""
+        """Begin the later blocks of the chains that have begun, with one reassignment per block."""
         for link, named in self.pending:
             self.reassignment += 1
             self._begin(link, named)
@@ -78,7 +78,7 @@ class _Decoding:
         self.start(link.block.name, slots, {target.name: roles[target.name] for target in link.block.targets})
 
     def start(self, block: str, slots: dict[str, str], targets: dict[str, str]) -> None:
-        """Begin an instance at the current reassignment; its tokens leave the instances that they were in."""
+        """Begin an instance at the current reassignment, and end the previous instances of its tokens."""
         action = split_mode(block)[0]
         self.numbers[action] += 1
         instance = OrderedInstance(f"{action}-{self.numbers[action]}", block, slots, targets, self.reassignment)
@@ -91,14 +91,14 @@ class _Decoding:
 
 
 def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[OrderedInstance]:
-    """Return the instances of a plan in the order in which they begin, initial ones first.
+    """Return the instances of a plan in the order of their beginnings, starting with the initial instances.
 
     Args:
-        compilation: the compiled task to which the actions belong.
-        actions: the planner's actions, in PDDL names.
+        compilation: Compiled task for which the plan was made.
+        actions: Planned actions with PDDL names.
 
     Raises:
-        UndecodableError: the compilation does not have an action, or a block begins with an empty slot.
+        UndecodableError: If the compilation does not have an action, or if a block begins with an empty slot.
     """
     task, chains = compilation.task, compilation.encoded.chains
     decoding = _Decoding(task)
@@ -109,7 +109,7 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
     for action in actions:
         meaning = compilation.encoded.meanings.get(action.name)
         if meaning is None:
-            raise UndecodableError(f"there is no action {action.name}")
+            raise UndecodableError(f"the compiled task has no action {action.name!r}")
         block = chains.domain.block_by_name[meaning.block]
         roles = {role: compilation.words.user(action.arguments[index]) for role, index in meaning.roles.items()}
         anchor = roles[block.anchor]
@@ -118,7 +118,7 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
             continue
         slots = {block.anchor: anchor, **claimed.pop((block.name, anchor), {})}
         if set(slots) != {slot.name for slot in block.slots}:
-            raise UndecodableError(f"{block.name} of {anchor} begins with an empty slot")
+            raise UndecodableError(f"all slots of {block.name} must be filled before it begins with anchor {anchor}")
         if meaning.kind == "begin":
             decoding.pass_through()
             decoding.reassignment += 1

@@ -1,7 +1,8 @@
-"""Expected durations of the instances of a plan, from the states in which they are expected to begin.
+"""Expected durations of the instances of a plan.
 
-The estimates follow a plan instance by instance. Each instance puts its tokens at the poses that its block's `outcome`
-gives. If the block has no `outcome`, a token goes to the middle of the place that the exit conditions name.
+The duration of an instance is estimated in the state in which it is expected to begin. This state follows from the
+earlier instances of the plan. Each instance moves its tokens to the poses that its block's `outcome` computes. If the
+block has no `outcome`, a token moves to the centre of the place that an exit condition names.
 """
 
 import math
@@ -18,23 +19,23 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.symbolic.decode import OrderedInstance
 
 TICK = 1e-3
-"""Resolution of times [s]. All times are whole ticks: rounding errors would give a cycle of length zero no end."""
+"""Resolution of times [s]. Times are whole multiples, so that rounding errors cannot make a schedule infeasible."""
 
 _POSE = ("position", "orientation")
 _DIGITS = 6
 
 Poses = Mapping[tuple[str, str], FloatArray]
-"""(token, property) to its value."""
+"""Maps pairs of (token, property) to the value of the property."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """The expected course of one instance.
+    """The expected duration and outcome of one instance.
 
     Attributes:
-        seconds: how long it lasts, or how long it takes to its exit if it holds [s].
-        initial_values: initial values of its hyperparameters.
-        outcome: the poses of its tokens that it changes.
+        seconds: Time from the beginning of the instance until its exit conditions hold [s].
+        initial_values: Initial values of the hyperparameters.
+        outcome: Poses of the tokens at the exit.
     """
 
     seconds: float
@@ -43,14 +44,14 @@ class Estimate:
 
 
 class Estimates:
-    """The estimates of the instances of one task. Each is made once, even if it occurs in many plans."""
+    """The estimates of the instances of one task. Equal instances in different plans share one estimate."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
         self._known: dict[tuple[object, ...], Estimate] = {}
 
     def of(self, instances: Sequence[OrderedInstance]) -> list[Estimate]:
-        """Return the estimates of the instances of a plan, which are in the order in which they begin."""
+        """Return the estimates of the instances of a plan. The instances must be in the order of their beginnings."""
         state, found = self.task.state, []
         coming: list[tuple[int, Poses]] = []
         for instance in instances:
@@ -63,7 +64,10 @@ class Estimates:
         return found
 
     def _event(self, instance: OrderedInstance) -> int:
-        """Return the first reassignment before which an instance reaches its exit; others may read what it holds."""
+        """Return the first reassignment by which an instance has reached its exit.
+
+        After the exit of an instance with a hold, other instances may read its tokens.
+        """
         if self.task.domain.block_by_name[instance.block].hold:
             return instance.begin + 1
         return instance.begin + 1 if instance.end is None else instance.end
@@ -82,7 +86,7 @@ class Estimates:
         initial = block.initial_values(binding, state)
         expected = block.duration.expected(binding, state, initial)
         bounded = float(np.clip(expected, block.duration.minimum, block.duration.maximum))
-        # The duration is whole ticks, so that every sum of durations agrees with the times of the network.
+        # The duration is an integer number of ticks, so that sums of durations are exact.
         seconds = round(math.ceil(bounded / TICK - 1e-6) * TICK, 6)
         values = {name: float(value) for name, value in initial.items()}
         return Estimate(seconds, values, self._outcome(block, roles, binding, state))
@@ -96,7 +100,7 @@ class Estimates:
         return {(name, p): after[name, p].copy() for name in tokens for p in _properties(state, name)}
 
     def _place(self, literal: Literal, roles: Mapping[str, str], state: State) -> Poses:
-        """Return the pose of a thing at the middle of the place that an exit condition names."""
+        """Return the pose of a token at the centre of the place that an exit condition names."""
         index = literal.predicate.functional_index
         if not literal.positive or index is None or len(literal.arguments) != 2:
             return {}

@@ -1,8 +1,9 @@
-"""From a task to the best lawful plan that the strategies find.
+"""Search for the best lawful plan of a task with all strategies.
 
-Independent goals are planned apart. If that gives no plan, the engine plans the whole task at once. If the objective
-is the number of actions, the first lawful plan is returned. If it is the makespan, the goals are planned apart with
-several numbers of helpers, and interchangeable tokens of the shortest plan are rebound until the time is up.
+Independent goals are planned separately. If this gives no plan, the engine plans the whole task at once. If the
+objective is the number of actions, the first lawful plan is returned. If the objective is the makespan, the goals are
+planned separately with different numbers of helpers. Then interchangeable tokens of the shortest plan are rebound until
+no rebinding shortens the plan or the time limit is reached.
 """
 
 import time
@@ -17,28 +18,28 @@ from hybrid_tamp.symbolic.strategies.rebinding import rebind_tokens
 from hybrid_tamp.symbolic.strategies.search import Candidate, Planner, Search, SearchResult, time_limit_reached
 
 SHORTENING_TIME = 15.0
-"""Time to search for shorter plans if the objective is the makespan [s]."""
+"""Time limit of the search for shorter plans if the objective is the makespan [s]."""
 
 WHOLE = "the whole task at once"
 REBOUND = "interchangeable tokens rebound"
 
 _DECOMPOSING = ("fast-downward", "symk", "enhsp", "pyperplan")
-"""Engines that terminate if a group has no plan and are not asked for a plan with the fewest actions."""
+"""Engines for separate planning of goals. They stop if a group has no plan, and need not minimise the actions."""
 
 
 def find_plan(task: Task, planner: Planner) -> SearchResult:
-    """Return a plan that the law checker accepted, or why there is none.
+    """Return a plan that the law checker accepted, or the reason why there is none.
 
     Each action comes from a plan that the validator of unified-planning accepted. If the goal leaves a choice, the
-    best plan of all alternatives is returned; the task is proven unsolvable if every alternative is.
+    best plan of all alternatives is returned. The task is proven unsolvable if every alternative is unsolvable.
 
     Args:
-        task: the task.
-        planner: a running planner process.
+        task: Task to plan.
+        planner: Running planner process.
 
     Raises:
-        InputError: the engine is not installed or not known, or the goal cannot be compiled.
-        LimitReached: the engine reached its time or memory limit.
+        InputError: If the engine is unknown or not installed, or if the goal cannot be compiled.
+        LimitReached: If the engine reached its time or memory limit.
     """
     alternatives = task.alternatives()
     if len(alternatives) == 1:
@@ -47,7 +48,7 @@ def find_plan(task: Task, planner: Planner) -> SearchResult:
 
 
 def _plan_alternative(task: Task, planner: Planner, shortening: float) -> SearchResult:
-    """Plan a task whose goal leaves no choice; `shortening` is the time to search for shorter plans [s]."""
+    """Plan a task whose goal leaves no choice. `shortening` limits the search for shorter plans [s]."""
     search = Search(task, planner)
     shortest = task.objective == "makespan"
     best = None
@@ -61,7 +62,7 @@ def _plan_alternative(task: Task, planner: Planner, shortening: float) -> Search
             answer = planner.solve(problem, task.planner, limits)
         best = search.judge_actions(WHOLE, answer.actions) if answer.status == "solved" else None
     if best is None:
-        assert answer is not None, "the engine plans the whole task or raises"
+        assert answer is not None, "the engine was not asked for a plan of the whole task"
         refusal = search.refusals[-1] if search.refusals and answer.status == "solved" else ""
         answer = replace(answer, seconds=search.elapsed)
         return SearchResult(answer, None, refusal, stages=dict(search.stages), task=task)
@@ -72,7 +73,7 @@ def _plan_alternative(task: Task, planner: Planner, shortening: float) -> Search
 
 
 def _rebind(search: Search, best: Candidate, shortening: float) -> Candidate:
-    """Return the plan with interchangeable tokens rebound if that is shorter and lawful, else the plan itself."""
+    """Return a shorter lawful plan with interchangeable tokens rebound, or the given plan if there is none."""
     seconds = shortening - search.elapsed
     with search.stage("scheduling"):
         shorter = rebind_tokens(search.compilation, best.plan, seconds, search.estimates)
@@ -82,12 +83,13 @@ def _rebind(search: Search, best: Candidate, shortening: float) -> Candidate:
 
 
 def _plan_alternatives(task: Task, alternatives: Sequence[Task], planner: Planner) -> SearchResult:
-    """Plan every alternative of a goal with a choice, the nearest first, each with an equal share of the time left.
+    """Plan the alternatives of a goal with a choice and return the best result.
 
-    Returns the best plan by the objective (of equal plans, that of the nearest alternative), or why there is none.
+    The nearest alternative is planned first. Each alternative gets an equal share of the remaining time. If several
+    plans are equally good, the plan of the nearest alternative is returned.
 
     Raises:
-        LimitReached: there is no plan, and not every alternative was decided.
+        LimitReached: If no plan was found and a limit ended the search for some alternative.
     """
     began = time.monotonic()
     found: list[SearchResult] = []
@@ -108,7 +110,7 @@ def _plan_alternatives(task: Task, alternatives: Sequence[Task], planner: Planne
         raise next((each for each in undecided if each.limit != "time"), time_limit_reached(task))
     open_ends = [result for result in found if result.status != "unsolvable"]
     chosen = min(solved, key=_cost) if solved else [*open_ends, *found][0]
-    # The times are sums over all alternatives.
+    # The time of a stage is its sum over all alternatives.
     stages = {name: sum(result.stages.get(name, 0.0) for result in found) for name in chosen.stages}
     return replace(chosen, answer=replace(chosen.answer, seconds=time.monotonic() - began), stages=stages)
 

@@ -1,4 +1,4 @@
-"""Reader of plans that other planners find for the exported PDDL: from text to actions to a checked plan."""
+"""Reader of plans that other planners found for the exported PDDL."""
 
 import re
 from pathlib import Path
@@ -18,24 +18,24 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
     """Read a plan that another planner found for the exported PDDL of a task.
 
     Args:
-        task: the task whose ``domain.pddl`` and ``problem.pddl`` the planner was given.
-        path: the plan as planners write it: one action ``(name argument ...)`` a line, comments after ``;``.
+        task: Task whose ``domain.pddl`` and ``problem.pddl`` were given to the planner.
+        path: Path of the plan file. Each line has one action ``(name argument ...)``. Comments start with ``;``.
 
     Returns:
-        The plan with the earliest times; it obeys the law of assignment and reaches the goal.
+        Plan with the earliest possible times. The plan obeys the law of assignment and achieves the goal.
 
     Raises:
-        InputError: the file cannot be read, or it is not a plan of the task.
+        InputError: If the file cannot be read, or if its actions are not a plan of the task.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError([Issue(str(path), "a plan file that can be read", str(error))]) from error
+        raise InputError([Issue(str(path), "expected a readable plan file", str(error))]) from error
     compilation = compile_task(task)
     actions = [action for line in text.splitlines() for action in _parse_line(line)]
-    wanted = f"a plan of the task {task.name}"
+    wanted = f"expected a plan of the task {task.name}"
     if not compilation.reaches_goal(actions):
-        came = "actions that the exported PDDL does not have, that cannot follow each other, or that miss the goal"
+        came = "an action that is unknown or not applicable, or actions that do not achieve the goal"
         raise InputError([Issue(str(path), wanted, came)])
     try:
         plan = schedule_actions(compilation, actions)
@@ -48,7 +48,7 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
 
 
 def _parse_line(line: str) -> list[PlannedAction]:
-    """Return the actions in a line, in lower case, because PDDL ignores case."""
+    """Return the actions in a line of text, in lower case because PDDL ignores case."""
     found = _ACTION.findall(line.partition(";")[0].lower())
     actions = [words.split() for words in found]
     return [PlannedAction(name, tuple(arguments)) for name, *arguments in actions]

@@ -1,7 +1,8 @@
-"""From a timeline back to plan actions, so that PDDL validators can judge any task plan, whatever its origin.
+"""Conversion of a timeline to planned actions, so that PDDL validators can judge any task plan.
 
-A timeline does not show all parameters, such as old values and counts. Applying the actions one by one gives them. If
-no operator fits, or if its conditions do not hold, `NO_ACTION` takes its place, so that a validator refuses the plan.
+A timeline does not contain all parameters, e.g. old values and numbers of readers. The missing parameters follow from
+the facts when the action is applied. If no operator is applicable, the action is `NO_ACTION`, so that a validator
+rejects the plan.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -15,15 +16,15 @@ from hybrid_tamp.symbolic.pddl.joins import FactIndex, join
 from hybrid_tamp.symbolic.pddl.operators import Operator
 
 NO_ACTION = PlannedAction("no-such-reassignment")
-"""An action that no operator has; it stands for an impossible reassignment."""
+"""Action without an operator, which stands for an impossible reassignment."""
 
 
 def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
-    """Return the actions that make the reassignments of the timeline, in the order of its instants.
+    """Return the actions for the reassignments of a timeline, in the order of its instants.
 
-    If a token is in no instance or in two at once, the timeline is not a sequence of reassignments; each such token
-    gives `NO_ACTION`. So does each block of a chain that the plan leaves before its end. To judge plans that stop
-    inside a chain, compile the task without chains.
+    The result has a `NO_ACTION` for each token that is in no instance, or in two instances, at some time. If the plan
+    stops inside a chain, the result has a `NO_ACTION` for each block of the incomplete chain and no other action. To
+    judge plans that stop inside a chain, compile the task without chains.
     """
     torn = [token.name for token in compilation.task.assigned if not _tiles(plan, token.name)]
     domain = compilation.encoded.vocabulary.domain
@@ -44,12 +45,15 @@ def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
 
 
 def plan_actions(compilation: Compilation, plan: TaskPlan) -> Sequence[PlannedAction]:
-    """Return the actions of a plan in a compiled task: its own, unless they belong to another network."""
+    """Return the actions of a plan in a compiled task.
+
+    If the plan's own actions belong to another network, its timeline is re-encoded.
+    """
     return plan.actions if compilation.reaches_goal(plan.actions) else reencode(compilation, plan)
 
 
 def _tiles(plan: TaskPlan, token: str) -> bool:
-    """Return whether the instances of a token cover the plan without gap or overlap."""
+    """Return whether the instances of a token cover the plan without gaps and overlaps."""
     spans = [(instance.start, instance.end) for instance, _ in plan.timeline(token)]
     joints = [0.0, *(end for _, end in spans)]
     starts = [*(start for start, _ in spans), plan.makespan]
@@ -57,7 +61,7 @@ def _tiles(plan: TaskPlan, token: str) -> bool:
 
 
 _Wanted = tuple[str, str, str, tuple[str, str] | None, frozenset[str], dict[str, str]]
-"""Kind, block, slot, (block, slot) before, slots of the source that move along, and roles of a reassignment."""
+"""Required action: kind, block, slot, source (block, slot), source slots that move with the anchor, and roles."""
 
 
 def _reassignments(domain: Domain, plan: TaskPlan) -> Iterator[_Wanted]:
@@ -68,7 +72,7 @@ def _reassignments(domain: Domain, plan: TaskPlan) -> Iterator[_Wanted]:
 
 
 def group_by_source(plan: TaskPlan, starting: list[BlockInstance]) -> list[list[BlockInstance]]:
-    """Return the starting instances in groups; those that take tokens out of a common instance are one group."""
+    """Return the starting instances in groups. Instances that take tokens from the same instance are in one group."""
     groups: list[tuple[set[str], list[BlockInstance]]] = []
     for instance in starting:
         sources = {b[0].name for t in instance.slots.values() if (b := plan.before(instance, t))} | {instance.name}
@@ -80,7 +84,10 @@ def group_by_source(plan: TaskPlan, starting: list[BlockInstance]) -> list[list[
 
 
 def _in_order(domain: Domain, plan: TaskPlan, groups: list[list[BlockInstance]]) -> list[list[BlockInstance]]:
-    """Return the reassignments of one instant, with those that free or need a thing before those that change it."""
+    """Return the reassignments of one instant in an applicable order.
+
+    Reassignments that release or require a token or fact come before reassignments that change it.
+    """
 
     def first(one: list[BlockInstance], other: list[BlockInstance]) -> bool:
         return _frees(plan, one, other) or _needs(domain, one, other)
@@ -96,14 +103,14 @@ def _in_order(domain: Domain, plan: TaskPlan, groups: list[list[BlockInstance]])
 
 
 def _needs(domain: Domain, first: list[BlockInstance], second: list[BlockInstance]) -> bool:
-    """Return whether `first` starts an instance whose entry conditions `second` may make false."""
+    """Return whether `second` may falsify an entry condition of an instance that `first` starts."""
     entries = [e.ground(i.roles) for i in first for e in domain.block_by_name[i.block].entry]
     taken = [e.ground(i.roles) for i in second for e in list_deleted(domain.block_by_name[i.block])]
     return any(each.matches(entry) for each in taken for entry in entries)
 
 
 def _frees(plan: TaskPlan, first: list[BlockInstance], second: list[BlockInstance]) -> bool:
-    """Return whether `first` ends an instance in conflict with one that `second` starts."""
+    """Return whether `first` ends an instance that conflicts with an instance that `second` starts."""
     ended = [b[0] for i in first for token in i.slots.values() if (b := plan.before(i, token))]
     return any(
         set(old.targets.values()) & set(new.slots.values()) or set(old.slots.values()) & set(new.targets.values())
@@ -147,7 +154,7 @@ def _wanted(
 def _find_action(
     compilation: Compilation, operators: dict[str, Operator], wanted: _Wanted, facts: FactIndex
 ) -> PlannedAction:
-    """Return the first applicable action that makes a reassignment, or `NO_ACTION`."""
+    """Return the first applicable action that performs a reassignment, or `NO_ACTION` if there is none."""
     kind, block, slot, before, moved, roles = wanted
     for name, meaning in compilation.encoded.meanings.items():
         found = (meaning.kind, meaning.block, meaning.slot, meaning.source, meaning.along)

@@ -1,4 +1,4 @@
-"""Delete relaxation: the facts that can be reached if nothing is ever deleted, a quick proof that there is no plan."""
+"""Delete relaxation, a quick proof that a planning problem has no plan."""
 
 from collections import defaultdict
 
@@ -8,15 +8,15 @@ from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningProblem,
 
 
 def may_be_solvable(problem: PlanningProblem) -> bool:
-    """Return whether the goal can be reached if nothing is ever deleted. If it cannot, there is no plan."""
+    """Return whether the goal is reachable if no fact is ever deleted. If not, the problem has no plan."""
     return reachable(problem).issuperset(problem.goal)
 
 
 def reachable(problem: PlanningProblem) -> set[Fact]:
-    """Return the facts that can be reached if nothing is ever deleted; the search ends when it reaches the goal.
+    """Return the facts that are reachable if no fact is ever deleted. The search stops when the goal is reached.
 
-    Each new fact is put in place of every condition that it may meet, and the other conditions of the operator are
-    joined with the known facts.
+    Each new fact is matched with every condition on its predicate. Then the other conditions of the operator are joined
+    with the known facts.
     """
     smaller = without_impossible(problem)
     known = FactIndex(smaller.init)
@@ -38,10 +38,10 @@ def reachable(problem: PlanningProblem) -> set[Fact]:
 
 
 class _Lifted:
-    """An operator with the values that its parameters may take.
+    """An operator with the possible values of its parameters.
 
     Attributes:
-        conditions: its conditions.
+        conditions: Preconditions of the operator.
     """
 
     def __init__(self, operator: Operator, problem: PlanningProblem) -> None:
@@ -55,7 +55,10 @@ class _Lifted:
         self._added = {argument for fact in operator.add for argument in fact[1:] if argument.startswith("?")}
 
     def list_added(self, condition: Fact | None, fact: Fact, known: FactIndex) -> list[Fact]:
-        """Return the new facts that the operator adds when a fact meets one of its conditions."""
+        """Return the new facts that the operator adds if a fact satisfies one of its conditions.
+
+        Without a condition, all applications of the operator are considered.
+        """
         bound = bind_condition(condition, fact, {}, self._ranges) if condition else {}
         if bound is None:
             return []

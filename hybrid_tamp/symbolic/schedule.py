@@ -1,9 +1,9 @@
-"""From order to time: a simple temporal network gives the instants of the reassignments.
+"""Scheduler that computes the times of an ordered plan with a simple temporal network.
 
-The events of the network are the reassignments. An instance that holds lasts at least its expected duration; an
-instance without a hold lasts exactly that long. So a block that must wait for another holds, and a block without a
-hold starts later. If one instance reads or needs what another changes, the two keep the order of the plan. The
-earliest times are the longest paths through the network.
+The events of the network are the reassignments. An instance with a hold lasts at least its expected duration. An
+instance without a hold lasts exactly its expected duration. If one instance changes a token or fact that another
+instance reads or requires, the two keep the order of the plan. The earliest time of an event is the length of the
+longest path to it.
 """
 
 from collections import defaultdict
@@ -21,11 +21,11 @@ from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import TICK, Estimate, Estimates
 
 Constraint = tuple[int, int, float, str]
-"""(i, j, seconds, reason): event j comes at least that long [s] after event i."""
+"""Tuple of (i, j, seconds, reason). Event j must come at least `seconds` after event i."""
 
 
 class InfeasibleScheduleError(NotAPlanError):
-    """No times satisfy the order and the durations of the plan; the message names the cycle."""
+    """No times satisfy the order and the durations of the plan. The message lists the conflicting constraints."""
 
 
 def schedule(
@@ -34,16 +34,16 @@ def schedule(
     actions: Sequence[PlannedAction] = (),
     estimates: Estimates | None = None,
 ) -> TaskPlan:
-    """Return the plan with the earliest times.
+    """Return the plan with the earliest possible times.
 
     Args:
-        task: the task.
-        instances: instances in the order in which they begin.
-        actions: the actions of the plan, for `TaskPlan.actions`.
-        estimates: the estimates of the task, if several plans share them.
+        task: Task of the plan.
+        instances: Instances of the plan in the order of their beginnings.
+        actions: Actions of the plan, for `TaskPlan.actions`.
+        estimates: Estimates of the task, if several plans share them.
 
     Raises:
-        InfeasibleScheduleError: the durations contradict the order.
+        InfeasibleScheduleError: If the durations contradict the order.
     """
     expected = (estimates or Estimates(task)).of(instances)
     final = max(i.begin for i in instances) + 1
@@ -60,10 +60,10 @@ def schedule(
 def schedule_actions(
     compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates | None = None
 ) -> TaskPlan:
-    """Return the plan of the actions of a compiled task.
+    """Decode and schedule the actions of a compiled task.
 
     Raises:
-        NotAPlanError: the actions are not a sequence of reassignments, or the durations contradict their order.
+        NotAPlanError: If the actions are not a sequence of reassignments, or if the durations contradict their order.
     """
     return schedule(compilation.task, decode(compilation, actions), actions, estimates)
 
@@ -101,19 +101,19 @@ class _Network:
                 yield (end, instance.begin, -seconds, reason)
 
     def _conflicts(self) -> Iterator[Constraint]:
-        """Keep the order of the plan if one instance reads what another changes."""
+        """Keep the order of the plan if one instance changes a token that another instance reads."""
         for writer, reader in self._touching():
             one, two = sorted((writer, reader))
             first, second = self.instances[one], self.instances[two]
             if self.ends[one] <= second.begin:
-                yield (self.ends[one], second.begin, 0.0, f"{second.name} after {first.name}")
+                yield (self.ends[one], second.begin, 0.0, f"{second.name} must begin after {first.name} ends")
             elif writer == one and first.begin < second.begin and self.blocks[one].hold:
-                # The reader waits until the writer has reached its exit; the writer may still hold.
-                reason = f"{second.name} reads what {first.name} holds"
+                # The reader waits until the exit of the writer. After its exit the writer may hold.
+                reason = f"{second.name} reads a token of {first.name}"
                 yield (first.begin, second.begin, self.seconds[one], reason)
 
     def _touching(self) -> Iterator[tuple[int, int]]:
-        """Yield (writer, reader) pairs: the first instance changes a property that the second reads of a target."""
+        """Yield pairs of (writer, reader). The writer changes a property of a target that the reader reads."""
         writers: defaultdict[str, list[tuple[int, set[str]]]] = defaultdict(list)
         for index, (instance, block) in enumerate(zip(self.instances, self.blocks, strict=True)):
             for slot, token in instance.slots.items():
@@ -126,7 +126,7 @@ class _Network:
                         yield writer, index
 
     def _needs(self) -> Iterator[Constraint]:
-        """Begin an instance after its entry conditions become true and before another instance may change them."""
+        """Begin each instance after its entry conditions become true, and before a later instance may change them."""
         effects = _Effects(self)
         for index, instance in enumerate(self.instances):
             for literal in self.blocks[index].changing_entry:
@@ -141,16 +141,16 @@ class _Network:
                         yield (instance.begin, self.instances[later].begin, 0.0, reason)
 
     def _after(self, maker: int, instance: OrderedInstance, atom: Atom) -> Constraint:
-        """Begin an instance after the end of the instance that made its condition true, or while that one holds."""
+        """Begin an instance after the end of the maker of its condition, or during the maker's hold."""
         made = self.instances[maker]
-        reason = f"{instance.name} needs {atom.text} of {made.name}"
+        reason = f"{instance.name} requires {atom.text}, an effect of {made.name}"
         if self.ends[maker] <= instance.begin:
             return (self.ends[maker], instance.begin, 0.0, reason)
         return (made.begin, instance.begin, self.seconds[maker], reason)
 
 
 class _Effects:
-    """The instances that change an atom, found by its predicate and first argument."""
+    """An index of the instances that change an atom, by predicate and first argument."""
 
     def __init__(self, network: _Network) -> None:
         self._found: defaultdict[tuple[str, str], list[tuple[int, Atom]]] = defaultdict(list)
@@ -160,7 +160,7 @@ class _Effects:
                 self._found[_key(effect)].append((index, effect))
 
     def changing(self, atom: Atom) -> list[int]:
-        """Return the instances that set or delete the atom, in their order, without duplicates."""
+        """Return the sorted indices of the instances that set or delete the atom."""
         found = [*self._found.get(_key(atom), ()), *self._found.get((atom.predicate, ANY), ())]
         wanted = Atom(atom.predicate, atom.arguments)
         return sorted({index for index, effect in found if effect.matches(wanted)})
@@ -171,7 +171,7 @@ def _key(atom: Atom) -> tuple[str, str]:
 
 
 def _earliest(constraints: Sequence[Constraint], count: int) -> list[float]:
-    """Return the earliest time of each event [s]: the length of the longest path from event 0."""
+    """Return the earliest time of each event [s], which is the length of the longest path from event 0."""
     sources, targets = (np.array([each[side] for each in constraints], dtype=np.intp) for side in (0, 1))
     ticks = np.array([round(each[2] / TICK) for each in constraints], dtype=np.int64)
     times = np.zeros(count, dtype=np.int64)
@@ -180,11 +180,11 @@ def _earliest(constraints: Sequence[Constraint], count: int) -> list[float]:
         np.maximum.at(times, targets, times[sources] + ticks)
         if np.array_equal(times, before):
             return [round(float(time) * TICK, 6) for time in times]
-    raise InfeasibleScheduleError("the durations contradict the order: " + "; ".join(_cycle(constraints)))
+    raise InfeasibleScheduleError("the durations contradict the order of the plan: " + "; ".join(_cycle(constraints)))
 
 
 def _cycle(constraints: Sequence[Constraint]) -> list[str]:
-    """Return the reasons along a cycle that puts an event before itself."""
+    """Return the reasons along a cycle of constraints that cannot all be satisfied."""
     graph: nx.DiGraph[int] = nx.DiGraph()
     for source, target, least, reason in constraints:
         ticks = round(least / TICK)

@@ -78,7 +78,7 @@ def test_another_planner(tmp_path: Path) -> None:
         text.replace(last, "(x"),
     ):
         (tmp_path / "wrong.plan").write_text(wrong)
-        with pytest.raises(hybrid_tamp.InputError, match=r"wrong\.plan: a plan of the task tumble_two_hands"):
+        with pytest.raises(hybrid_tamp.InputError, match=r"wrong\.plan: expected a plan of the task tumble_two_hands"):
             hybrid_tamp.read_plan(task, tmp_path / "wrong.plan")
     with pytest.raises(hybrid_tamp.InputError, match="can be read"):
         hybrid_tamp.read_plan(task, tmp_path / "none.plan")

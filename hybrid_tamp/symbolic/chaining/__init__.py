@@ -1,4 +1,4 @@
-"""Chains: blocks in series that are compiled as one step and expanded again (paper, Sec. II-C).
+"""Chains, which are blocks in series that are compiled as one block (paper, Sec. II-C).
 
-Input: the blocks and the network of a task. Output: a domain in which each chain is one block, and the way back.
+The input is a task. The output is a domain in which each chain is one block, with the blocks of each chain.
 """

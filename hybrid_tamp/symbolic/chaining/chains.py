@@ -1,8 +1,8 @@
-"""Chains: blocks in series that are compiled as one step, and the way back to every block (paper, Sec. II-C).
+"""Search for chains, which are blocks in series that are compiled as one block (paper, Sec. II-C).
 
-"These serial actions do not increase the planning complexity any more than a single action would." A chain is a run
-of blocks whose slots are connected one to one by single edges. It is as long as `composing` and `cuts` allow. The cuts
-depend on the goal of the task and on the blocks in which its tokens start.
+"These serial actions do not increase the planning complexity any more than a single action would." In a chain, each
+slot of a block has a single outgoing edge, which leads to a slot of the next block. A chain is as long as `composing`
+and `cuts` allow. The cuts depend on the goal and on the initial assignment of the task.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -20,7 +20,7 @@ from hybrid_tamp.symbolic.chaining.series import Link, Series
 from hybrid_tamp.symbolic.pddl.naming import legal, unused
 
 Follower = tuple[str, Mapping[str, str]]
-"""The only block that can follow a block: its name, and its slots to those of the block before."""
+"""Pair of the only possible next block and a dictionary from its slots to the slots of the previous block."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +28,8 @@ class Chains:
     """A domain in which each chain is one block.
 
     Attributes:
-        domain: the domain to compile.
-        links: name of the block of each chain to the blocks of the chain.
+        domain: Domain to compile, with one block per chain.
+        links: Maps the block of each chain to the original blocks of the chain.
     """
 
     domain: Domain
@@ -42,7 +42,7 @@ class Chains:
 
     @property
     def comments(self) -> tuple[tuple[str, str], ...]:
-        """(PDDL name, description of the blocks) pairs of the chains."""
+        """The chains as pairs of (PDDL name, names of the original blocks)."""
         said = {name: " > ".join(link.block.name for link in links) for name, links in self.links.items()}
         return tuple(sorted((legal(name), blocks) for name, blocks in said.items()))
 
@@ -58,8 +58,8 @@ def chain_blocks(task: Task) -> Chains:
 
 
 def _followers(task: Task) -> Iterator[tuple[str, Follower]]:
-    """Yield the blocks whose tokens can only go together to one block, which has no other predecessor."""
-    # A block in which tokens start has no predecessor for them, so it is not in a chain.
+    """Yield pairs of (block, follower) for blocks that have exactly one follower and are its only predecessor."""
+    # Tokens that start in a block do not pass through its predecessors, so the block is in no chain.
     apart = {task.domain.resting, *task.assignment.values()}
     for block in task.domain.blocks:
         follower = _follower(task.domain, block)
@@ -84,7 +84,7 @@ def _follower(domain: Domain, block: Block) -> Follower | None:
 
 
 def _runs(followers: Mapping[str, Follower]) -> Iterator[list[str]]:
-    """Yield the maximal runs of blocks. A ring has no beginning, so it is not a run."""
+    """Yield the maximal sequences of followers. A cycle has no first block, so it is left out."""
     inner = {name for name, _ in followers.values()}
     for name in followers:
         if name not in inner:
@@ -95,7 +95,7 @@ def _runs(followers: Mapping[str, Follower]) -> Iterator[list[str]]:
 
 
 def _cut(cuts: Cuts, run: list[str], followers: Mapping[str, Follower]) -> Iterator[Series]:
-    """Yield the chains of a run; each is as long as possible and begins after the one before."""
+    """Divide a sequence of followers into chains. Each chain is as long as possible."""
     blocks = [cuts.domain.block_by_name[name] for name in run]
     symbols = {a for b in blocks for literal in (*b.entry, *b.exit) for a in literal.arguments if a not in b.roles}
     while blocks:
@@ -125,7 +125,10 @@ def _with_chains(task: Task, chains: Collection[Series]) -> Chains:
 
 
 def _lean(series: Series, name: str, wanted: Collection[str]) -> Block:
-    """Return the chain as a block without inner effects that no condition mentions: they slow planners down."""
+    """Return the chain as one block, without inner effects that no condition mentions.
+
+    Unused effects would slow planners down.
+    """
     whole = series.block(name)
     kept = [each for each in whole.exit if each in series.last.exit or each.predicate.name in wanted]
     left_out = [each.predicate for each in whole.exit if each not in kept]
@@ -133,7 +136,7 @@ def _lean(series: Series, name: str, wanted: Collection[str]) -> Block:
 
 
 def _names(domain: Domain, chains: Iterable[Series]) -> dict[str, Series]:
-    """Name each chain after its first and last block; its PDDL name differs from all others."""
+    """Name each chain after its first and last block, with a PDDL name that no other block has."""
     taken = {legal(block.name) for block in domain.blocks}
     named: dict[str, Series] = {}
     for series in chains:
@@ -145,7 +148,7 @@ def _names(domain: Domain, chains: Iterable[Series]) -> dict[str, Series]:
 
 
 def _edges(domain: Domain, chains: Mapping[str, Series]) -> Iterator[tuple[str, str]]:
-    """Yield the edges between blocks and chains, without those inside a chain."""
+    """Yield the edges between blocks and chains. Edges inside a chain are left out."""
     into = {series.links[0].block.name: (name, series.links[0]) for name, series in chains.items()}
     out_of = {series.last.block.name: (name, series.last) for name, series in chains.items()}
     leading = {link.block.name for series in chains.values() for link in series.links[:-1]}
@@ -163,7 +166,7 @@ def _end(slot: SlotName, chains: Mapping[str, tuple[str, Link]]) -> str:
 
 
 def fold_chains(chains: Chains, plan: TaskPlan) -> TaskPlan:
-    """Return the timeline in which each complete pass through a chain is one instance of the chain."""
+    """Return the timeline with each complete pass through a chain replaced by one instance of the chain."""
     instances = list(plan.instances)
     for name, links in chains.links.items():
         whole = chains.domain.block_by_name[name]
@@ -180,7 +183,7 @@ def fold_chains(chains: Chains, plan: TaskPlan) -> TaskPlan:
 
 
 def _follow(plan: TaskPlan, first: BlockInstance, links: Sequence[Link]) -> Iterator[BlockInstance]:
-    """Yield the instances by which the anchor of the first one follows the chain, up to where it leaves it."""
+    """Yield the instances of the first instance's anchor, as long as they follow the chain."""
     timeline = [instance for instance, _ in plan.timeline(first.slots.get(links[0].block.anchor, ""))]
     begin = timeline.index(first) if first in timeline else len(timeline)
     for link, instance in zip(links, timeline[begin:], strict=False):
@@ -190,7 +193,7 @@ def _follow(plan: TaskPlan, first: BlockInstance, links: Sequence[Link]) -> Iter
 
 
 def _named(whole: Block, links: Sequence[Link], run: Sequence[BlockInstance]) -> dict[str, str] | None:
-    """Return the value that each role of the chain has in all instances, or None if the values differ."""
+    """Return a dictionary from the roles of a chain to their values, or None if the instances disagree."""
     named: dict[str, str] = {}
     for link, instance in zip(links, run, strict=False):
         for own, role in link.roles.items():

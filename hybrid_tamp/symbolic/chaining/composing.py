@@ -1,7 +1,7 @@
-"""Composition of blocks in series. Deletes precede adds, and a condition holds until a block undoes it.
+"""Composition of blocks in series into one block.
 
-All roles of the whole are roles of one of its blocks. So a chain has no more parameters than its largest block, and no
-token has two roles.
+Deletes precede adds, and a fact holds until a block deletes it. One block of the series has all roles of the series. So
+a chain has no more parameters than its largest block, and no token has two roles.
 """
 
 from collections.abc import Iterable, Mapping
@@ -14,11 +14,11 @@ from hybrid_tamp.symbolic.pddl.naming import unused
 
 
 def begin_series(block: Block, taken: Iterable[str] = ()) -> Series:
-    """Return the series of one block.
+    """Return a series of one block.
 
     Args:
-        block: the block.
-        taken: names that no role may have: the symbols in the conditions of later blocks.
+        block: First block of the series.
+        taken: Names that no role may have. These are the symbols in the conditions of later blocks.
     """
     roles: dict[str, str] = {}
     for role in block.roles:
@@ -31,26 +31,27 @@ def begin_series(block: Block, taken: Iterable[str] = ()) -> Series:
 
 
 def _lasting(literal: Literal) -> bool:
-    """Return whether an entry condition still holds after the block if nothing undoes it."""
+    """Return whether an entry condition persists after the block if no effect deletes it."""
     return literal.positive and literal.predicate.measured
 
 
 def extend_series(series: Series, block: Block, slots: Mapping[str, str], taken: Iterable[str] = ()) -> Series | None:
-    """Return the series with one more block, or None if the two cannot be one step.
+    """Return the series with one more block, or None if the two cannot be composed.
 
-    The exit of the last block must bring about the entry conditions of the next one. Only feasibility may be left
-    open, and only if no earlier block holds: tokens that stay in a block that holds might never be able to go on.
+    The series must achieve the changing entry conditions of the next block. A new feasibility condition becomes an
+    entry condition of the series. This is allowed only if no earlier block has a hold. Otherwise tokens could stay in
+    that block even if they cannot enter the next block.
 
     Args:
-        series: the series so far.
-        block: the next block.
-        slots: its slots to those of the series' last block.
-        taken: names that no role may have.
+        series: Series to extend.
+        block: Next block.
+        slots: Maps the slots of the next block to the slots of the series' last block.
+        taken: Names that no role may have.
     """
     roles = _determined(series, block, {slot: series.last.roles[before] for slot, before in slots.items()})
     fresh = [target.name for target in block.targets if target.name not in roles]
     if fresh and not set(series.sorts) <= set(roles.values()):
-        return None  # The whole has as many parameters as both together: two steps cost less.
+        return None  # The composed block would have too many parameters. Two separate blocks cost less.
     for target in fresh:
         roles[target] = unused(target, {*taken, *series.sorts, *roles.values()})
     link = Link(block, roles)
@@ -70,16 +71,16 @@ def extend_series(series: Series, block: Block, slots: Mapping[str, str], taken:
 
 
 def _twice(link: Link) -> bool:
-    """Return whether one token would have two roles of the block."""
+    """Return whether one token would fill two roles of the block."""
     tokens = [role for own, role in link.roles.items() if not isinstance(link.block.roles[own], SymbolSort)]
     return len(set(tokens)) < len(tokens)
 
 
 def _determined(series: Series, block: Block, roles: Mapping[str, str]) -> dict[str, str]:
-    """Return the roles together with the targets whose value the other roles determine.
+    """Return the given roles, extended by the targets that known facts determine.
 
-    Such a target is the value of a functional predicate, or the last block maintains a condition on it. Any other
-    condition may hold for several values.
+    A target is determined if it is the value of a functional predicate or an argument of a maintained predicate. A fact
+    of any other predicate may hold for several values.
     """
     found = dict(roles)
     targets = {target.name for target in block.targets}
@@ -111,7 +112,10 @@ def _agrees(fact: Literal, wanted: Literal, roles: Mapping[str, str], open_roles
 
 
 def _narrowed(series: Series, link: Link, fresh: Iterable[str]) -> dict[str, Sort] | None:
-    """Return the classes of the roles, narrowed to those that the link needs; None if two classes do not nest."""
+    """Return the classes of the roles, narrowed to the classes that the link requires.
+
+    Return None if two classes of a role are not nested.
+    """
     sorts = {**series.sorts, **{link.roles[target]: link.block.roles[target] for target in fresh}}
     for own, role in link.roles.items():
         asked = link.block.roles[own]
@@ -132,11 +136,14 @@ def within(one: Sort, other: Sort) -> bool:
 
 
 def _composed(series: Series, link: Link, sorts: Mapping[str, Sort]) -> tuple[Literal, ...] | None:
-    """Return the joint exit conditions; None if they depend on whether two symbols are equal."""
+    """Return the exit conditions of the extended series.
+
+    Return None if they depend on whether two symbols are equal.
+    """
     kept: list[Literal] = []
     for literal in series.exit:
         if literal.predicate.maintained:
-            continue  # It ends when its tokens leave.
+            continue  # A maintained fact ends when its tokens leave.
         later = [each for each in link.exit if each.predicate is literal.predicate and _meets(each, literal, sorts)]
         functional = literal.predicate.functional_index is not None
         if any(key(each) != key(literal) and (functional or each.positive != literal.positive) for each in later):
@@ -147,13 +154,13 @@ def _composed(series: Series, link: Link, sorts: Mapping[str, Sort]) -> tuple[Li
 
 
 def key(literal: Literal) -> tuple[str, ...]:
-    """Return the arguments without the functional one. Literals with the same key replace each other."""
+    """Return the arguments except the functional argument. Literals with equal keys replace each other."""
     index = literal.predicate.functional_index
     return literal.arguments if index is None else (*literal.arguments[:index], *literal.arguments[index + 1 :])
 
 
 def _undone(fact: Literal, exits: Iterable[Literal], sorts: Mapping[str, Sort]) -> bool:
-    """Return whether exit conditions may delete the fact."""
+    """Return whether one of the exit conditions may delete the fact."""
     return any(
         each.predicate is fact.predicate
         and (not each.positive or each.predicate.functional_index is not None)
@@ -163,7 +170,7 @@ def _undone(fact: Literal, exits: Iterable[Literal], sorts: Mapping[str, Sort]) 
 
 
 def _meets(one: Literal, other: Literal, sorts: Mapping[str, Sort]) -> bool:
-    """Return whether two literals over the roles of the whole may be one atom, their functional values aside."""
+    """Return whether two literals of a series may be the same atom, apart from the functional argument."""
     return all(
         mine == theirs or ANY in (mine, theirs) or _may_be(mine, theirs, sorts)
         for mine, theirs in zip(key(one), key(other), strict=True)
@@ -171,5 +178,5 @@ def _meets(one: Literal, other: Literal, sorts: Mapping[str, Sort]) -> bool:
 
 
 def _may_be(one: str, other: str, sorts: Mapping[str, Sort]) -> bool:
-    """Return whether two different arguments may be one symbol. Two roles are never one token."""
+    """Return whether two different arguments may be the same symbol. Two roles never share a token."""
     return any(isinstance(sorts.get(argument), SymbolSort) for argument in (one, other))

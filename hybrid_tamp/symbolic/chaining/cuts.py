@@ -1,14 +1,15 @@
-"""Cuts of a series of blocks: the junctions at which a plan may need to stop, or other blocks to act.
+"""Cuts of a series of blocks, at which a plan may need to stop or another block may need to act.
 
-The planner passes through a chain at the instant at which it begins, before anything else happens. This loses no plan
-if three conditions hold at each junction between blocks of the chain:
+The planner applies a chain as one action, so no other action comes between its blocks. No plan is lost if the following
+conditions hold at each junction between two blocks of the chain:
 
-* A fact that holds there but not at the end is in no entry condition of another block. If tokens may stay there, it is
-  not in the goal either. Another block does not undo the later effects of the chain.
-* Tokens that may stay there may also go on: the next blocks need nothing new (`composing`), and the last one holds.
-* The targets that are read, and the slots whose tokens change while others may read them, are the same in all blocks.
+* No other block requires a fact that holds only at the junction. If tokens may stay at the junction, the goal does not
+  require the fact either. No other block deletes a later effect of the chain.
+* If tokens may stay at the junction, they can also continue to the end of the chain. The next blocks have no new entry
+  conditions (`composing`), and tokens may stay in the last block.
+* All blocks of the chain have the same locked targets, and change tokens that others may read in the same slots.
 
-A token in the chain is in no slot of another block, so two conditions on slots of different blocks never meet.
+A token in the chain is in no other block. So conditions on slots of two different blocks never concern the same token.
 """
 
 from collections.abc import Iterator
@@ -24,7 +25,7 @@ from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
 
 class Cuts:
-    """Finds the series of a task that need no cut."""
+    """Decides which series of a task need no cut."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
@@ -32,7 +33,7 @@ class Cuts:
         self.conditions = Conditions(Vocabulary(task.domain))
 
     def is_uncut(self, series: Series) -> bool:
-        """Return whether no plan is lost if no plan stops inside the series and no other block acts there."""
+        """Return whether the series can be one block without losing plans."""
         inside = {link.block.name for link in series.links}
         # Other tokens may pass through the same series.
         others = [*(b for b in self.domain.blocks if b.name not in inside), series.block("the whole")]
@@ -45,7 +46,7 @@ class Cuts:
         )
 
     def _encodable(self, series: Series) -> bool:
-        """Return whether a series with several slots has operators for every way in and out."""
+        """Return whether the encoder has operators for all edges into and out of the series."""
         first, last = series.links[0], series.last
         if len(first.block.slots) == 1:
             return True
@@ -57,20 +58,20 @@ class Cuts:
         return not returns and (alone or last.roles[last.block.anchor] == series.anchor)
 
     def _footprint(self, link: Link) -> tuple[frozenset[str], frozenset[str]]:
-        """Return the locked targets, and the slots whose tokens the block changes while others may read them."""
+        """Return the locked targets, and the slots with tokens that the block changes and others may read."""
         locked = frozenset(link.roles[target.name] for target in self.conditions.locked(link.block))
         slots = [slot.name for slot in link.block.slots if self.conditions.changes(link.block, slot.name)]
         return locked, frozenset(link.roles[slot] for slot in slots)
 
     def _comes_to_stay(self, series: Series) -> bool:
-        """Return whether tokens may stay at the end of the series, or could not stay in it before."""
+        """Return whether tokens may stay at the end of the series, or may not stay in any of its blocks."""
         if series.last.block.hold or not any(link.block.hold for link in series.links):
             return True
         _, changed = self._footprint(series.last)
         return not changed and all(self._may_rest(series, slot.name) for slot in series.last.block.slots)
 
     def _may_rest(self, series: Series, slot: str) -> bool:
-        """Return whether the token in a slot of the last block may always go to the resting block."""
+        """Return whether the token in a slot of the last block can always enter the resting block."""
         block, resting = series.last.block, self.domain.resting_block
         role = series.last.roles[slot]
         wanted = [rename_roles(literal, {resting.anchor: role}) for literal in resting.entry]
@@ -85,7 +86,7 @@ class Cuts:
     # -- facts that hold only inside ----------------------------------------------------------------------------
 
     def _needed(self, series: Series, junction: Series, others: list[Block]) -> bool:
-        """Return whether another block or the goal needs a fact that holds at the junction but not at the end."""
+        """Return whether another block or the goal requires a fact that holds at the junction but not at the end."""
         lost = list(_lost(series, junction))
         wanted = junction.last.block.hold and any(self._is_goal(series, fact) for fact in lost)
         return wanted or any(
@@ -111,10 +112,10 @@ class Cuts:
             return name in sort.symbols
         return name in self.task.token_by_name and self.task.token_by_name[name].is_member(sort)
 
-    # -- effects that another block undoes ----------------------------------------------------------------------
+    # -- effects that another block deletes ---------------------------------------------------------------------
 
     def _overruled(self, series: Series, others: list[Block]) -> bool:
-        """Return whether another block may undo an effect of the series after its first block."""
+        """Return whether another block may delete an effect of the second or a later block of the series."""
         coming = [literal for link in series.links[1:] for literal in link.exit if literal in series.exit]
         return any(
             fact.positive and fact.predicate is undone.predicate and self._meet(series, fact, block, undone)
@@ -124,7 +125,7 @@ class Cuts:
         )
 
     def _meet(self, series: Series, mine: Literal, block: Block, theirs: Literal) -> bool:
-        """Return whether a literal of the series and one of another block may be the same atom at one time."""
+        """Return whether a literal of the series and a literal of another block may be the same atom."""
         slots = {slot.name for slot in block.slots}
         for one, other in zip(mine.arguments, theirs.arguments, strict=True):
             apart = one in series.slots and other in slots
@@ -134,7 +135,7 @@ class Cuts:
         return True
 
     def _overlap(self, one: Sort | str, other: Sort | str) -> bool:
-        """Return whether two classes, sorts or symbols may have a common member."""
+        """Return whether two classes, sorts or symbols may share a member."""
         if isinstance(one, str) or isinstance(other, str):
             ours = {one} if isinstance(one, str) else set(getattr(one, "symbols", ()))
             theirs = {other} if isinstance(other, str) else set(getattr(other, "symbols", ()))
@@ -145,7 +146,7 @@ class Cuts:
 
 
 def _lost(series: Series, junction: Series) -> Iterator[Literal]:
-    """Yield the facts that may hold at the junction but not at the end; `ANY` stands for an unknown value."""
+    """Yield the facts that may hold at the junction but not at the end. `ANY` stands for an unknown value."""
     for literal in junction.last.exit:
         if literal.predicate.maintained and literal.positive and literal not in series.exit:
             yield literal
@@ -156,7 +157,7 @@ def _lost(series: Series, junction: Series) -> Iterator[Literal]:
 
 
 def _there(junction: Series, literal: Literal) -> Iterator[Literal]:
-    """Yield the facts that may hold at the junction and that an exit condition deletes."""
+    """Yield the facts that may hold at the junction and are deleted by an exit condition."""
     index = literal.predicate.functional_index
     if index is None:
         if not literal.positive and (literal not in junction.exit or ~literal in junction.exit):
@@ -165,6 +166,6 @@ def _there(junction: Series, literal: Literal) -> Iterator[Literal]:
     same = [each for each in junction.exit if each.predicate is literal.predicate and key(each) == key(literal)]
     held = [each for each in junction.known if each.predicate is literal.predicate and key(each) == key(literal)]
     if held or same:
-        yield from held  # If there is none, the value has been deleted.
+        yield from held  # If there is no such fact, an earlier exit has deleted the value.
         return
     yield Literal(literal.predicate, (*literal.arguments[:index], ANY, *literal.arguments[index + 1 :]))

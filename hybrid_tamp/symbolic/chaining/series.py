@@ -1,6 +1,6 @@
-"""Blocks in series as one: the entry and exit conditions of the whole, and its links.
+"""A series of blocks that is composed into one block, with entry and exit conditions over its own roles.
 
-The whole has roles of its own. Each link maps the roles of its block to roles of the whole.
+Each link of the series maps the roles of one block to roles of the series.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -15,11 +15,11 @@ Sort = type[ObjectClass] | SymbolSort
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """One block of a chain.
+    """One block of a series.
 
     Attributes:
-        block: the block.
-        roles: its roles to roles of the whole, or to the symbols that they must be.
+        block: Original block.
+        roles: Maps each role of the block to a role of the series, or to the symbol that the role must have.
     """
 
     block: Block
@@ -27,26 +27,26 @@ class Link:
 
     @property
     def entry(self) -> tuple[Literal, ...]:
-        """The block's entry conditions over roles of the whole."""
+        """The block's entry conditions over roles of the series."""
         return tuple(rename_roles(literal, self.roles) for literal in self.block.entry)
 
     @property
     def exit(self) -> tuple[Literal, ...]:
-        """The block's exit conditions over roles of the whole."""
+        """The block's exit conditions over roles of the series."""
         return tuple(rename_roles(literal, self.roles) for literal in self.block.exit)
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Blocks that follow each other and are composed so far.
+    """Blocks that follow each other.
 
     Attributes:
-        links: the blocks, first to last.
-        sorts: roles of the whole, slots first, to their classes or sorts.
-        entry: the entry conditions of the whole.
-        exit: the conditions that hold once its last block has reached its exit.
-        known: the changing conditions that hold then, whether or not the series brought them about.
-        before: the series without its last block, None if it has only one.
+        links: Blocks of the series, first to last.
+        sorts: Maps each role of the series to its class or sort. Slots come first.
+        entry: Entry conditions of the series.
+        exit: Exit conditions of the series, which hold at the exit of its last block.
+        known: Changing conditions that hold at the exit of the last block, including persisting entry conditions.
+        before: Series without the last block, or None if the series has one block.
     """
 
     links: tuple[Link, ...]
@@ -58,29 +58,29 @@ class Series:
 
     @property
     def last(self) -> Link:
-        """The last link."""
+        """The last link of the series."""
         return self.links[-1]
 
     @property
     def slots(self) -> frozenset[str]:
-        """The roles of the whole that are slots."""
+        """The roles of the series that are slots."""
         return frozenset(self.links[0].roles[slot.name] for slot in self.links[0].block.slots)
 
     @property
     def anchor(self) -> str:
-        """The anchor of the whole, which is that of its first block."""
+        """The role of the first block's anchor, which is the anchor of the series."""
         return self.links[0].roles[self.links[0].block.anchor]
 
     @property
     def junctions(self) -> Iterator["Series"]:
-        """The shorter series with which it begins, longest first: one for each junction between two blocks."""
+        """The series up to each junction between two blocks, longest first."""
         junction = self.before
         while junction is not None:
             yield junction
             junction = junction.before
 
     def block(self, name: str) -> Block:
-        """Return the whole as one block."""
+        """Return the series as one block."""
         first, blocks = self.links[0].block, [link.block for link in self.links]
         shortest = sum(block.duration.minimum for block in blocks)
         return Block(
@@ -91,7 +91,7 @@ class Series:
                 if role in self.slots and not isinstance(sort, SymbolSort)
             ),
             anchor=self.anchor,
-            # The links are scheduled, never the whole.
+            # The scheduler uses the durations of the links, never this duration.
             duration=Duration(shortest, sum(block.duration.maximum for block in blocks), lambda *_: shortest),
             targets=tuple(
                 Target(role, sort, _united(_read(link, role) for link in self.links))
@@ -111,7 +111,7 @@ class Series:
 
 
 def _read(link: Link, role: str) -> tuple[str, ...]:
-    """Return the properties that the block of the link reads of a target of the whole."""
+    """Return the properties of a target of the series that the block of the link reads."""
     targets = {target.name: target.reads for target in link.block.targets}
     return _united(targets.get(own, ()) for own in _called(link, role))
 
@@ -125,12 +125,12 @@ def _united(names: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
 
 
 def rename_roles(literal: Literal, roles: Mapping[str, str]) -> Literal:
-    """Return the literal with other names for its roles; symbols and `ANY` stay."""
+    """Return the literal with its roles renamed. Symbols and `ANY` stay unchanged."""
     return replace(literal, arguments=tuple(roles.get(argument, argument) for argument in literal.arguments))
 
 
 def list_deleted(block: Block) -> Iterator[Literal]:
-    """Yield the literals that the block deletes; `ANY` stands for the old value of a functional predicate."""
+    """Yield the literals that the block deletes. `ANY` stands for the old value of a functional predicate."""
     for literal in block.exit:
         index = literal.predicate.functional_index
         if index is not None:
