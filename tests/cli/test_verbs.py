@@ -333,7 +333,7 @@ def test_a_planner_that_is_none_is_a_fault_of_the_file_with_its_place(
     wrong.write_text(ROLL.read_text() + "planner: fast-dawnward\n")
     done = command(*words, wrong)
     assert done.returncode == 30
-    assert f"{wrong}:{len(ROLL.read_text().splitlines()) + 1}:10: a planning engine is wanted" in done.stderr
+    assert f"{wrong}:{len(ROLL.read_text().splitlines()) + 1}:10: expected a planning engine" in done.stderr
     assert "did you mean 'fast-downward'?" in done.stderr
     if words == ["plan"]:
         assert command("plan", wrong, "--planner", "fast-downward").returncode == 0

@@ -83,11 +83,11 @@ def test_initial_values_are_the_same_sparse_or_not() -> None:
     ("actions", "fault"),
     [
         ([read_action("(fly first)")], "action 1, (fly first): there is no operator 'fly'"),
-        ([read_action("(move first home)")], "action 1, (move first home): the operator takes 3 objects"),
+        ([read_action("(move first home)")], "action 1, (move first home): the operator needs 3 objects, got 2"),
         ([read_action("(move second home yard)")], "there is no object 'second'"),
         (
             [DELIVERED[0], read_action("(move yard home yard)")],
-            "action 2, (move yard home yard): 'yard' is not of the type",
+            "action 2, (move yard home yard): the type of 'yard' does not fit parameter",
         ),
         (DELIVERED[1:], "Preconditions [at-2(first, yard)] of 1-th action instance"),
         (DELIVERED[:1], "Goals [at-2(first, shop)] are not satisfied"),

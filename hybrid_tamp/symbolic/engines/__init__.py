@@ -1,4 +1,5 @@
-"""Planning engines.
+"""Interface to planning engines.
 
-Input: a planning problem. Output: a validated sequence of actions. Only this package imports unified_planning.
+The input is a planning problem. The output is a validated sequence of actions. Only this package imports
+unified_planning.
 """

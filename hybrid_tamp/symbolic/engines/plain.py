@@ -1,15 +1,13 @@
-"""Planning problems in a plain form for engines that do not follow PDDL to the letter.
+"""Planning problems in a plain form for engines that do not follow PDDL in two points.
 
-Engines differ in two points.
+The first point is colliding effects. An operator that deletes ``(inside ?thing ?old)`` and adds ``(inside ?thing
+?new)`` changes the same fact twice if the two regions are equal. In PDDL the add wins. Some engines delete the fact or
+reject the action, even for two adds. So the plain form has an extra operator for each such case, with one parameter for
+both regions and a single effect. The original operator stays. At worst, such an engine then computes a state with too
+few facts. All conditions and goals are positive, so the plan also works with more facts.
 
-An operator that deletes ``(inside ?thing ?old)`` and adds ``(inside ?thing ?new)`` does both to one fact if the two
-regions are the same. In PDDL the add wins. Some engines delete the fact, or refuse the action, even for two adds. So
-each such case gets an operator of its own, in which the two regions are one parameter and only one effect is left. The
-original operator stays. At worst, such an engine then computes a state in which fewer facts hold. All conditions and
-goals are positive, so a plan that works from fewer facts also works from more.
-
-Some engines take a condition on constants alone for false if no operator changes it. So the plain form leaves out
-such a condition if it is true, and its operator if it is false.
+The second point is conditions on constants. If no operator changes such a condition, some engines treat it as false.
+So the plain form omits the condition if it is true, and omits the operator if the condition is false.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,7 +18,7 @@ from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningProblem
 
 Substitution = Mapping[str, str]
-"""Variable to the variable or constant that replaces it."""
+"""Maps each variable to the variable or constant that replaces it."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +26,9 @@ class _Case:
     """One case of an operator.
 
     Attributes:
-        operator: the operator for this case alone.
-        origin: name of the original operator.
-        arguments: values of the parameters of the original operator: parameters of `operator` or constants.
+        operator: Operator for this case only.
+        origin: Name of the original operator.
+        arguments: Arguments of the original operator, which are parameters of `operator` or constants.
     """
 
     operator: Operator
@@ -41,9 +39,8 @@ class _Case:
 def without_impossible(source: PlanningProblem) -> PlanningProblem:
     """Return the problem without the operators that constant facts rule out, e.g. because there are no boxes.
 
-    It also leaves out the predicates that no operator and no goal mentions any more, their facts, and the constants
-    that no fact, goal or parameter can use. Engines would find this out themselves, but their work before grounding
-    takes time for every operator, and for some of them for every object.
+    The result also omits unused predicates, their facts and unused constants. Engines would remove these items
+    themselves, but their preprocessing takes time for every operator, and in some engines for every object.
     """
     fixed = _Fixed(source)
     domain = source.domain
@@ -64,7 +61,7 @@ def without_impossible(source: PlanningProblem) -> PlanningProblem:
 
 
 def lineage(name: str, parents: Mapping[str, str]) -> Iterator[str]:
-    """Yield a type and the types above it."""
+    """Yield a type and its ancestors."""
     yield name
     while name in parents:
         name = parents[name]
@@ -72,7 +69,7 @@ def lineage(name: str, parents: Mapping[str, str]) -> Iterator[str]:
 
 
 class _Fixed:
-    """The constant facts: those of predicates that no operator changes."""
+    """The facts of predicates that no operator changes."""
 
     def __init__(self, source: PlanningProblem) -> None:
         domain = source.domain
@@ -83,11 +80,11 @@ class _Fixed:
             self._rows.get(fact[0], []).append(fact)
 
     def settle(self, fact: Fact) -> bool:
-        """Return whether the initial state decides for the whole plan if a fact holds."""
+        """Return whether the truth value of a fact is the same in all states."""
         return fact[0] in self._rows and all(argument in self._constants for argument in fact[1:])
 
     def allow(self, operator: Operator) -> bool:
-        """Return whether the constant facts allow the operator, each condition by itself."""
+        """Return whether the constant facts can satisfy each precondition of the operator separately."""
         conditions = [fact for fact in operator.precondition if fact[0] in self._rows]
         return all(any(self._fits(fact, row) for row in self._rows[fact[0]]) for fact in conditions)
 
@@ -101,7 +98,7 @@ class PlainProblem:
     """A planning problem in plain form.
 
     Attributes:
-        problem: the problem with plain operators.
+        problem: Problem with plain operators.
     """
 
     def __init__(self, source: PlanningProblem) -> None:
@@ -117,17 +114,17 @@ class PlainProblem:
         self.problem = replace(source, domain=replace(domain, operators=operators))
 
     def original(self, action: PlannedAction) -> PlannedAction:
-        """Return the action of the original problem for an action of this problem."""
+        """Return the action of the original problem that corresponds to an action of the plain problem."""
         case = self._cases[action.name]
         values = case.operator.bind(action)
         return PlannedAction(case.origin, tuple(values.get(argument, argument) for argument in case.arguments))
 
     def _shorten(self, operator: Operator) -> Operator:
-        """Return a possible operator without the conditions that always hold."""
+        """Return the operator without the preconditions that always hold."""
         return replace(operator, precondition=tuple(f for f in operator.precondition if not self._fixed.settle(f)))
 
     def _separate(self, whole: _Case) -> None:
-        """Add the cases of an operator in which two effects meet, and the cases of those cases."""
+        """Add the cases of an operator in which effects collide, including cases of several collisions."""
         found = {whole.arguments}
         unexplored = [whole]
         while unexplored:
@@ -141,7 +138,7 @@ class PlainProblem:
                     self._cases[shortened.name] = replace(narrower, operator=shortened)
 
     def _meetings(self, operator: Operator) -> Iterator[Substitution]:
-        """Yield the substitutions with which two effects of an operator apply to one fact."""
+        """Yield the substitutions that make two effects of an operator change the same fact."""
         types = {**self._constants, **dict(operator.parameters)}
         for one, other in combinations(dict.fromkeys((*operator.add, *operator.delete)), 2):
             substitution = self._unify(one, other, types) if one[0] == other[0] else None
@@ -149,7 +146,7 @@ class PlainProblem:
                 yield substitution
 
     def _unify(self, one: Fact, other: Fact, types: Mapping[str, str]) -> Substitution | None:
-        """Return the substitution that makes two facts of one predicate equal, or None."""
+        """Return the substitution that makes two facts of one predicate equal, or None if there is none."""
         substitution: dict[str, str] = {}
         for pair in zip(one[1:], other[1:], strict=True):
             first, second = (_value(argument, substitution) for argument in pair)
@@ -162,17 +159,17 @@ class PlainProblem:
         return {variable: _value(variable, substitution) for variable in substitution}
 
     def _is_narrower(self, one: str, other: str, types: Mapping[str, str]) -> bool:
-        """Return whether the first argument replaces the second, if either can. Nothing replaces a constant."""
+        """Return whether the first argument may replace the second. A constant cannot be replaced."""
         if one in self._constants or other in self._constants:
             return one in self._constants
         return self._is_within(types[one], types[other])
 
     def _is_within(self, narrow: str, wide: str) -> bool:
-        """Return whether a type is another type or one of its descendants."""
+        """Return whether `narrow` is the type `wide` or one of its descendants."""
         return wide in lineage(narrow, self._parents)
 
     def _narrow(self, case: _Case, substitution: Substitution) -> _Case:
-        """Return the case in which a substitution holds as well."""
+        """Return the narrower case in which a substitution also applies."""
         operator = case.operator
         lists = (operator.precondition, operator.add, operator.delete)
         facts = [tuple(dict.fromkeys(_put(fact, substitution) for fact in each)) for each in lists]
@@ -189,7 +186,7 @@ def _put(arguments: tuple[str, ...], substitution: Substitution) -> tuple[str, .
 
 
 def _value(argument: str, substitution: Substitution) -> str:
-    """Return the final value of an argument."""
+    """Return the final value of an argument after all substitutions."""
     while argument in substitution:
         argument = substitution[argument]
     return argument

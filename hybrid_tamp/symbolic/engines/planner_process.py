@@ -1,7 +1,7 @@
-"""The planner as the rest of the library sees it: a process that starts early and answers one request for a plan.
+"""The planner process, which starts early and answers one planning request.
 
-The process imports unified_planning (`engines.worker`) while this one reads and compiles the task. Its replies are
-JSON; this module turns them into values.
+The planner process imports unified_planning (`engines.worker`) while the main process reads and compiles the task. This
+module converts its JSON replies to Python objects.
 """
 
 import logging
@@ -17,7 +17,7 @@ from hybrid_tamp.symbolic.engines.worker_process import WorkerProcess
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 
 if TYPE_CHECKING:
-    # The import takes as long as that of the worker, which has to start first.
+    # This import takes as long as the imports of the worker, which must start first.
     from hybrid_tamp.model.task import Limits
 
 _LOG = logging.getLogger(__name__)
@@ -31,13 +31,13 @@ class PlannerAnswer:
     """The answer of a planning engine.
 
     Attributes:
-        status: ``solved``; ``unsolvable``, a proof that there is no plan; ``not_found``, neither a plan nor a proof;
-            ``crashed``; or ``refused``, a wrong plan.
-        actions: the plan if the status is solved or refused.
-        seconds: time from the request to the answer [s].
-        engine: name of the engine.
-        message: details for people, or empty.
-        validated: whether the validator of unified_planning accepted the actions.
+        status: ``solved`` (the engine found a valid plan), ``unsolvable`` (it proved that there is no plan),
+            ``not_found`` (it gave neither a plan nor a proof), ``crashed`` or ``refused`` (its plan is invalid).
+        actions: Plan of the engine if the status is ``solved`` or ``refused``.
+        seconds: Time from the request to the answer [s].
+        engine: Name of the engine.
+        message: Details for the user, or an empty string.
+        validated: Whether the validator of unified_planning accepted the actions.
     """
 
     status: Status
@@ -49,9 +49,10 @@ class PlannerAnswer:
 
 
 class PlannerProcess:
-    """The process of the planner, a context manager. The process starts at once, so enter it before reading the task.
+    """A context manager for planner processes.
 
-    One process answers one request. A further request starts another process.
+    Entering the context starts the first process, so enter it before reading the task. One process answers one
+    request. Each further request starts another process.
     """
 
     def __init__(self) -> None:
@@ -69,20 +70,20 @@ class PlannerProcess:
             self._worker = None
 
     def prepare(self) -> None:
-        """Start the process for the next request now rather than when the request comes."""
+        """Start the process for the next request in advance."""
         self._worker = self._worker or WorkerProcess()
 
     def solve(self, problem: PlanningProblem, engine: str, limits: "Limits") -> PlannerAnswer:
         """Return the answer of an engine to a problem.
 
         Args:
-            problem: the problem.
-            engine: a name from `known_engines`, or ``package.module:ClassName``.
-            limits: limits of the time from now and of the memory of all processes together.
+            problem: Planning problem to solve.
+            engine: Name from `known_engines`, or ``package.module:ClassName``.
+            limits: Time limit of the request, and memory limit of the planner and its subprocesses together.
 
         Raises:
-            InputError: if the engine is unknown, is not installed, or does not take such problems.
-            LimitReached: if a limit was reached first.
+            InputError: If the engine is unknown, is not installed, or does not support the problem.
+            LimitReached: If a limit was reached before the engine answered.
         """
         check_engine(engine)
         began = time.monotonic()
@@ -99,17 +100,17 @@ class PlannerProcess:
 
 
 def _read_answer(reply: dict[str, Any], engine: str, seconds: float) -> PlannerAnswer:
-    """Return the answer in the reply of a worker.
+    """Convert the reply of a worker to an answer.
 
     Raises:
-        InputError: if there is no such engine, or if it does not take such problems.
-        LimitReached: if the engine itself ran out of time or memory.
+        InputError: If the engine is unknown or does not support the problem.
+        LimitReached: If the engine itself ran out of time or memory.
     """
     status, message = reply["status"], reply.get("message", "")
     if status == "unknown":
         raise unknown_engine(engine, tuple(reply["available"]))
     if status == "unsupported":
-        wanted = f"an engine is wanted that takes {message}"
+        wanted = f"the engine must support {message}"
         raise InputError([Issue("planner", wanted, engine, remedy="choose another engine")])
     if status == "limit":
         raise LimitReached(message, limit=reply["limit"])

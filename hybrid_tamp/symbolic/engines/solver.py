@@ -1,14 +1,15 @@
-"""Solver in the process of the planner: from a planning problem and the name of an engine to a reply.
+"""Solver in the planner process, which replies to a planning problem and the name of an engine.
 
 The reply is a dictionary for JSON. Its ``status`` is one of
 
-* ``solved``, with ``actions`` that the validator of unified_planning accepted;
-* ``refused``: the engine returned a plan, and the validator did not accept it;
-* ``unsolvable``: the engine proved that there is no plan; ``not_found``: it ended without one;
-* ``crashed``: the engine failed;
-* ``limit``, with ``limit`` (time or memory): the engine itself gave up;
-* ``unknown``, with ``available``: there is no such engine;
-* ``unsupported``: the engine does not take such problems, and no compiler can change that.
+* ``solved``: the validator of unified_planning accepted the engine's ``actions``.
+* ``refused``: the validator of unified_planning did not accept the engine's ``actions``.
+* ``unsolvable``: the engine proved that there is no plan.
+* ``not_found``: the engine ended with neither a plan nor a proof.
+* ``crashed``: the engine failed.
+* ``limit``: the engine itself reached a ``limit`` (time or memory).
+* ``unknown``: the engine does not exist. The ``available`` engines are listed.
+* ``unsupported``: the engine does not support the problem, even after compilation.
 """
 
 import sys
@@ -25,9 +26,9 @@ from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 
 Reply = dict[str, Any]
 
-_LOG_LINES = 15  # Number of lines of the log of an engine in a message.
+_LOG_LINES = 15  # Number of lines of an engine's log in a message.
 
-# Compilations of unified_planning, in the order of use, with the features of a problem that they remove.
+# Maps each compilation of unified_planning, in the order of use, to the problem features that it removes.
 _REMOVERS = {
     "QUANTIFIERS_REMOVING": ("EXISTENTIAL_CONDITIONS", "UNIVERSAL_CONDITIONS", "FORALL_EFFECTS"),
     "CONDITIONAL_EFFECTS_REMOVING": ("CONDITIONAL_EFFECTS",),
@@ -39,7 +40,7 @@ _REMOVERS = {
 class Solver:
     """Solves planning problems with the engines of unified_planning.
 
-    By itself, unified_planning imports every installed engine. The solver imports only the engine of the request. That
+    By default, unified_planning imports every installed engine. The solver imports only the engine of the request. This
     is faster, and a broken engine does not affect the others.
     """
 
@@ -77,7 +78,7 @@ class Solver:
         actions = problem.read_plan(original_plan(result.plan, compiled))
         if plain:
             actions = tuple(map(plain.original, actions))
-        # The problem is built again because engines change its explicit initial values.
+        # The problem is rebuilt because engines change its explicit initial values.
         fault = unify(source).fault(actions)
         return {"status": "refused" if fault else "solved", "actions": actions, "message": fault}
 
@@ -85,7 +86,7 @@ class Solver:
         """Import an engine and register it with unified_planning.
 
         Raises:
-            LookupError: if there is no such engine, or if it is not a planner.
+            LookupError: If the engine does not exist or is not a planner.
         """
         if name in self._installable:
             with _configspace_put_off():
@@ -93,10 +94,10 @@ class Solver:
         elif ":" in name:
             module, _, member = name.partition(":")
             if not hasattr(getattr(import_module(module), member, None), "is_oneshot_planner"):
-                raise LookupError(f"there is no engine {member} in {module}")
+                raise LookupError(f"the module {module} has no planning engine {member}")
             self._factory.add_engine(name, module, member)
         if name not in self._factory.engines or not self._finds_plans(name):
-            raise LookupError(f"{name} is no planner that unified_planning knows")
+            raise LookupError(f"unified_planning has no planner {name}")
 
     def _finds_plans(self, name: str) -> bool:
         return bool(self._factory.engine(name).is_oneshot_planner())
@@ -107,12 +108,12 @@ class Solver:
 
 
 def _entry(name: str) -> Engine:
-    """Return the entry of an engine, or the defaults if it has none."""
+    """Return the entry of an engine in `ENGINES`, or the default properties if the engine has no entry."""
     return ENGINES.get(name, Engine(""))
 
 
 def _without_plan(name: str, result: Any) -> Reply:
-    """Return the reply for a result without a plan."""
+    """Return the reply for an engine's result without a plan."""
     status = result.status.name
     log = "\n".join(entry.message.strip() for entry in result.log_messages or ())
     end = f"{name} ended with {status}"
@@ -128,15 +129,15 @@ def _without_plan(name: str, result: Any) -> Reply:
 
 
 def simplify_for(engine: Any, problem: Any) -> tuple[Any, list[Any]]:
-    """Remove the features that an engine does not support with the compilers of unified_planning.
+    """Use the compilers of unified_planning to remove the features that an engine does not support.
 
     Args:
-        engine: an engine of unified_planning, or its class.
-        problem: a problem of unified_planning.
+        engine: Engine of unified_planning, or its class.
+        problem: Problem of unified_planning.
 
     Returns:
-        The problem for the engine, and the results of the compilers, first to last. The problem may still have
-        features that no compiler removes: ask ``engine.supports(problem.kind)``.
+        Pair of the simplified problem and the results of the compilers, first to last. No compiler removes some
+        features, so check ``engine.supports(problem.kind)`` afterwards.
     """
     from unified_planning.engines import CompilationKind
 
@@ -152,7 +153,7 @@ def simplify_for(engine: Any, problem: Any) -> tuple[Any, list[Any]]:
 
 
 def original_plan(plan: Any, results: Sequence[Any]) -> Any:
-    """Return the plan of the original problem from a plan of the problem that `simplify_for` returned."""
+    """Convert a plan of the problem that `simplify_for` returned to a plan of the original problem."""
     for result in reversed(results):
         if result.plan_back_conversion is not None:
             plan = result.plan_back_conversion(plan)
@@ -162,7 +163,7 @@ def original_plan(plan: Any, results: Sequence[Any]) -> Any:
 
 
 class _ConfigurationSpace:
-    """Stand-in for the class of that name in ConfigSpace; creating one imports and returns the real object."""
+    """Stand-in for ``ConfigSpace.ConfigurationSpace``. A call imports ConfigSpace and returns the real object."""
 
     def __new__(cls, *arguments: Any, **named: Any) -> Any:
         return import_module("ConfigSpace").ConfigurationSpace(*arguments, **named)
@@ -170,10 +171,10 @@ class _ConfigurationSpace:
 
 @contextmanager
 def _configspace_put_off() -> Iterator[None]:
-    """Prevent the import of ConfigSpace and of most of SciPy, which takes longer than all other imports.
+    """Postpone the import of ConfigSpace and most of SciPy, which takes longer than all other imports.
 
-    unified_planning and its engines import one name from it, for an annotation and for a method that is not called
-    here. Any other name comes from the real module.
+    unified_planning and its engines import one name from ConfigSpace, for an annotation and for a method that is not
+    called here. Any other name is taken from the real module.
     """
     stand_in = ModuleType("ConfigSpace")
 

@@ -1,4 +1,4 @@
-"""Planning problems as objects of unified_planning, and the way back from its plans to our names.
+"""Conversion of planning problems to objects of unified_planning, and of its plans to planned actions.
 
 The functions import unified_planning when they are called, because the import is slow.
 """
@@ -16,12 +16,12 @@ from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningProblem,
 
 @dataclass(frozen=True)
 class UnifiedProblem:
-    """A problem of unified_planning with the way back to our names.
+    """A problem of unified_planning, with a mapping from our PDDL names to its objects.
 
     Attributes:
-        problem: the ``unified_planning.model.Problem``.
-        actions: our name of an operator to the action of unified_planning.
-        objects: our name of an object or constant to the object of unified_planning.
+        problem: Problem as a ``unified_planning.model.Problem``.
+        actions: Maps our name of each operator to the action of unified_planning.
+        objects: Maps our name of each object or constant to the object of unified_planning.
     """
 
     problem: Any
@@ -29,10 +29,10 @@ class UnifiedProblem:
     objects: Mapping[str, Any]
 
     def read_plan(self, plan: Any) -> tuple[PlannedAction, ...]:
-        """Return a plan of unified_planning as actions in our names.
+        """Convert a plan of unified_planning to actions with our names.
 
         Raises:
-            unified_planning.exceptions.UPException: if the plan has no sequential form.
+            unified_planning.exceptions.UPException: If the plan cannot be converted to a sequential plan.
         """
         from unified_planning.plans import PlanKind
 
@@ -48,7 +48,7 @@ class UnifiedProblem:
         )
 
     def fault(self, actions: Sequence[PlannedAction]) -> str:
-        """Return why the validator of unified_planning refuses a plan, or an empty text if it accepts the plan."""
+        """Return why the validator of unified_planning rejects a plan, or an empty string for a valid plan."""
         from unified_planning.engines.plan_validator import SequentialPlanValidator
         from unified_planning.engines.results import ValidationResultStatus
         from unified_planning.plans import SequentialPlan
@@ -65,28 +65,28 @@ class UnifiedProblem:
 
     @cached_property
     def _own_names(self) -> tuple[dict[str, str], dict[str, str]]:
-        """Names in unified_planning of actions, and of objects, to our names."""
+        """Two dictionaries, which map the names of actions and of objects in unified_planning to our names."""
         return (
             {action.name: own for own, action in self.actions.items()},
             {thing.name: own for own, thing in self.objects.items()},
         )
 
     def _misfit(self, action: PlannedAction) -> str:
-        """Return why an action is not an instance of an operator, or an empty text if it is."""
+        """Return why an action is not an instance of an operator, or an empty string if it is."""
         if action.name not in self.actions:
             return f"there is no operator {action.name!r}"
         parameters = self.actions[action.name].parameters
         if len(parameters) != len(action.arguments):
-            return f"the operator takes {len(parameters)} objects"
+            return f"the operator needs {len(parameters)} objects, got {len(action.arguments)}"
         for parameter, argument in zip(parameters, action.arguments, strict=True):
             if argument not in self.objects:
                 return f"there is no object {argument!r}"
             if not parameter.type.is_compatible(self.objects[argument].type):
-                return f"{argument!r} is not of the type of {parameter.name!r}"
+                return f"the type of {argument!r} does not fit parameter {parameter.name!r}"
         return ""
 
     def _instance(self, action: PlannedAction) -> Any:
-        """Return the instance in unified_planning of an action that fits."""
+        """Convert an action without misfit to an action instance of unified_planning."""
         from unified_planning.plans import ActionInstance
 
         express = self.problem.environment.expression_manager.ObjectExp
@@ -94,14 +94,14 @@ class UnifiedProblem:
 
 
 def unify(source: PlanningProblem, *, sparse: bool = False) -> UnifiedProblem:
-    """Return a planning problem as an object of unified_planning, in its global environment.
+    """Convert a planning problem to an object of unified_planning.
 
-    A private environment would break the optimal Fast Downward engine.
+    The object belongs to the global environment, because a private environment breaks the optimal Fast Downward engine.
 
     Args:
-        source: the problem.
-        sparse: whether the problem names only the true initial values. There are thousands of times as many false
-            values, and most engines ask for them only to leave them out.
+        source: Planning problem to convert.
+        sparse: Whether the object has only the true initial values. The false values are thousands of times as many,
+            and most engines ignore them.
     """
     from unified_planning.environment import get_environment
 
@@ -112,10 +112,10 @@ def unify(source: PlanningProblem, *, sparse: bool = False) -> UnifiedProblem:
 
 
 class _Names:
-    """Gives each item a name that no other item of any kind has and that is not a PDDL keyword.
+    """Gives each item a unique name that is not a PDDL keyword.
 
-    unified_planning and its PDDL writer rename items with colliding names, each in its own way. Both leave names alone
-    that never collide, so that our names can be restored. An item keeps its name if possible.
+    unified_planning and its PDDL writer rename items with colliding names. Unique names stay unchanged, so that our
+    names can be restored. If possible, an item keeps its name.
     """
 
     def __init__(self, keywords: Iterable[str]) -> None:
@@ -123,7 +123,7 @@ class _Names:
         self._given: dict[tuple[str, str], str] = {}
 
     def __call__(self, own: str, kind: str) -> str:
-        """Return the name of the item of that kind, the same one each time."""
+        """Return the name of an item. The same item and kind always get the same name."""
         if (own, kind) not in self._given:
             self._given[own, kind] = unused(own.removeprefix("?"), self._taken)
             self._taken.add(self._given[own, kind])
@@ -132,7 +132,7 @@ class _Names:
 
 @cache
 def _sparse_class() -> Any:
-    """Return a class of problems of unified_planning that name only the true initial values."""
+    """Return a subclass of the problem class that has only the true initial values."""
     from unified_planning.model import Problem
 
     class SparseProblem(Problem):  # type: ignore[misc]
@@ -144,7 +144,7 @@ def _sparse_class() -> Any:
 
 
 class _Builder:
-    """Builds a problem of unified_planning from ours."""
+    """Builds a problem of unified_planning from a planning problem."""
 
     def __init__(self, source: PlanningProblem, environment: Any, sparse: bool) -> None:
         from unified_planning.io import pddl_writer
@@ -161,7 +161,7 @@ class _Builder:
         self._fluents: dict[str, Any] = {}
 
     def build(self) -> UnifiedProblem:
-        """Return the problem. Items precede the items that refer to them."""
+        """Return the problem. Each item is added before the items that refer to it."""
         from unified_planning.model import Fluent, Object
 
         domain = self._source.domain
@@ -182,7 +182,10 @@ class _Builder:
         return UnifiedProblem(self._problem, self._actions, self._objects)
 
     def _type(self, name: str) -> Any:
-        """Return the user type. The root is left out unless an object or parameter has the root type itself."""
+        """Return the user type for a PDDL type.
+
+        The root type is left out unless an object or a parameter has exactly this type.
+        """
         parent = self._parents.get(name)
         topmost = parent is None or (parent == "object" and not self._root_is_used)
         make = self._environment.type_manager.UserType
@@ -190,18 +193,18 @@ class _Builder:
 
     @cached_property
     def _root_is_used(self) -> bool:
-        """Whether an object or a parameter has the root type itself."""
+        """Whether an object or a parameter has exactly the root type."""
         domain = self._source.domain
         signatures = [domain.constants, self._source.objects, *(parameters for _, parameters in domain.predicates)]
         signatures += [operator.parameters for operator in domain.operators]
         return any(kind == "object" for signature in signatures for _, kind in signature)
 
     def _signature(self, parameters: Iterable[Typed]) -> OrderedDict[str, Any]:
-        """Return the types of parameters by their names, which differ from those of all objects."""
+        """Return an ordered dictionary from the names of parameters to their types."""
         return OrderedDict((self._names(name, "parameter"), self._type(kind)) for name, kind in parameters)
 
     def _action(self, operator: Operator) -> Any:
-        """Return one action. Deletes precede adds, so a fact that is also added is not deleted."""
+        """Convert an operator to an action. Deletes precede adds, so a fact that is also added is not deleted."""
         from unified_planning.model import InstantaneousAction
 
         signature = self._signature(operator.parameters)
@@ -217,7 +220,7 @@ class _Builder:
         return action
 
     def _expression(self, fact: Fact, variables: Mapping[str, Any] | None = None) -> Any:
-        """Return a fact over variables, constants and objects as an expression."""
+        """Convert a fact over variables, constants and objects to an expression."""
         predicate, *arguments = fact
         things = ChainMap(dict(variables or {}), self._objects)
         return self._fluents[predicate](*(things[argument] for argument in arguments))

@@ -1,12 +1,12 @@
-"""The process of the planner: ``python -m hybrid_tamp.symbolic.engines.worker DIRECTORY DESCRIPTOR``.
+"""Main program of the planner process, ``python -m hybrid_tamp.symbolic.engines.worker DIRECTORY DESCRIPTOR``.
 
-The process imports unified_planning at once, while its parent still reads the task. A line on standard input says that
-``DIRECTORY/request.json`` exists. The process solves the problem in it, writes ``DIRECTORY/reply.json``, and signals
-that by a byte on the descriptor. Then it waits for the end of standard input, which also comes if the parent dies. At
-the end it kills all processes that it started and removes the directory.
+The process imports unified_planning at once, while its parent still reads the task. A line on standard input signals
+that ``DIRECTORY/request.json`` exists. The process solves the requested problem, writes ``DIRECTORY/reply.json``, and
+writes one byte to the descriptor. Then the process waits until standard input is closed, which also happens if the
+parent dies. Finally the process kills all its descendants and removes the directory.
 
-The parent logs both output streams, because engines print to them. An exception goes to the same log; then there is no
-reply.
+Both output streams go to a log file of the parent, because engines print to them. If an exception occurs, its traceback
+goes to the same log and there is no reply.
 """
 
 import json
@@ -29,12 +29,12 @@ from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningDomain, Planni
 REQUEST = "request.json"
 REPLY = "reply.json"
 
-_GRACE = 0.3  # Time for the main thread to end the process [s].
-_TRIES = 3  # Attempts to remove a directory in which other threads still write.
+_GRACE = 0.3  # Time limit for the main thread to end the process [s].
+_TRIES = 3  # Number of attempts to remove the directory, because other threads may still write to it.
 
 
 def main(directory: Path, descriptor: int) -> None:
-    """Answer one request and wait for the end of the parent or of its input."""
+    """Answer one request and wait until the parent closes the input or dies."""
     signal.signal(signal.SIGTERM, lambda number, frame: _end(directory))
     os.set_inheritable(descriptor, False)
     adopt_orphans()
@@ -47,17 +47,17 @@ def main(directory: Path, descriptor: int) -> None:
         request = json.loads((directory / REQUEST).read_text(encoding="utf-8"))
         _bound_java(request["memory"])
         _write(directory / REPLY, solver.reply(decode_problem(request["problem"]), request["engine"]))
-    except Exception:  # noqa: BLE001 the outermost boundary: engines raise anything, and the log shows it
+    except Exception:  # noqa: BLE001 engines may raise any exception, and the log shows it
         traceback.print_exc()
         sys.stderr.flush()
-    # If the parent has died, the follower ends this process.
+    # If the parent has died, the follower thread ends this process.
     with suppress(BrokenPipeError):
         os.write(descriptor, b"!")
     follower.join()
 
 
 def decode_problem(data: Mapping[str, Any]) -> PlanningProblem:
-    """Return the planning problem from its JSON form, in which tuples are lists."""
+    """Convert the JSON form of a planning problem, in which tuples are lists, to the problem."""
     fields = {key: _tuples(value) for key, value in data.items() if key != "domain"}
     domain = {key: _tuples(value) for key, value in data["domain"].items()}
     domain["operators"] = tuple(Operator(**each) for each in domain["operators"])
@@ -65,14 +65,14 @@ def decode_problem(data: Mapping[str, Any]) -> PlanningProblem:
 
 
 def _tuples(value: Any) -> Any:
-    """Return the value with tuples for lists."""
+    """Return the value with all lists replaced by tuples."""
     if isinstance(value, dict):
         return {key: _tuples(each) for key, each in value.items()}
     return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
 def _take_input() -> BinaryIO:
-    """Return the input from the parent, and make standard input empty for the engines, which inherit it."""
+    """Return the input stream from the parent. Replace standard input by an empty stream, which engines inherit."""
     parent = os.fdopen(os.dup(0), "rb")
     with open(os.devnull, "rb") as nothing:
         os.dup2(nothing.fileno(), 0)
@@ -80,37 +80,40 @@ def _take_input() -> BinaryIO:
 
 
 def _bound_java(memory: int) -> None:
-    """Limit the heap of Java to three quarters of a limit [MiB]; Java would rather grow than collect garbage."""
+    """Limit the Java heap to three quarters of a memory limit [MiB].
+
+    Without a limit, Java lets the heap grow instead of collecting garbage.
+    """
     options = os.environ.get("JAVA_TOOL_OPTIONS", "")
     os.environ["JAVA_TOOL_OPTIONS"] = f"{options} -Xmx{max(16, memory * 3 // 4)}m"
 
 
 def _follow_parent(parent: BinaryIO, asked: threading.Event, directory: Path) -> NoReturn:
-    """Signal the request of the parent, and end this process when the parent closes the input or dies."""
+    """Set `asked` when a request arrives, and end this process when the parent closes the input or dies."""
     if parent.readline():
         asked.set()
         parent.read()
-    # The handler of the signal ends the process in the main thread, so that it cannot start an engine meanwhile.
-    # If the main thread does not get to the handler in time, this thread ends the process.
+    # The signal handler ends the process in the main thread, so that the main thread cannot start an engine meanwhile.
+    # If the main thread does not run the handler in time, this thread ends the process.
     signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
     time.sleep(_GRACE)
     _end(directory)
 
 
 def _end(directory: Path) -> NoReturn:
-    """End this process and all processes that it started at once, and remove the directory.
+    """End this process and its descendants immediately, and remove the directory.
 
-    The interpreter does not shut down, because that would wait for the threads of engines.
+    The interpreter does not shut down normally, because this would wait for the threads of engines.
     """
     kill_descendants()
-    # Other threads may still write there, but none creates the directory again.
+    # Other threads may still write to the directory, but none of them creates it again.
     for _ in range(_TRIES):
         shutil.rmtree(directory, ignore_errors=True)
     os._exit(0)
 
 
 def _write(path: Path, reply: Mapping[str, Any]) -> None:
-    """Write the reply to a temporary file and rename it, so that the parent never reads half a reply."""
+    """Write the reply to a temporary file and rename the file, so that the parent never reads an incomplete reply."""
     temporary = path.with_suffix(".part")
     temporary.write_text(json.dumps(reply, default=vars), encoding="utf-8")
     temporary.replace(path)

@@ -1,7 +1,7 @@
-"""One run of the process of the planner, seen from its parent. It starts early and answers one request.
+"""Control of one planner process by its parent. The planner process starts early and answers one request.
 
-The limits hold for the process together with all processes that it starts. No process and no file is left after a
-request, whether it ends by an answer, a limit, a crash or an interrupt.
+The limits apply to the planner process and its descendants together. After an answer, a limit, a crash or an
+interrupt, no process and no file is left.
 """
 
 import json
@@ -24,18 +24,18 @@ from hybrid_tamp.symbolic.engines.processes import ProcessTree, make_environment
 from hybrid_tamp.symbolic.engines.worker import REPLY, REQUEST
 
 if TYPE_CHECKING:
-    # The import takes as long as that of the worker, which has to start first.
+    # This import takes as long as the imports of the worker, which must start first.
     from hybrid_tamp.model.task import Limits
 
-_FIRST_LOOK = 0.01  # Time from the request to the first check of the processes [s]; later intervals grow
-_LAST_LOOK = 0.05  # up to this [s].
-_GRACE = 1.0  # Time for the worker to end itself and the processes that it started, before it is killed [s].
+_FIRST_LOOK = 0.01  # Interval from the request to the first check of the processes [s]. Later intervals double.
+_LAST_LOOK = 0.05  # Largest interval between two checks [s].
+_GRACE = 1.0  # Time limit for the worker to end itself and its descendants before the parent kills them [s].
 _LOG_FILE = "log"
-_LOG_TAIL = 2000  # Length of the log of a crashed worker in the message [byte].
+_LOG_TAIL = 2000  # Number of bytes of a crashed worker's log in the message.
 
 
 class WorkerProcess:
-    """One run of `engines.worker`."""
+    """A planner process, which runs `engines.worker`."""
 
     def __init__(self) -> None:
         self._directory = Path(mkdtemp(prefix="hybrid-tamp-"))
@@ -43,7 +43,7 @@ class WorkerProcess:
         try:
             self._process = self._start(mark)
         except BaseException:
-            # An interrupt, too.
+            # This includes an interrupt by the user.
             shutil.rmtree(self._directory)
             raise
         self._tree = ProcessTree(self._process.pid, mark)
@@ -52,9 +52,9 @@ class WorkerProcess:
         self._listener.start()
 
     def ask(self, request: Mapping[str, Any]) -> None:
-        """Send the request without waiting for the worker to read it."""
+        """Send the request. Return before the worker reads it."""
         (self._directory / REQUEST).write_text(json.dumps(request, default=vars), encoding="utf-8")
-        # `wait` notices a worker that has already ended.
+        # If the worker has already ended, `wait` returns at once.
         with suppress(BrokenPipeError):
             self._input.write(b"\n")
 
@@ -62,7 +62,7 @@ class WorkerProcess:
         """Wait until the worker has answered or ended.
 
         Raises:
-            LimitReached: if a limit is reached first.
+            LimitReached: If a limit is reached before that.
         """
         pause = _FIRST_LOOK
         while not self._answered.wait(min(pause, max(0.0, began + limits.time - time.monotonic()))):
@@ -75,7 +75,7 @@ class WorkerProcess:
             pause = min(2 * pause, _LAST_LOOK)
 
     def reply(self) -> dict[str, Any]:
-        """Return the reply of a worker that has answered or ended. A worker without a reply has crashed."""
+        """Return the reply after `wait`. If the worker has left no reply, report a crash."""
         path, code = self._directory / REPLY, self._process.returncode
         if path.exists():
             reply: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
@@ -84,8 +84,8 @@ class WorkerProcess:
         return {"status": "crashed", "message": f"the planner ended with {_ending(code)}\n{log}".strip()}
 
     def stop(self) -> None:
-        """End the worker and all processes that it started, and remove its files. It is safe to call this again."""
-        # The worker ends when its input closes. It knows its own descendants best and leaves no zombies.
+        """End the worker and its descendants, and remove its files. Further calls have no effect."""
+        # The worker ends when its input closes. The worker itself can kill its descendants without leaving zombies.
         self._input.close()
         self._ended.wait(_GRACE)
         self._tree.kill(search=self._process.returncode != 0)
@@ -96,8 +96,8 @@ class WorkerProcess:
     def _start(self, mark: str) -> subprocess.Popen[bytes]:
         """Start the process.
 
-        It runs in its directory, because engines write files to the working directory. It runs in a session of its
-        own, because only the parent handles an interrupt from the terminal.
+        The working directory is the process's own directory, because engines write files there. The process has its own
+        session, because only the parent must handle an interrupt from the terminal.
         """
         temporary = self._directory / "tmp"
         temporary.mkdir()
@@ -122,7 +122,7 @@ class WorkerProcess:
         return self._process.stdin
 
     def _listen(self) -> None:
-        """Wait for the signal that the worker has answered, which may not come, and for its end."""
+        """Wait until the worker answers or ends, then until the worker ends. Set the two events."""
         with self._signs:
             if not self._signs.read(1):
                 self._process.wait()
@@ -132,7 +132,10 @@ class WorkerProcess:
 
 
 def _ending(code: int | None) -> str:
-    """Say how a worker without a reply has ended. Its exit code is None if it still waits for the end of its input."""
+    """Describe how a worker without a reply ended.
+
+    The exit code is None if the worker still waits for the end of its input.
+    """
     if code is None:
         return "an exception"
     return f"exit code {code}" if code >= 0 else f"signal {-code} ({signal.strsignal(-code)})"

@@ -1,4 +1,4 @@
-"""Strategies for a plan: goals planned apart, tokens rebound.
+"""Planning strategies, which plan goals separately and rebind tokens.
 
-Input: a task and a running planner. Output: a candidate plan of the whole task that the law checker accepted.
+The input is a task and a running planner. The output is a plan of the whole task that the law checker accepted.
 """

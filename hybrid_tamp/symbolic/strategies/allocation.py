@@ -1,6 +1,7 @@
-"""Allocation of helpers to groups of goals: each group gets the helpers that its plan needs, from close by.
+"""Allocation of helpers to groups of goals.
 
-If there are too few helpers for all groups at once, they help in waves.
+Each group gets the closest helpers of the kinds that its plan needs. If there are too few helpers for all groups at
+once, the groups are served in waves.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -16,14 +17,19 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.symbolic.strategies.groups import Group, Helpers, Signature
 
 _NEAR = 6
-"""Smallest number of the closest helpers that are considered for a group; others are used if these do not suffice."""
+"""Least number of closest helpers to consider for a group. Other helpers are considered if these do not suffice."""
 _CHOICES = 8
-"""Largest number of choices of kinds that are tried for a group and a number of helpers."""
+"""Largest number of combinations of kinds to try for a group and a number of helpers."""
 
 
 @dataclass(frozen=True)
 class Demand:
-    """The signatures of the helpers that a group needs, in the order of the roles in its plan."""
+    """The helpers that a group needs.
+
+    Attributes:
+        group: Group of goals.
+        kinds: Signatures of the helpers, in the order of their roles in the group's plan.
+    """
 
     group: Group
     kinds: tuple[Signature, ...]
@@ -31,12 +37,12 @@ class Demand:
 
 @dataclass(frozen=True)
 class Share:
-    """A group with its helpers, in the order of the roles in its plan.
+    """A group with its assigned helpers.
 
     Attributes:
-        group: the group.
-        helpers: the tokens.
-        returning: whether a later wave needs one of them again.
+        group: Group of goals.
+        helpers: Names of the helpers, in the order of their roles in the group's plan.
+        returning: Whether a later wave needs one of the helpers again.
     """
 
     group: Group
@@ -51,11 +57,11 @@ class Allocation:
         self._views: Mapping[Group, Helpers] = {group: Helpers(task, group, holding, feasible) for group in groups}
 
     def considered(self, group: Group, count: int) -> tuple[str, ...]:
-        """Return the helpers from which `count` are chosen for a group, the closest first."""
+        """Return the helpers that are considered if a group needs `count` helpers, closest first."""
         return tuple(self._views[group].closest[: max(_NEAR, 2 * count)])
 
     def choices(self, group: Group, count: int) -> Iterator[tuple[str, ...]]:
-        """Yield choices of helpers for a group, of different kinds each, the closest first."""
+        """Yield combinations of `count` helpers for a group, closest first. All combinations differ in their kinds."""
         view = self._views[group]
         kinds: dict[Signature, list[str]] = {}
         for name in self.considered(group, count):
@@ -70,11 +76,14 @@ class Allocation:
         yield from (names for _, names in sorted(found)[:_CHOICES])
 
     def demand(self, group: Group, helpers: Sequence[str]) -> Demand:
-        """Return the demand that these helpers meet."""
+        """Return the demand of a group whose plan uses the given helpers."""
         return Demand(group, tuple(map(self._views[group].signature, helpers)))
 
     def shares(self, demands: Sequence[Demand]) -> list[list[Share]] | None:
-        """Return waves of shares with no token twice in one wave, or None if a demand cannot be met."""
+        """Assign helpers to the demands in waves, so that each token helps at most one group per wave.
+
+        Return None if a demand cannot be met.
+        """
         waves: list[list[Share]] = []
         left = list(demands)
         while left:
@@ -85,7 +94,7 @@ class Allocation:
         return _mark_returns(waves)
 
     def _wave(self, demands: Sequence[Demand]) -> tuple[list[Share], list[Demand]]:
-        """Return the shares of the demands that can be met at once, and the other demands."""
+        """Return the shares of the demands that can be met at once, and the remaining demands."""
         names = self._views[demands[0].group].closest
         at_once = min(len(demands), len(names) // max(1, len(demands[0].kinds)))
         shares: list[Share] = []
@@ -98,7 +107,7 @@ class Allocation:
 
     @staticmethod
     def _match(demands: Sequence[tuple[Demand, FloatArray]], names: Sequence[str]) -> list[Share]:
-        """Return the shares of the demands that can be met together; earlier demands have priority."""
+        """Return the shares of the demands that can be met together. Earlier demands have priority."""
         met: list[tuple[Demand, FloatArray]] = []
         columns: list[int] = []
         for each in demands:
@@ -111,7 +120,10 @@ class Allocation:
         return [Share(demand.group, tuple(names[next(chosen)] for _ in demand.kinds)) for demand, _ in met]
 
     def _costs(self, demand: Demand, names: Sequence[str], near: bool) -> FloatArray:
-        """Return the distances ``(kinds, names)`` [m], infinite for helpers of another kind or too far away."""
+        """Return the distances of the helpers to the group [m], shape ``(kinds, names)``.
+
+        The distance of a helper that is not considered, or is of another kind, is infinite.
+        """
         view, costs = self._views[demand.group], np.full((len(demand.kinds), len(names)), np.inf)
         candidates = self.considered(demand.group, len(demand.kinds)) if near else view.closest
         for name in candidates:
@@ -140,7 +152,7 @@ def cheapest_matching(costs: FloatArray) -> list[int] | None:
 
 
 def _mark_returns(waves: list[list[Share]]) -> list[list[Share]]:
-    """Mark the shares whose helpers a later wave needs."""
+    """Mark each share with a helper that a later wave needs again."""
     marked: list[list[Share]] = []
     needed: set[str] = set()
     for wave in reversed(waves):

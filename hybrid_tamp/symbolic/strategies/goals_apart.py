@@ -1,11 +1,11 @@
-"""Independent goals planned apart and merged: a strategy for plans of many goals.
+"""Strategy that plans independent goals separately and merges the plans.
 
-Each group of goals that share tokens is planned by itself, with different numbers of helpers. The plans are
-concatenated. They share only places and helpers that have returned to their initial state, so they stay applicable;
-this is checked action by action. The schedule runs independent plans at the same time.
+Goals that share tokens form a group. Each group is planned separately, with different numbers of helpers, and the plans
+are concatenated. The plans share only places and helpers that have returned to their initial state, so the concatenated
+plan should be applicable. This is checked action by action. The schedule runs independent plans in parallel.
 
-Two groups have the same plan if renaming their tokens turns one planning problem into the other. So any number of
-equal boxes with equally placed hands needs one search.
+Two groups share a plan if their planning problems are equal up to renaming. So any number of equal boxes with equally
+placed hands needs only one search.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,10 +25,10 @@ from hybrid_tamp.symbolic.strategies.allocation import Allocation, Demand, Share
 from hybrid_tamp.symbolic.strategies.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
 from hybrid_tamp.symbolic.strategies.search import Candidate, Search
 
-APART = "goals planned apart"
+APART = "goals planned separately"
 
 _ORDERS = 24
-"""Largest number of orders of equal helpers that are tried for a group."""
+"""Largest number of orders of equal helpers to try for a group."""
 
 Key = tuple[frozenset[Fact], frozenset[Fact], tuple[tuple[str, str], ...]]
 Actions = tuple[PlannedAction, ...]
@@ -37,13 +37,14 @@ Actions = tuple[PlannedAction, ...]
 def plan_goals_apart(search: Search, seconds: float, *, first_will_do: bool) -> Candidate | None:
     """Return the plan with the smallest makespan over different numbers of helpers per group, or None.
 
-    The first number is the largest with which all groups have helpers at once; then come smaller numbers. With a larger
-    number, helpers serve the groups one after the other; it is tried only if there is no plan yet.
+    First come the numbers with which all groups can have helpers at once, the largest number first. If they give no
+    plan, larger numbers are tried, with which helpers serve the groups one after another.
 
     Args:
-        search: the search for a plan of the whole task.
-        seconds: time limit for one group, and for the search for shorter plans [s].
-        first_will_do: whether to return the first plan, and to search only if a group is smaller than the task.
+        search: Search for a plan of the whole task.
+        seconds: Time limit for each group, and for the search for shorter plans [s].
+        first_will_do: Whether to return the first plan. If True, nothing is planned unless a group is smaller than the
+            task.
     """
     best: Candidate | None = None
     with search.stage("compiling"):
@@ -59,7 +60,7 @@ def plan_goals_apart(search: Search, seconds: float, *, first_will_do: bool) -> 
             actions = None if waves is None else groups.merge_plans(waves)
             if actions is None:
                 continue
-            found = search.judge_actions(f"{APART}, each with {count} tokens to help", actions)
+            found = search.judge_actions(f"{APART}, with {count} helpers per group", actions)
             if found is not None and (best is None or found.plan.makespan < best.plan.makespan - 1e-6):
                 best = found
             if found is not None and (first_will_do or search.elapsed > seconds):
@@ -68,11 +69,11 @@ def plan_goals_apart(search: Search, seconds: float, *, first_will_do: bool) -> 
 
 
 class _Groups:
-    """The groups of the goals of a task, with the plans that are known so far.
+    """The groups of a task's goals, with the known plans.
 
     Attributes:
-        allocation: assigns helpers to groups.
-        hopeless: whether some group has no plan even with all useful helpers.
+        allocation: Allocation of helpers to groups.
+        hopeless: Whether some group has no plan even with all useful helpers.
     """
 
     def __init__(self, search: Search, seconds: float) -> None:
@@ -93,7 +94,10 @@ class _Groups:
         return len(self._groups) > 1 or (len(self._groups) == 1 and left_out > most_helpers(self._task))
 
     def count_helpers(self) -> tuple[int, int, int]:
-        """Return the numbers of helpers per group: available to all groups at once, least and most that are useful."""
+        """Return three numbers of helpers per group.
+
+        These are the number that all groups can have at once, the least useful and the largest useful number.
+        """
         available = len(helpers(self._task))
         least = max((least_helpers(self._task, group, self._holding) for group in self._groups), default=1)
         if not self._groups or least > available:
@@ -102,7 +106,10 @@ class _Groups:
         return min(most, max(least, available // len(self._groups))), least, most
 
     def find_demands(self, count: int) -> list[Demand] | None:
-        """Return the demand of each group, for the closest helpers with which it has a plan; None if one has none."""
+        """Return the demand of each group for the closest helpers with which the group has a plan.
+
+        Return None if a group has no plan with `count` helpers.
+        """
         demands: list[Demand] = []
         for group in self._groups:
             for chosen in self.allocation.choices(group, count):
@@ -110,16 +117,16 @@ class _Groups:
                     demands.append(self.allocation.demand(group, chosen))
                     break
             else:
-                # If the group has no plan with all of them together, it has none with fewer.
+                # If the group has no plan with all useful helpers, it has no plan with fewer helpers.
                 together = self.allocation.considered(group, most_helpers(self._task))
                 self.hopeless = self.plan_group(Share(group, together)) is None
                 return None
         return demands
 
     def merge_plans(self, waves: Sequence[Sequence[Share]]) -> list[PlannedAction] | None:
-        """Return the plans of all shares, one after the other, or None if that is not a plan of the whole task.
+        """Concatenate the plans of all shares. Return None if the result is not a plan of the whole task.
 
-        If the objective is the makespan, helpers of one kind take the order that gives the shortest plan.
+        If the objective is the makespan, helpers of the same kind are ordered for the shortest plan.
         """
         merged: list[PlannedAction] = []
         for share in (share for wave in waves for share in wave):
@@ -136,7 +143,10 @@ class _Groups:
             return merged if self._search.compilation.reaches_goal(merged) else None
 
     def _orders(self, share: Share) -> list[Share]:
-        """Return the share with different orders of helpers of one kind if the objective is the makespan."""
+        """Return the orders of a share's helpers to try.
+
+        If the objective is the makespan, helpers of one kind are permuted. Otherwise only the given order is tried.
+        """
         if self._task.objective != "makespan":
             return [share]
         kinds = self.allocation.demand(share.group, share.helpers).kinds
@@ -145,7 +155,7 @@ class _Groups:
         return [replace(share, helpers=tuple(name for some in order for name in some)) for order in orders]
 
     def _makespan(self, actions: Actions) -> float:
-        """Return the makespan of the plan of one group alone [s]."""
+        """Return the makespan of one group's plan [s], or infinity if the plan cannot be scheduled."""
         compilation = self._search.compilation
         try:
             with self._search.stage("scheduling"):
@@ -154,15 +164,15 @@ class _Groups:
             return float("inf")
 
     def plan_group(self, share: Share) -> Actions | None:
-        """Return the actions of a group, in the words of the whole task, or None if it has no plan.
+        """Return the actions of a group with the PDDL names of the whole task, or None if no plan is found.
 
-        The plan is first sought with the places that the goal of the group names, then with all places.
+        The group is planned with the places in its goal. If this gives no plan, the group is planned with all places.
         """
         search, own = self._search, share.group.places
         for places in (own, self._places) if len(own) < len(self._places) else (own,):
             posed = self._pose(share, places)
             if posed.key not in self._known:
-                self._known[posed.key] = None  # If it is not found in time, the whole task can still be planned.
+                self._known[posed.key] = None  # After a timeout, the whole task can still be planned.
                 with suppress(LimitReached), search.limits_of_request(self._seconds) as limits:
                     answer = search.planner.solve(posed.problem, search.task.planner, limits)
                     if answer.status == "solved":
@@ -187,12 +197,12 @@ class _Groups:
 
 @dataclass(frozen=True)
 class _Posed:
-    """The planning problem of a group, with labels for its objects that are the same for equal groups.
+    """The planning problem of a group, with labels for its objects. Equal groups have equal labels.
 
     Attributes:
-        problem: the problem.
-        labels: PDDL name in it to label.
-        names: label to PDDL name in the whole task.
+        problem: Planning problem of the group.
+        labels: Maps PDDL names in the problem to labels.
+        names: Maps labels to PDDL names in the whole task.
     """
 
     problem: PlanningProblem
@@ -201,7 +211,7 @@ class _Posed:
 
     @cached_property
     def key(self) -> Key:
-        """The problem up to renaming."""
+        """The problem with labels in place of objects."""
         objects = tuple(sorted((self.labels.get(name, name), kind) for name, kind in self.problem.objects))
         init, goal = (
             frozenset(ground(fact, self.labels) for fact in some) for some in (self.problem.init, self.problem.goal)
@@ -209,16 +219,16 @@ class _Posed:
         return init, goal, objects
 
     def generalise(self, actions: Sequence[PlannedAction]) -> Actions:
-        """Return actions of the problem with labels in place of objects."""
+        """Replace the objects in actions of the problem by labels."""
         return tuple(rename_arguments(action, self.labels) for action in actions)
 
     def specialise(self, actions: Sequence[PlannedAction]) -> Actions:
-        """Return actions with labels as actions of the whole task."""
+        """Replace the labels in actions by objects of the whole task."""
         return tuple(rename_arguments(action, self.names) for action in actions)
 
 
 def _at_start(part: Compilation, names_of_helpers: Sequence[str]) -> Iterator[Fact]:
-    """Yield the initial facts about the helpers that some action can change."""
+    """Yield the changeable initial facts about the helpers."""
     changed = {fact[0] for operator in part.encoded.planning.operators for fact in (*operator.add, *operator.delete)}
     names = {part.words.name(helper) for helper in names_of_helpers}
     yield from (fact for fact in part.changing if fact[0] in changed and names & set(fact[1:]))

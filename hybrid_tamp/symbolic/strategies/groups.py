@@ -1,7 +1,7 @@
-"""Groups of goal atoms that can be planned apart, the tokens that may help, and the tasks of the groups.
+"""Groups of goal atoms that can be planned separately, and the helpers and tasks of the groups.
 
-Two goal atoms are in one group if they name the same token and that is not a place. A helper is a token with basic
-actions that no goal names, e.g. a hand. The task of a group has the tokens of the group, some helpers, and places.
+Two goal atoms that share a token other than a place are in the same group. A helper is a token with basic actions that
+no goal atom names, e.g. a hand. The task of a group has the tokens of the group, some helpers, and places.
 """
 
 from collections.abc import Collection, Iterable
@@ -19,12 +19,12 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True, order=True)
 class Signature:
-    """The knowledge of the planner about a helper, in words that are the same for equal groups.
+    """The properties of a helper that matter to the planner. Equal helpers of equal groups have equal signatures.
 
     Attributes:
-        classes: names of its classes.
-        block: the block in which it starts.
-        facts: its facts, including those with tokens of the group: predicate and arguments.
+        classes: Names of the helper's classes.
+        block: Name of the block in which the helper starts.
+        facts: Pairs of (predicate, arguments), one for each fact about the helper. Tokens are replaced by labels.
     """
 
     classes: tuple[str, ...]
@@ -32,7 +32,7 @@ class Signature:
     facts: tuple[tuple[str, tuple[str, ...]], ...]
 
     def less_than(self, other: "Signature") -> bool:
-        """Return whether the other helper has the same facts and more."""
+        """Return whether the other helper has all facts of this helper and more."""
         alike = (self.classes, self.block) == (other.classes, other.block)
         return alike and set(self.facts) < set(other.facts)
 
@@ -42,9 +42,9 @@ class Group:
     """Goal atoms that share tokens.
 
     Attributes:
-        goal: the atoms.
-        tokens: the tokens that they name except places, in the order of the atoms.
-        places: the places that they name.
+        goal: Goal atoms of the group.
+        tokens: Names of the tokens in the atoms except places, in the order of the atoms.
+        places: Names of the places in the atoms.
     """
 
     goal: tuple[Atom, ...]
@@ -53,11 +53,11 @@ class Group:
 
 
 def goal_groups(task: Task, holding: Collection[Atom]) -> list[Group]:
-    """Return the groups of goal atoms in which some atom does not hold yet.
+    """Return the groups of goal atoms. Groups whose atoms all hold in the initial state are left out.
 
     Args:
-        task: the task.
-        holding: the atoms that hold in the beginning.
+        task: Task whose goal is divided into groups.
+        holding: Atoms that hold in the initial state.
     """
     sets: list[tuple[set[str], list[Atom]]] = []
     for atom in task.goal:
@@ -79,7 +79,7 @@ def _group(task: Task, atoms: list[Atom]) -> Group:
 
 
 def goal_tokens(task: Task) -> set[str]:
-    """Return the names of the tokens that the goal names, places included."""
+    """Return the names of all tokens in the goal, including places."""
     return {name for atom in task.goal for name in atom.arguments if name in task.token_by_name}
 
 
@@ -90,7 +90,10 @@ def helpers(task: Task) -> list[Token]:
 
 
 def least_helpers(task: Task, group: Group, holding: Collection[Atom]) -> int:
-    """Return the least number of helpers of a group: a block with all slots filled must bring about each atom."""
+    """Return a lower bound on the number of helpers of a group, which is at least 1.
+
+    To achieve an atom, all slots of some block must be filled.
+    """
     sizes = [(literal.predicate.name, len(block.slots)) for block in task.domain.blocks for literal in block.exit]
     missing = [atom.predicate for atom in group.goal if atom not in holding]
     needed = [min((size for name, size in sizes if name == wanted), default=1) for wanted in missing]
@@ -98,26 +101,29 @@ def least_helpers(task: Task, group: Group, holding: Collection[Atom]) -> int:
 
 
 def most_helpers(task: Task) -> int:
-    """Return the largest useful number of helpers of a group: those of one block, and those that take over."""
+    """Return the largest useful number of helpers of a group.
+
+    This is enough to fill the other slots of the largest block twice, so that helpers can relieve each other.
+    """
     return max(1, 2 * max(len(block.slots) - 1 for block in task.domain.blocks))
 
 
 def own_task(task: Task, group: Group, chosen: Iterable[str], places: Collection[str]) -> Task:
-    """Return the task of a group with only the chosen helpers and places."""
+    """Return the task of a group, with the chosen helpers and places only."""
     return task.restrict({*group.tokens, *chosen, *places}, goal=group.goal)
 
 
 class Helpers:
-    """The helpers from the point of view of one group: their distances and signatures."""
+    """The distances and signatures of all helpers relative to one group."""
 
     def __init__(self, task: Task, group: Group, holding: Collection[Atom], feasible: StaticFacts) -> None:
         """Store the task and the group.
 
         Args:
-            task: the task.
-            group: the group.
-            holding: the atoms that hold in the beginning.
-            feasible: the facts of feasibility.
+            task: Whole task.
+            group: Group of goals of the task.
+            holding: Atoms that hold in the initial state.
+            feasible: Feasibility facts of the task.
         """
         self._task = task
         self._group = group
@@ -127,11 +133,14 @@ class Helpers:
 
     @cached_property
     def closest(self) -> list[str]:
-        """The names of the helpers, the closest to the group's tokens first."""
+        """The names of the helpers, sorted by their distance to the group."""
         return sorted((token.name for token in helpers(self._task)), key=lambda name: (self.distance(name), name))
 
     def distance(self, name: str) -> float:
-        """Return the distance of a helper to the closest token of the group [m], or 0 without a position."""
+        """Return the distance between a helper and the closest token of the group [m].
+
+        If the helper or all tokens of the group have no position, the distance is 0.
+        """
         here = self._position(name)
         there = [place for place in map(self._position, self._group.tokens) if place is not None]
         if here is None or not there:
@@ -143,7 +152,7 @@ class Helpers:
         return self._task.state[key] if key in self._task.state.layout.slices else None
 
     def signature(self, name: str) -> Signature:
-        """Return the classes, the block and the facts of a helper."""
+        """Return the signature of a helper."""
         if name not in self._signatures:
             self._signatures[name] = self._describe(self._task.token_by_name[name])
         return self._signatures[name]

@@ -1,10 +1,10 @@
-"""Rebinding of interchangeable tokens to shorten the makespan: list scheduling by local search.
+"""Rebinding of interchangeable tokens to shorten the makespan, by local search.
 
-A sequential planner has no reason to distribute work over several hands. An *episode* of a token lasts from leaving
-RESTING until it rests again. A token can take over an episode of another if the two have equal classes, properties and
-shapes and no goal atom names them. The search rebinds one episode at a time, or swaps two tokens in the whole plan,
-until nothing improves or the time is up. Every candidate is applied action by action, so that conditions on the place
-of a token, such as its workspace, are checked.
+A sequential planner has no reason to distribute work over several hands. An *episode* of a token lasts from the time
+when the token leaves RESTING until it rests again. Two tokens are interchangeable if they have equal classes,
+properties and shapes and no goal atom names them. The search rebinds one episode to another token, or swaps two tokens
+in the whole plan, as long as the makespan improves and time is left. Every candidate is checked action by action,
+because some conditions depend on the token's position, e.g. its workspace.
 """
 
 import time
@@ -21,19 +21,24 @@ from hybrid_tamp.symbolic.pddl.operators import rename_arguments
 from hybrid_tamp.symbolic.schedule import schedule_actions
 
 Use = tuple[int, int]
-"""Indices of an action and of its parameter that names a token."""
+"""Pair of (index of an action, index of an argument of the action)."""
 
 
 @dataclass
 class Episode:
-    """The places where actions name one token between two rests."""
+    """The uses of a token between two rests.
+
+    Attributes:
+        token: PDDL name of the token.
+        uses: Arguments of actions that name the token.
+    """
 
     token: str
     uses: list[Use]
 
 
 def interchangeable(task: Task) -> list[list[str]]:
-    """Return groups of two or more tokens that differ only in their state."""
+    """Return the groups of two or more tokens that are interchangeable."""
     named = {argument for atom in task.goal for argument in atom.arguments}
     groups: dict[tuple[object, ...], list[str]] = {}
     for token in task.assigned:
@@ -44,13 +49,13 @@ def interchangeable(task: Task) -> list[list[str]]:
 
 
 def rebind_tokens(compilation: Compilation, plan: TaskPlan, seconds: float, estimates: Estimates) -> TaskPlan:
-    """Return the plan, or a shorter one with rebound tokens.
+    """Return a shorter plan with rebound tokens, or the given plan if none is found.
 
     Args:
-        compilation: the compiled task.
-        plan: the scheduled plan with its actions.
-        seconds: time limit [s].
-        estimates: the estimates of the task.
+        compilation: Compiled task.
+        plan: Scheduled plan with its actions.
+        seconds: Time limit [s].
+        estimates: Estimates of the task.
     """
     until = time.monotonic() + seconds
     best = plan
@@ -68,7 +73,7 @@ def rebind_tokens(compilation: Compilation, plan: TaskPlan, seconds: float, esti
 
 
 def _neighbours(compilation: Compilation, actions: Sequence[PlannedAction]) -> Iterator[list[PlannedAction]]:
-    """Yield the actions with one episode given to another token, then those with two tokens swapped."""
+    """Yield the action sequences with one episode rebound, then the sequences with two tokens swapped."""
     for episode in _episodes(compilation, actions):
         yield from _rebind(compilation, actions, episode)
     for group in interchangeable(compilation.task):
@@ -78,7 +83,7 @@ def _neighbours(compilation: Compilation, actions: Sequence[PlannedAction]) -> I
 
 
 def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> list[Episode]:
-    """Return the episodes of interchangeable tokens, in the order in which they begin."""
+    """Return the episodes of interchangeable tokens, in the order of their beginnings."""
     names = {compilation.words.name(name) for group in interchangeable(compilation.task) for name in group}
     resting = compilation.task.domain.resting
     current: dict[str, Episode] = {}
@@ -100,7 +105,7 @@ def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> lis
 def _rebind(
     compilation: Compilation, actions: Sequence[PlannedAction], episode: Episode
 ) -> Iterator[list[PlannedAction]]:
-    """Yield the actions with one episode given to each other token of its group."""
+    """Yield an action sequence for each other token of the group, with the episode rebound to this token."""
     groups = [list(map(compilation.words.name, group)) for group in interchangeable(compilation.task)]
     for group in groups:
         for other in group if episode.token in group else ():
@@ -113,10 +118,10 @@ def _rebind(
 
 
 def _schedule(compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates) -> TaskPlan | None:
-    """Return the schedule of the actions if they are a plan, else None."""
+    """Schedule the actions, or return None if they are not a plan."""
     if not compilation.reaches_goal(actions):
         return None
     try:
         return schedule_actions(compilation, actions, estimates)
     except NotAPlanError:
-        return None  # The candidate is not a plan; the current plan stays.
+        return None  # The candidate is not a plan, so the current plan is kept.

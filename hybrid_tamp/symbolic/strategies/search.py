@@ -1,4 +1,4 @@
-"""One search for a plan: the state that the strategies share, the times of the stages, and the result."""
+"""The state that all strategies share in a search for a plan, and the result of the search."""
 
 import logging
 import time
@@ -27,13 +27,18 @@ class Planner(Protocol):
     """Interface of a planner, which `engines.planner_process.PlannerProcess` implements."""
 
     def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
-        """Return the engine's answer."""
+        """Return the engine's answer to a planning problem."""
         ...
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A lawful plan, and the way in which it was found."""
+    """A candidate plan.
+
+    Attributes:
+        way: Description of the strategy that found the plan.
+        plan: Scheduled plan.
+    """
 
     way: str
     plan: TaskPlan
@@ -44,12 +49,12 @@ class SearchResult:
     """The result of a search for a plan.
 
     Attributes:
-        answer: the answer of the engine; if there is a plan, with the actions of that plan.
-        plan: the checked timeline, or None.
-        refusal: why the plan of the engine was refused, or empty.
-        way: how the plan was found.
-        stages: seconds that each stage took.
-        task: the planned task; for a goal with a choice, the chosen alternative, or the nearest if there is no plan.
+        answer: Answer of the engine. If there is a plan, the answer has the actions of the plan.
+        plan: Plan that obeys the law of assignment, or None.
+        refusal: Reason why the engine's plan was refused, or an empty string.
+        way: Description of the strategy that found the plan.
+        stages: Maps each stage to its duration [s].
+        task: Task that was planned. If its goal leaves a choice, this is the alternative of the result.
     """
 
     answer: PlannerAnswer
@@ -61,7 +66,7 @@ class SearchResult:
 
     @property
     def status(self) -> str:
-        """``solved``, ``unsolvable``, ``not_found``, ``planner_crashed`` or ``plan_refused``."""
+        """Status of the result: ``solved``, ``unsolvable``, ``not_found``, ``planner_crashed`` or ``plan_refused``."""
         if self.plan is not None:
             return "solved"
         if self.refusal:
@@ -73,10 +78,10 @@ class Search:
     """The search for a plan of one task.
 
     Attributes:
-        task: the task.
-        planner: a running planner process.
-        stages: seconds that each stage has taken so far.
-        refusals: why plans were refused.
+        task: Task to plan.
+        planner: Running planner process.
+        stages: Maps each stage to its duration so far [s].
+        refusals: Reasons why plans were refused.
     """
 
     def __init__(self, task: Task, planner: Planner) -> None:
@@ -94,7 +99,7 @@ class Search:
 
     @cached_property
     def compilation(self) -> Compilation:
-        """The compiled task. Its groups of goals use the same words."""
+        """The compiled task. The compilations of its groups use the same PDDL names."""
         with self.stage("compiling"):
             return compile_task(self.task)
 
@@ -105,7 +110,7 @@ class Search:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Measure the time of a stage, without that of the stages inside it."""
+        """Measure the duration of a stage, without the stages nested in it."""
         self._count()
         self._open.append(name)
         try:
@@ -122,12 +127,12 @@ class Search:
 
     @contextmanager
     def limits_of_request(self, seconds: float = float("inf")) -> Iterator[Limits]:
-        """Measure the time of a request to the engine and yield its limits.
+        """Measure the duration of a request to the engine and yield the limits of the request.
 
-        Its time limit is the remaining time of the task or `seconds` [s], whichever is shorter.
+        The time limit is the remaining time of the task or `seconds` [s], whichever is shorter.
 
         Raises:
-            LimitReached: the request inside reached a limit, or no time is left for it.
+            LimitReached: If the request reached a limit, or if no time is left for the request.
         """
         limits = self.task.limits
         left = limits.time - self.elapsed
@@ -139,11 +144,11 @@ class Search:
         except LimitReached as reached:
             if reached.limit != "time" or self.elapsed < limits.time:
                 raise
-            # The engine reports the remaining time, but the user knows the limit of the task.
+            # The engine reports the remaining time. The user only knows the time limit of the task.
             raise time_limit_reached(self.task) from reached
 
     def judge_actions(self, way: str, actions: Sequence[PlannedAction]) -> Candidate | None:
-        """Return the actions as a lawful plan of the whole task; if they are not, record the reason and return None."""
+        """Convert actions to a lawful plan of the whole task. If this fails, record the reason and return None."""
         compilation = self.compilation
         try:
             with self.stage("scheduling"):
@@ -154,7 +159,7 @@ class Search:
         return self.judge(Candidate(way, plan))
 
     def judge(self, candidate: Candidate) -> Candidate | None:
-        """Return a candidate that obeys the law; if it does not, record the reason and return None."""
+        """Return the candidate if it obeys the law of assignment. Otherwise record the reason and return None."""
         with self.stage("law"):
             violations = check_law(self.task, candidate.plan)
         if violations:
@@ -167,5 +172,5 @@ class Search:
 
 
 def time_limit_reached(task: Task) -> LimitReached:
-    """Return the error for a task whose time is up."""
+    """Return the error for a task that has reached its time limit."""
     return LimitReached(f"the planner reached its time limit of {task.limits.time:g} s", limit="time")
