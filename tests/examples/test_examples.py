@@ -80,7 +80,7 @@ def test_another_planner(tmp_path: Path) -> None:
         (tmp_path / "wrong.plan").write_text(wrong)
         with pytest.raises(hybrid_tamp.InputError, match=r"wrong\.plan: expected a plan of the task tumble_two_hands"):
             hybrid_tamp.read_plan(task, tmp_path / "wrong.plan")
-    with pytest.raises(hybrid_tamp.InputError, match="can be read"):
+    with pytest.raises(hybrid_tamp.InputError, match="expected a readable plan file"):
         hybrid_tamp.read_plan(task, tmp_path / "none.plan")
 
 

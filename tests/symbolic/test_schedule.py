@@ -53,7 +53,7 @@ def test_what_is_no_plan_is_not_decoded() -> None:
     compilation = compile_task(rolling_task())
     with pytest.raises(UndecodableError, match="no action"):
         decode(compilation, [PlannedAction("jump", ("hand-0",))])
-    with pytest.raises(UndecodableError, match="empty slot"):
+    with pytest.raises(UndecodableError, match="all slots of ROLLING must be filled"):
         decode(compilation, [read_action("(begin-rolling-from-resting drum-0 region-0 no-region-of-inside)")])
 
 
