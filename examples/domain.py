@@ -1,7 +1,8 @@
-"""A whole domain: carts that a robot drives by force to docks. Two classes, two predicates, two blocks.
+"""Example of a complete domain, in which a robot drives carts to docks.
 
-Run it with ``python examples/domain.py``: it checks the domain, plans a task and runs the plan on the blocks' own
-systems. The command line takes it, too: ``hybrid-tamp network examples/domain.py``.
+The domain has two classes, two predicates and two blocks. ``python examples/domain.py`` checks the domain, plans a task
+and runs the plan with the blocks' continuous systems. The command line accepts the file too:
+``hybrid-tamp network examples/domain.py``.
 """
 
 import sys
@@ -48,23 +49,23 @@ class Cart(CapabilityClass):
     name: ClassVar[str] = "CART"
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (BasicAction("force", 3, "N", limit="maximal_force"),)
     mass: float = quantity("kg", "mass of the cart", gt=0)
-    maximal_force: float = quantity("N", "largest force that drives it", gt=0)
+    maximal_force: float = quantity("N", "largest force on the cart", gt=0)
 
 
 class Dock(PlaceClass):
     """A place where a cart can stop."""
 
     name: ClassVar[str] = "DOCK"
-    radius: float = quantity("m", "how far from the middle a cart may stop", gt=0)
+    radius: float = quantity("m", "largest distance between the centre and a docked cart", gt=0)
 
 
 def distance_left(state: State, cart: Token, dock: Token) -> FloatArray:
-    """Return the dock's radius less the distance of the cart [m], shape ``(...)``."""
+    """Return the dock's radius minus the cart's distance from the dock [m], shape ``(...)``."""
     return np.asarray(dock["radius"] - np.linalg.norm(_way(state, cart, dock), axis=-1))
 
 
 def slowness(state: State, token: Token) -> FloatArray:
-    """Return the limit of 0.02 m/s less the token's speed [m/s], shape ``(...)``."""
+    """Return 0.02 m/s minus the token's speed [m/s], shape ``(...)``."""
     return np.asarray(0.02 - np.linalg.norm(state[token, "velocity"], axis=-1))
 
 
@@ -93,12 +94,12 @@ AT_REST = Predicate(
 
 
 def _way(state: State, cart: Token, dock: Token) -> FloatArray:
-    """Return the way from a cart to a dock in the plane ``(..., 3)`` [m]."""
+    """Return the horizontal displacement from a cart to a dock [m], shape ``(..., 3)``."""
     return np.asarray((state[dock, "position"] - state[cart, "position"]) * [1.0, 1.0, 0.0])
 
 
 def drive(binding: Binding, start: State, parameters: Parameters) -> Policy:
-    """Make the policy: a spring and a damper that pull the cart along a minimum-jerk movement."""
+    """Make the policy: a spring and a damper that pull the cart along a minimum-jerk trajectory."""
     cart, dock = cast(Token, binding["cart"]), cast(Token, binding["dock"])
     begin, way = start[cart, "position"], _way(start, cart, dock)
     duration = parameters.hyperparameters["duration"]
@@ -115,7 +116,7 @@ def drive(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def roll(binding: Binding, start: State) -> ContinuousSystem:
-    """Make the system: Newton's second law for the cart."""
+    """Make the continuous system, which applies Newton's second law to the cart."""
     cart = cast(Token, binding["cart"])
 
     def system(state: State, commands: Commands, dt: float) -> State:
@@ -127,13 +128,13 @@ def roll(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def initial_duration(binding: Binding, state: State) -> FloatArray:
-    """Return the duration of the way at a mean speed of 0.5 m/s [s], shape ``(...)``."""
+    """Return the duration of the drive at a mean speed of 0.5 m/s [s], shape ``(...)``."""
     way = _way(state, cast(Token, binding["cart"]), cast(Token, binding["dock"]))
     return np.asarray(np.linalg.norm(way, axis=-1) / 0.5)
 
 
 def expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    """Return how long a drive is going to take [s]: the movement, and half a second to settle."""
+    """Return the expected duration of a drive [s]: the movement, plus 0.5 s to settle."""
     return float(hyperparameters["duration"]) + 0.5
 
 
@@ -171,7 +172,7 @@ DOMAIN = Domain(
 
 
 def make_task() -> hybrid_tamp.Task:
-    """Return a task in which two carts change places with two docks that are free."""
+    """Return a task in which two carts drive to one dock each."""
     cart = {
         "classes": [Cart],
         "properties": {"mass": 4.0, "maximal_force": 40.0},
@@ -193,7 +194,7 @@ def make_task() -> hybrid_tamp.Task:
 
 
 def main(folder: Path) -> hybrid_tamp.RunResult:
-    """Check the domain, then plan and run a task of it."""
+    """Check the domain, then plan and run a task of the domain."""
     task = make_task()
     assert check_domain(task) == []
     result = hybrid_tamp.run(task, folder, backend="analytic")

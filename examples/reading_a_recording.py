@@ -1,6 +1,6 @@
-"""Reading a recording: the trajectory of a drum, as numpy arrays, from a run of a bundled task.
+"""Example of reading a recording: the trajectory of a drum, as numpy arrays.
 
-Run it with ``python examples/reading_a_recording.py``; the files of the run are in ``out-recording``.
+Run the example with ``python examples/reading_a_recording.py``. It writes the files of the run to ``out-recording``.
 """
 
 import sys
@@ -12,7 +12,7 @@ import hybrid_tamp
 
 
 def main(folder: Path) -> dict[str, float]:
-    """Run a task, read its recording and print figures of the drum's movement."""
+    """Run a bundled task, read the recording and print figures of the drum's movement."""
     hybrid_tamp.run("roll_cylinder", folder, backend="analytic")
     recording = hybrid_tamp.load_recording(folder / "recording.npz")
     states = recording.trajectory
@@ -22,7 +22,7 @@ def main(folder: Path) -> dict[str, float]:
     rolling = next(instance for instance in recording.instances if instance.block == "ROLLING")
     while_rolling = (recording.times >= rolling.start) & (recording.times <= rolling.end)
     figures = {
-        "way [m]": float(np.linalg.norm(np.diff(position, axis=0), axis=-1).sum()),
+        "path length [m]": float(np.linalg.norm(np.diff(position, axis=0), axis=-1).sum()),
         "largest speed [m/s]": float(np.linalg.norm(velocity, axis=-1).max()),
         "largest speed before rolling [m/s]": float(
             np.linalg.norm(velocity[recording.times < rolling.start], axis=-1).max()

@@ -1,6 +1,6 @@
-"""A task built in Python: make it, save it as a task file, plan it.
+"""Example of a task that is built in Python, saved as a task file and planned.
 
-Run it with ``python examples/task_in_python.py``; it writes ``two_drums.yaml``.
+Run the example with ``python examples/task_in_python.py``. It writes ``two_drums.yaml``.
 """
 
 import math
@@ -13,7 +13,7 @@ from hybrid_tamp.authoring import Cylinder
 
 
 def make_task() -> hybrid_tamp.Task:
-    """Return a task in which one hand rolls two drums, each into a region of its own."""
+    """Return a task in which one hand rolls two drums into two regions."""
     hand: dict[str, Any] = {
         "classes": ["STATIC END-EFFECTOR"],
         "properties": {
@@ -49,7 +49,7 @@ def make_task() -> hybrid_tamp.Task:
 
 
 def main(folder: Path) -> hybrid_tamp.TaskPlan:
-    """Save the task, load it again, plan it and print the plan."""
+    """Save the task as a file, load the file, and plan the task and print the plan."""
     path = folder / "two_drums.yaml"
     hybrid_tamp.save_task(make_task(), path)
     plan = hybrid_tamp.plan(path).required()

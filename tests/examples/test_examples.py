@@ -55,7 +55,7 @@ def test_the_command_line_takes_the_domain_of_the_example() -> None:
 
 def test_reading_a_recording(tmp_path: Path) -> None:
     figures = example("reading_a_recording").main(tmp_path / "run")
-    assert figures["way [m]"] == pytest.approx(0.7, abs=0.03)
+    assert figures["path length [m]"] == pytest.approx(0.7, abs=0.03)
     assert figures["largest speed before rolling [m/s]"] < 0.02 < figures["largest speed [m/s]"]
     assert 0 < figures["largest force of the hand [N]"] <= 300
     recording = hybrid_tamp.load_recording(tmp_path / "run" / "recording.npz")
