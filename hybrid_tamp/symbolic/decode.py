@@ -98,7 +98,7 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
         actions: Planned actions with PDDL names.
 
     Raises:
-        UndecodableError: If the compilation does not have an action, or if a block begins with an empty slot.
+        UndecodableError: If an action is unknown, or if a block begins with an empty slot.
     """
     task, chains = compilation.task, compilation.encoded.chains
     decoding = _Decoding(task)

@@ -24,7 +24,7 @@ WHOLE = "the whole task at once"
 REBOUND = "interchangeable tokens rebound"
 
 _DECOMPOSING = ("fast-downward", "symk", "enhsp", "pyperplan")
-"""Engines for separate planning of goals. They stop if a group has no plan, and need not minimise the actions."""
+"""Engines for separate planning of goals. They stop if there is no plan, and do not guarantee the fewest actions."""
 
 
 def find_plan(task: Task, planner: Planner) -> SearchResult:
@@ -104,7 +104,7 @@ def _plan_alternatives(task: Task, alternatives: Sequence[Task], planner: Planne
             continue
         found.append(replace(result, task=each))
         if result.plan is not None and not result.plan.actions:
-            break  # No plan is shorter than the empty one.
+            break  # No plan is shorter than the empty plan.
     solved = [result for result in found if result.plan is not None]
     if not solved and undecided:
         raise next((each for each in undecided if each.limit != "time"), time_limit_reached(task))

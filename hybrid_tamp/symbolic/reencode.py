@@ -61,7 +61,7 @@ def _tiles(plan: TaskPlan, token: str) -> bool:
 
 
 _Wanted = tuple[str, str, str, tuple[str, str] | None, frozenset[str], dict[str, str]]
-"""Required action: kind, block, slot, source (block, slot), source slots that move with the anchor, and roles."""
+"""Required action as a tuple of kind, block, slot, source, source slots that move with the anchor, and roles."""
 
 
 def _reassignments(domain: Domain, plan: TaskPlan) -> Iterator[_Wanted]:

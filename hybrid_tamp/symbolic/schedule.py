@@ -137,11 +137,11 @@ class _Network:
                     yield self._after(makers[-1], instance, atom)
                 for later in changing:
                     if later > index and self.instances[later].begin > instance.begin:
-                        reason = f"{self.instances[later].name} may change {atom.text}"
+                        reason = f"{instance.name} requires {atom.text}, which {self.instances[later].name} may change"
                         yield (instance.begin, self.instances[later].begin, 0.0, reason)
 
     def _after(self, maker: int, instance: OrderedInstance, atom: Atom) -> Constraint:
-        """Begin an instance after the end of the maker of its condition, or during the maker's hold."""
+        """Begin an instance after the maker of its condition has ended or reached its exit."""
         made = self.instances[maker]
         reason = f"{instance.name} requires {atom.text}, an effect of {made.name}"
         if self.ends[maker] <= instance.begin:

@@ -20,7 +20,7 @@ from hybrid_tamp.symbolic.chaining.series import Link, Series
 from hybrid_tamp.symbolic.pddl.naming import legal, unused
 
 Follower = tuple[str, Mapping[str, str]]
-"""Pair of the only possible next block and a dictionary from its slots to the slots of the previous block."""
+"""Pair of the next block's name and a dictionary that maps its slots to the slots of the block before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,7 @@ class Chains:
 
     Attributes:
         domain: Domain to compile, with one block per chain.
-        links: Maps the block of each chain to the original blocks of the chain.
+        links: Maps the name of each chain to the links of the chain.
     """
 
     domain: Domain
@@ -125,10 +125,7 @@ def _with_chains(task: Task, chains: Collection[Series]) -> Chains:
 
 
 def _lean(series: Series, name: str, wanted: Collection[str]) -> Block:
-    """Return the chain as one block, without inner effects that no condition mentions.
-
-    Unused effects would slow planners down.
-    """
+    """Return the chain as one block. Inner effects that no condition mentions are left out to speed up planning."""
     whole = series.block(name)
     kept = [each for each in whole.exit if each in series.last.exit or each.predicate.name in wanted]
     left_out = [each.predicate for each in whole.exit if each not in kept]

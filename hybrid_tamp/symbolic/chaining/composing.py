@@ -79,8 +79,8 @@ def _twice(link: Link) -> bool:
 def _determined(series: Series, block: Block, roles: Mapping[str, str]) -> dict[str, str]:
     """Return the given roles, extended by the targets that known facts determine.
 
-    A target is determined if it is the value of a functional predicate or an argument of a maintained predicate. A fact
-    of any other predicate may hold for several values.
+    A known fact determines a target only if its predicate is functional or maintained. Any other predicate may hold for
+    several targets.
     """
     found = dict(roles)
     targets = {target.name for target in block.targets}
@@ -112,10 +112,7 @@ def _agrees(fact: Literal, wanted: Literal, roles: Mapping[str, str], open_roles
 
 
 def _narrowed(series: Series, link: Link, fresh: Iterable[str]) -> dict[str, Sort] | None:
-    """Return the classes of the roles, narrowed to the classes that the link requires.
-
-    Return None if two classes of a role are not nested.
-    """
+    """Return the roles' classes, narrowed as the link requires, or None if two classes of a role are not nested."""
     sorts = {**series.sorts, **{link.roles[target]: link.block.roles[target] for target in fresh}}
     for own, role in link.roles.items():
         asked = link.block.roles[own]
@@ -136,10 +133,7 @@ def within(one: Sort, other: Sort) -> bool:
 
 
 def _composed(series: Series, link: Link, sorts: Mapping[str, Sort]) -> tuple[Literal, ...] | None:
-    """Return the exit conditions of the extended series.
-
-    Return None if they depend on whether two symbols are equal.
-    """
+    """Return the exit conditions of the extended series, or None if they depend on the equality of two symbols."""
     kept: list[Literal] = []
     for literal in series.exit:
         if literal.predicate.maintained:

@@ -7,7 +7,8 @@ conditions hold at each junction between two blocks of the chain:
   require the fact either. No other block deletes a later effect of the chain.
 * If tokens may stay at the junction, they can also continue to the end of the chain. The next blocks have no new entry
   conditions (`composing`), and tokens may stay in the last block.
-* All blocks of the chain have the same locked targets, and change tokens that others may read in the same slots.
+* All blocks of the chain lock the same targets. They also agree on the slots whose tokens they change while other
+  blocks may read these tokens.
 
 A token in the chain is in no other block. So conditions on slots of two different blocks never concern the same token.
 """
@@ -58,7 +59,7 @@ class Cuts:
         return not returns and (alone or last.roles[last.block.anchor] == series.anchor)
 
     def _footprint(self, link: Link) -> tuple[frozenset[str], frozenset[str]]:
-        """Return the locked targets, and the slots with tokens that the block changes and others may read."""
+        """Return the locked targets, and the slots whose tokens the block changes and other blocks may read."""
         locked = frozenset(link.roles[target.name] for target in self.conditions.locked(link.block))
         slots = [slot.name for slot in link.block.slots if self.conditions.changes(link.block, slot.name)]
         return locked, frozenset(link.roles[slot] for slot in slots)

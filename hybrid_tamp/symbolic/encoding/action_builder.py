@@ -12,10 +12,7 @@ Same = dict[str, type[ObjectClass] | SymbolSort]
 
 
 class ActionBuilder:
-    """Collects the preconditions and effects of one operator.
-
-    A role of the new block becomes a variable of the same name.
-    """
+    """Collects the preconditions and effects of one operator. A role becomes a variable of the same name."""
 
     def __init__(self, vocabulary: Vocabulary, block: Block, same: Same | None = None) -> None:
         """Start an operator that assigns a token to a block.
@@ -23,8 +20,8 @@ class ActionBuilder:
         Args:
             vocabulary: PDDL names of the domain.
             block: Block to which the operator assigns the token.
-            same: Maps roles of the block to the class of the same token's role in the old block. The variable gets
-                the narrower of the two types.
+            same: Maps each role whose token also has a role in the old block to the class of the old role. The
+                variable gets the narrower type.
         """
         self.vocabulary = vocabulary
         self.block = block
@@ -49,10 +46,7 @@ class ActionBuilder:
         return self._variables[role]
 
     def other(self, block: Block, role: str, unified: dict[str, str] | None = None) -> str:
-        """Return the variable of a role of the old block.
-
-        If a role of the new block is unified with the old role, both share a variable.
-        """
+        """Return the variable of a role of the old block. Unified roles of both blocks share a variable."""
         if unified and role in unified:
             return self._argument(unified[role])
         if role not in self._others:

@@ -52,10 +52,7 @@ def _block_predicates(domain: Domain, block: Block) -> Iterator[tuple[State, tup
 
 
 def remainders(block: Block) -> tuple[tuple[str, ...], ...]:
-    """Return every non-empty subset of the slots other than the anchor, each in slot order.
-
-    The tokens of a subset may have to leave after the anchor.
-    """
+    """Return every non-empty set of slots without the anchor. Tokens of a set may have to leave after the anchor."""
     names = [slot.name for slot in block.others]
     sets: list[tuple[str, ...]] = [()]
     for name in names:
@@ -81,8 +78,8 @@ def locked_targets(domain: Domain, block: Block) -> tuple[Target, ...]:
 def remembered(domain: Domain, block: Block, slot: str) -> tuple[str, ...]:
     """Return the targets that an operator must know when the token in a slot leaves.
 
-    When the anchor leaves, the operator releases the locked targets. When the token of any slot leaves, the operator
-    deletes the maintained exit conditions of the slot (see `keeper`).
+    When the anchor leaves, the operator releases the locked targets. When any token leaves, the operator deletes the
+    maintained exit conditions of its slot (see `keeper`).
     """
     locked = {t.name for t in locked_targets(domain, block)} if slot == block.anchor else set()
     targets = {t.name for t in block.targets}
@@ -93,9 +90,6 @@ def remembered(domain: Domain, block: Block, slot: str) -> tuple[str, ...]:
 
 
 def keeper(block: Block, arguments: tuple[str, ...]) -> str:
-    """Return the slot to which a condition belongs.
-
-    This is the last slot in its arguments other than the anchor, or the anchor if there is no other slot.
-    """
+    """Return the slot of a condition, which is its last slot other than the anchor, or the anchor if there is none."""
     others = [slot.name for slot in block.others if slot.name in arguments]
     return others[-1] if others else block.anchor

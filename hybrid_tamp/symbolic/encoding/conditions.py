@@ -43,7 +43,7 @@ class Conditions:
         return [literal for literal in block.exit if keeper(block, literal.arguments) == slot]
 
     def bound_by(self, block: Block) -> dict[str, str]:
-        """Return a dictionary that maps each target bound by a fill to the first slot whose fill mentions it."""
+        """Return a dictionary that maps each target to the first slot whose fill mentions the target."""
         targets = {target.name for target in block.targets}
         bound: dict[str, str] = {}
         for slot in block.others:
@@ -58,7 +58,7 @@ class Conditions:
         return [literal for literal in block.maintained_exit if keeper(block, literal.arguments) == slot]
 
     def unified(self, old: Block, slot_before: str, new: Block, slot: str) -> dict[str, str]:
-        """Return a dictionary that maps roles of the old block to the roles of the new block that they must equal.
+        """Return a dictionary that maps roles of the old block to equal roles of the new block.
 
         The old block maintains a condition, e.g. behind(hand, object, region), for its own targets only. So an entry
         condition of the new block on the same predicate must name the same tokens.

@@ -43,7 +43,7 @@ class OperatorMaker:
 
     @staticmethod
     def _same(old: Block, slot_before: str, slot: str, unified: dict[str, str]) -> Same:
-        """Return a dictionary from roles of the new block to the class of the same token's role in the old block."""
+        """Return a dictionary that maps roles of the new block to the classes of the matching old roles."""
         pairs = {**unified, slot_before: slot}
         return {new: old.roles[role] for role, new in pairs.items() if role in old.roles}
 

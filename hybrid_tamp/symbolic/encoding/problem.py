@@ -55,7 +55,7 @@ class Compilation:
 
     @cached_property
     def changing(self) -> frozenset[Fact]:
-        """The initial facts, without the feasibility and inequality facts. `always` decides the latter."""
+        """The initial facts, except the feasibility and inequality facts, which `always` decides."""
         return frozenset(_Writer(self.encoded, self.words, self.counts).changing())
 
     def always(self, fact: Fact) -> bool:
@@ -71,7 +71,7 @@ class Compilation:
     def reaches_goal(self, actions: Sequence[PlannedAction]) -> bool:
         """Return whether the actions can be applied in this order and achieve the goal.
 
-        Each feasibility fact is decided when an action needs it. A large task has too many of them to list.
+        A large task has too many feasibility facts to list, so each fact is decided when an action requires it.
         """
         operators = {operator.name: operator for operator in self.encoded.planning.operators}
         facts: set[Fact] = set(self.changing)
@@ -163,7 +163,7 @@ class _Writer:
             yield from self.words.differences()
 
     def _no_values(self, changing: frozenset[Atom]) -> Iterator[Fact]:
-        """Yield a fact with the value 'none' for each functional predicate and arguments without a value."""
+        """Yield the value 'none' of each functional predicate, for all arguments without a value."""
         for predicate in self.task.domain.predicates:
             index = predicate.functional_index
             if index is None:

@@ -29,12 +29,12 @@ class TaskWords:
 
     @classmethod
     def of(cls, task: Task, vocabulary: Vocabulary, taken: Collection[str]) -> "TaskWords":
-        """Return the words of a task; its tokens get names that are not taken."""
+        """Return the PDDL names of a task. Names of tokens differ from the names in `taken`."""
         return cls(task, vocabulary, Naming({token.name: token.name for token in task.tokens}, taken))
 
     @property
     def objects(self) -> tuple[tuple[str, str], ...]:
-        """The names and types of the tokens, sorted by the user's names."""
+        """The pairs of (PDDL name, type) of the tokens, sorted by the user's names."""
         tokens = sorted(self.task.tokens, key=lambda token: token.name)
         return tuple((self.tokens.pddl(token.name), self.vocabulary.token_type(token)) for token in tokens)
 

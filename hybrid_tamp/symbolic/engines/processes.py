@@ -102,7 +102,7 @@ class ProcessTree:
 
 
 def adopt_orphans() -> None:
-    """Make this process the new parent of descendants whose parents end, if the system supports this."""
+    """Let this process adopt its orphaned descendants, if the operating system supports this."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 

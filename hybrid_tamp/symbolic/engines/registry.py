@@ -1,8 +1,8 @@
 """The planning engines and their properties, without importing unified_planning.
 
 All engines support STRIPS with types. Some of them require the plain form (`engines.plain`). The table shows how each
-engine answers if there is no plan, and the resulting status. The answers were determined with three kinds of unsolvable
-tasks. Mutexes of the translator, relaxed reachability, or only an exhaustive search prove these tasks unsolvable.
+engine answers if there is no plan, and the resulting status. The answers were determined with tasks that are proven
+unsolvable by mutexes of the translator, by relaxed reachability, or only by an exhaustive search.
 
 ==================== ============================================ ====================================
 engine               answer                                       status
@@ -16,7 +16,7 @@ enhsp, -opt          UNSOLVABLE_PROVEN whenever there is neither  unsolvable if 
                      a plan nor an error code                     sentence, else not found
 pyperplan, -opt      UNSOLVABLE_INCOMPLETELY, because of a bug    unsolvable, because the search ends
                      (the intended answer is PROVEN)              without a plan only if it is complete
-aries                none; the engine tries ever longer plans     limit
+aries                none; the engine tries ever longer plans     time limit
 ==================== ============================================ ====================================
 
 The searches behind these proofs are complete in the configuration of unified_planning. They are ``lama-first`` (lazy

@@ -1,6 +1,6 @@
-"""Solver in the planner process, which replies to a planning problem and the name of an engine.
+"""Solver of planning problems in the planner process.
 
-The reply is a dictionary for JSON. Its ``status`` is one of
+The reply to a request is a dictionary for JSON. Its ``status`` is one of
 
 * ``solved``: the validator of unified_planning accepted the engine's ``actions``.
 * ``refused``: the validator of unified_planning did not accept the engine's ``actions``.
@@ -136,8 +136,8 @@ def simplify_for(engine: Any, problem: Any) -> tuple[Any, list[Any]]:
         problem: Problem of unified_planning.
 
     Returns:
-        Pair of the simplified problem and the results of the compilers, first to last. No compiler removes some
-        features, so check ``engine.supports(problem.kind)`` afterwards.
+        Pair of the simplified problem and the results of the compilers, first to last. Some features cannot be removed,
+        so check ``engine.supports(problem.kind)`` afterwards.
     """
     from unified_planning.engines import CompilationKind
 

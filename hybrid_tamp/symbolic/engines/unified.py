@@ -100,8 +100,8 @@ def unify(source: PlanningProblem, *, sparse: bool = False) -> UnifiedProblem:
 
     Args:
         source: Planning problem to convert.
-        sparse: Whether the object has only the true initial values. The false values are thousands of times as many,
-            and most engines ignore them.
+        sparse: Whether the object has only the true initial values. Most engines ignore the false values, which are
+            thousands of times more.
     """
     from unified_planning.environment import get_environment
 
@@ -182,10 +182,7 @@ class _Builder:
         return UnifiedProblem(self._problem, self._actions, self._objects)
 
     def _type(self, name: str) -> Any:
-        """Return the user type for a PDDL type.
-
-        The root type is left out unless an object or a parameter has exactly this type.
-        """
+        """Return the user type for a PDDL type. An unused root type is left out."""
         parent = self._parents.get(name)
         topmost = parent is None or (parent == "object" and not self._root_is_used)
         make = self._environment.type_manager.UserType

@@ -80,10 +80,7 @@ def _take_input() -> BinaryIO:
 
 
 def _bound_java(memory: int) -> None:
-    """Limit the Java heap to three quarters of a memory limit [MiB].
-
-    Without a limit, Java lets the heap grow instead of collecting garbage.
-    """
+    """Limit the Java heap to three quarters of a memory limit [MiB], so that Java collects garbage in time."""
     options = os.environ.get("JAVA_TOOL_OPTIONS", "")
     os.environ["JAVA_TOOL_OPTIONS"] = f"{options} -Xmx{max(16, memory * 3 // 4)}m"
 

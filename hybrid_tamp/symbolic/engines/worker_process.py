@@ -52,7 +52,7 @@ class WorkerProcess:
         self._listener.start()
 
     def ask(self, request: Mapping[str, Any]) -> None:
-        """Send the request. Return before the worker reads it."""
+        """Send the request without waiting until the worker reads it."""
         (self._directory / REQUEST).write_text(json.dumps(request, default=vars), encoding="utf-8")
         # If the worker has already ended, `wait` returns at once.
         with suppress(BrokenPipeError):
@@ -132,10 +132,7 @@ class WorkerProcess:
 
 
 def _ending(code: int | None) -> str:
-    """Describe how a worker without a reply ended.
-
-    The exit code is None if the worker still waits for the end of its input.
-    """
+    """Describe how a worker without a reply ended. A worker that still waits for its input has the code None."""
     if code is None:
         return "an exception"
     return f"exit code {code}" if code >= 0 else f"signal {-code} ({signal.strsignal(-code)})"

@@ -1,6 +1,6 @@
 """Injective mapping from the user's names to legal PDDL names.
 
-PDDL names ignore case. They start with a letter, followed by letters, digits, hyphens and underscores. Types,
+PDDL names are case-insensitive. They start with a letter, followed by letters, digits, hyphens and underscores. Types,
 predicates and constants share one namespace. Colliding names get numbers. Legal names stay unchanged.
 """
 
@@ -99,7 +99,7 @@ class Naming(Generic[Key]):
 
     @property
     def changed(self) -> tuple[tuple[str, str], ...]:
-        """The sorted pairs of (PDDL name, user's name) that differ."""
+        """The sorted pairs of (PDDL name, user's name) in which the two names differ."""
         return tuple(sorted((pddl, name) for pddl, name in self._user.items() if pddl != name))
 
     @property

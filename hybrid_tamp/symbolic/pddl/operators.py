@@ -30,7 +30,7 @@ class Operator:
         return dict(zip((variable for variable, _ in self.parameters), action.arguments, strict=True))
 
     def effects(self, binding: Mapping[str, str], facts: set[Fact]) -> set[Fact]:
-        """Return the facts after the operator, with its parameters bound, has been applied to the given facts."""
+        """Apply the operator with a binding of its parameters to the given facts, and return the resulting facts."""
         kept = facts - {ground(fact, binding) for fact in self.delete}
         return kept | {ground(fact, binding) for fact in self.add}
 

@@ -56,10 +56,7 @@ def temporal_problem_text(problem: TemporalProblem) -> str:
 
 
 def temporal_plan_text(actions: Iterable[TimedAction]) -> str:
-    """Return the text of the plan file for VAL.
-
-    Each line is ``time: (action objects) [duration]``, with times in seconds.
-    """
+    """Return the text of the plan file for VAL, with lines ``time: (action objects) [duration]`` in seconds."""
     lines = [f"{a.start:.3f}: ({' '.join((a.name, *a.arguments))}) [{a.duration:.3f}]\n" for a in actions]
     return "".join(lines)
 

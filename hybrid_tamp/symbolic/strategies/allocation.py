@@ -134,12 +134,12 @@ class Allocation:
 
 
 def cheapest_matching(costs: FloatArray) -> list[int] | None:
-    """Return a different column for each row such that the sum of the costs is least, or None if there is no matching.
+    """Return a different column for each row with the least sum of costs, or None if there is no matching.
 
     Args:
-        costs: costs ``(rows, columns)``; infinity forbids a pair.
+        costs: Costs of shape ``(rows, columns)``. An infinite cost forbids a pair of row and column.
     """
-    # The import takes half a second, and most tasks match nothing.
+    # The import takes half a second, and most tasks need no matching.
     from scipy.optimize import linear_sum_assignment
 
     if costs.shape[0] > costs.shape[1]:

@@ -1,8 +1,8 @@
 """Strategy that plans independent goals separately and merges the plans.
 
-Goals that share tokens form a group. Each group is planned separately, with different numbers of helpers, and the plans
-are concatenated. The plans share only places and helpers that have returned to their initial state, so the concatenated
-plan should be applicable. This is checked action by action. The schedule runs independent plans in parallel.
+Goals that share tokens form a group. Each group is planned separately, with different numbers of helpers. The plans
+share only places and helpers that have returned to their initial state. The concatenated plan is checked action by
+action. The schedule runs independent plans in parallel.
 
 Two groups share a plan if their planning problems are equal up to renaming. So any number of equal boxes with equally
 placed hands needs only one search.
@@ -37,8 +37,8 @@ Actions = tuple[PlannedAction, ...]
 def plan_goals_apart(search: Search, seconds: float, *, first_will_do: bool) -> Candidate | None:
     """Return the plan with the smallest makespan over different numbers of helpers per group, or None.
 
-    First come the numbers with which all groups can have helpers at once, the largest number first. If they give no
-    plan, larger numbers are tried, with which helpers serve the groups one after another.
+    Numbers of helpers that all groups can have at once are tried first, starting with the largest. If they give no
+    plan, larger numbers are tried, and helpers serve the groups one after another.
 
     Args:
         search: Search for a plan of the whole task.
@@ -94,10 +94,7 @@ class _Groups:
         return len(self._groups) > 1 or (len(self._groups) == 1 and left_out > most_helpers(self._task))
 
     def count_helpers(self) -> tuple[int, int, int]:
-        """Return three numbers of helpers per group.
-
-        These are the number that all groups can have at once, the least useful and the largest useful number.
-        """
+        """Return the number of helpers that all groups can have at once, and the minimum and maximum per group."""
         available = len(helpers(self._task))
         least = max((least_helpers(self._task, group, self._holding) for group in self._groups), default=1)
         if not self._groups or least > available:
@@ -106,10 +103,7 @@ class _Groups:
         return min(most, max(least, available // len(self._groups))), least, most
 
     def find_demands(self, count: int) -> list[Demand] | None:
-        """Return the demand of each group for the closest helpers with which the group has a plan.
-
-        Return None if a group has no plan with `count` helpers.
-        """
+        """Return the demand of each group for the closest helpers that suffice, or None if a group has no plan."""
         demands: list[Demand] = []
         for group in self._groups:
             for chosen in self.allocation.choices(group, count):

@@ -90,10 +90,7 @@ def helpers(task: Task) -> list[Token]:
 
 
 def least_helpers(task: Task, group: Group, holding: Collection[Atom]) -> int:
-    """Return a lower bound on the number of helpers of a group, which is at least 1.
-
-    To achieve an atom, all slots of some block must be filled.
-    """
+    """Return the least number of helpers with which a group can fill a block that achieves each missing goal atom."""
     sizes = [(literal.predicate.name, len(block.slots)) for block in task.domain.blocks for literal in block.exit]
     missing = [atom.predicate for atom in group.goal if atom not in holding]
     needed = [min((size for name, size in sizes if name == wanted), default=1) for wanted in missing]
@@ -101,10 +98,7 @@ def least_helpers(task: Task, group: Group, holding: Collection[Atom]) -> int:
 
 
 def most_helpers(task: Task) -> int:
-    """Return the largest useful number of helpers of a group.
-
-    This is enough to fill the other slots of the largest block twice, so that helpers can relieve each other.
-    """
+    """Return twice the largest number of helpers in one block, so that other helpers can relieve all of them."""
     return max(1, 2 * max(len(block.slots) - 1 for block in task.domain.blocks))
 
 

@@ -54,7 +54,7 @@ class SearchResult:
         refusal: Reason why the engine's plan was refused, or an empty string.
         way: Description of the strategy that found the plan.
         stages: Maps each stage to its duration [s].
-        task: Task that was planned. If its goal leaves a choice, this is the alternative of the result.
+        task: Task that was planned. If the goal leaves a choice, this is the chosen alternative.
     """
 
     answer: PlannerAnswer

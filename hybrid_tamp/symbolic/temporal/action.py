@@ -181,10 +181,7 @@ class ActionMaker:
                 self.at_start(reads, (self.words(NOBODY),))
 
     def _last_read(self, slot: str, sources: list[tuple[Block, str]], number: int) -> str:
-        """Return the variable of a target that the token's last instance read.
-
-        The variable is that of a role of the block, if the two must be equal.
-        """
+        """Return the variable of a target that the token's last instance read. Unified roles share a variable."""
         named = set()
         for old, before in sources:
             locked = self.words.conditions.locked(old) if before == old.anchor else ()
@@ -208,7 +205,7 @@ class ActionMaker:
         return self.words.conditions.maintained_by(block, slot)
 
     def _lock(self) -> None:
-        """Lock the targets that the block reads, and require that no instance reads the block's changed tokens."""
+        """Lock the targets that the block reads. Require that no instance reads a token that the block changes."""
         conditions, block = self.words.conditions, self.block
         for number, target in enumerate(conditions.locked(block)):
             self.at_start((self.words.reads(number), self.roles[block.anchor]), (self.roles[target.name],))

@@ -10,7 +10,7 @@ fluents enforce the law of assignment:
 | `passes(slot, slot)` | whether the network has this edge |
 | `partner(token)` | anchor of the token's instance, if the instance has several slots |
 | `let-go(anchor)` | whether the anchor has left its last instance, so that the other tokens may leave |
-| `crew(anchor)` | number of tokens with this partner; at the end of an action, must fit the slots of the block |
+| `crew(anchor)` | number of tokens whose partner is this anchor; must fill the other slots when an action ends |
 | `reads(token)` | token that the token's instance reads as a locked target |
 | `readers(token)` | number of instances that read the token; must be zero while a block changes the token |
 | `completed(token)` | whether the token's block has a hold; the goal requires this |
@@ -138,7 +138,7 @@ class _Encoder:
     # -- origins of tokens -----------------------------------------------------------------------------
 
     def actions(self) -> Iterator[tuple[DurativeAction, Running]]:
-        """Yield an action of every block, for each set of tokens that come from the same instance as the anchor."""
+        """Yield one action per block and set of tokens that come from the same instance as the anchor."""
         for block in self.domain.blocks:
             choices = [self._choices(block, slot.name) for slot in block.slots]
             for chosen in product(*choices):

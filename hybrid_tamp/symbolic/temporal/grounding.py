@@ -1,8 +1,8 @@
 """Reachability of block runs under the delete relaxation, with the earliest time of each run.
 
-A fact becomes true when the first run achieves it (heuristic h-max of Haslum and Geffner, 2001). The duration of a run
-is estimated in the state after its earliest causes. This state depends on the source block of the anchor. A schedule
-has better estimates because it knows the whole plan.
+A fact holds as soon as any run achieves it (heuristic h-max of Haslum and Geffner, 2001). The duration of a run is
+estimated in the state after the runs that first achieve its entry conditions. This state depends on the source block
+of the anchor. A schedule has better estimates because it knows the whole plan.
 """
 
 from collections.abc import Iterator, Mapping
@@ -36,13 +36,13 @@ class Run:
 
 
 def reachable(task: Task) -> tuple[Run, ...]:
-    """Return the runs that are reachable if each condition is considered separately, in the domain's block order."""
+    """Return the runs that are reachable if no fact is ever deleted, in the domain's block order."""
     return _Reaching(task).runs()
 
 
 @dataclass(frozen=True)
 class _Cause:
-    """The cause of a fact: the earliest time of the fact [s], and the poses of the tokens after the run."""
+    """The earliest time of a fact [s], and the poses of the tokens after the run that achieves the fact."""
 
     time: float
     poses: Poses

@@ -1,8 +1,8 @@
 """Conversion of a timeline to durative actions, so that PDDL validators can judge any task plan.
 
-The conditions of an action must hold just before the action starts. So the actions of one instant start 0.01 s after
-each other. A timeline does not contain all parameters, e.g. the source slot of a token. The missing parameters follow
-from the values of the fluents when the action starts.
+The conditions of an action must hold just before the action starts. So the actions of one instant start 0.01 s apart.
+A timeline does not contain all parameters, e.g. the source slot of a token. The missing parameters follow from the
+values of the fluents when the action starts.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -65,7 +65,7 @@ class Words:
 
     @property
     def all(self) -> frozenset[str]:
-        """All PDDL names that this object gives."""
+        """All PDDL names of the temporal encoding."""
         return self._names.all
 
     def slot(self, block: Block, slot: str) -> str:
@@ -83,10 +83,7 @@ class Words:
         return Conditions(self.vocabulary)
 
     def key(self, predicate: Predicate) -> tuple[int, ...]:
-        """Return the indices of a predicate's arguments that are the parameters of its fluent.
-
-        If the value of the fluent is a truth value, these are all arguments.
-        """
+        """Return the indices of a predicate's arguments that are parameters of its fluent. The others are its value."""
         everything = tuple(range(len(predicate.parameters)))
         if predicate.maintained:
             kept = {
