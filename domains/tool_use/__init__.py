@@ -1,9 +1,8 @@
-"""Tool use (paper, Sec. III-B, Figs. 4 to 6): a hand grasps a hammer to push and to strike with it.
+"""Tool use (paper, Sec. III-B, Figs. 4 to 6): a hand grasps a hammer to push and to strike objects.
 
-Read the modules in this order: `classes` (hands, tools and things), `geometry` (where a tool is held and used),
-`holding` (hand and tool as one body), `swing` (the closed form of a strike), `predicates`, `feasibility`, `grasping`
-(GRASPING D7, RELEASING D11), `carrying` (D10), `pushing` (D9) and `striking` (D8, with `arc`, the path of its swing).
-REACHING (D5) and RESTING (D6) come from `..common`.
+Modules, in reading order: `classes`, `geometry`, `holding`, `swing`, `predicates`, `feasibility`, `grasping` (GRASPING
+D7 and RELEASING D11), `carrying` (D10), `pushing` (D9), `arc`, `striking` (D8). `..common` provides REACHING (D5) and
+RESTING (D6).
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
@@ -25,14 +24,14 @@ _BLOCKS = (reaching(REACH_HANDLE, "handle"), GRASPING, *CARRYING, PUSHING, STRIK
 _EDGES = (
     ("RESTING.token", "REACHING.hand"),
     ("REACHING.hand", "RESTING.token"),
-    # a hand takes a tool and lets it go
+    # A hand grasps a tool and releases it.
     ("REACHING:handle.hand", "GRASPING.hand"),
     ("RESTING.token", "GRASPING.tool"),
     ("CARRYING:down.hand", "RELEASING.hand"),
     ("CARRYING:down.tool", "RELEASING.tool"),
     ("RELEASING.hand", "RESTING.token"),
     ("RELEASING.tool", "RESTING.token"),
-    # with the tool from use to use
+    # The hand carries the tool from one use to the next.
     ("GRASPING.hand", "CARRYING.hand"),
     ("GRASPING.tool", "CARRYING.tool"),
     ("PUSHING.hand", "CARRYING.hand"),
@@ -43,13 +42,13 @@ _EDGES = (
     ("CARRYING:push.tool", "PUSHING.tool"),
     ("CARRYING:strike.hand", "STRIKING.hand"),
     ("CARRYING:strike.tool", "STRIKING.tool"),
-    # what is pushed and struck
+    # Objects are pushed and struck.
     ("RESTING.token", "PUSHING.object"),
     ("PUSHING.object", "RESTING.token"),
     ("RESTING.token", "STRIKING.object"),
     ("STRIKING.object", "RESTING.token"),
 )
-"""Reassignments (paper, Fig. 4); an edge that names an action alone holds for each of its modes."""
+"""Reassignments (paper, Fig. 4). An edge that names an action without a mode applies to each of the action's modes."""
 
 DOMAIN = Domain(
     name="tool_use",
@@ -59,5 +58,5 @@ DOMAIN = Domain(
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_EDGES, [block.name for block in _BLOCKS]),
     metrics=metrics,
-    description="a hand grasps tools, pushes and strikes with them",
+    description="a hand grasps tools to push and to strike objects",
 )

@@ -1,4 +1,4 @@
-"""The path of hand and tool in a strike: an arc about an elbow, from winding up to the impact."""
+"""The path of the hand and the tool in a strike: an arc about an elbow, from the wind-up to the impact."""
 
 import numpy as np
 
@@ -12,20 +12,20 @@ from .holding import keeping
 from .swing import Swing, swing_of
 
 WINDING_UP = 0.4
-"""Time to wind up if the hand stays in its place [s]."""
+"""Duration of a wind-up in which the hand does not move [s]."""
 _WINDING_SPEED = 0.4
-"""Mean speed of the hand to where the swing begins [m/s]."""
+"""Mean speed of the hand during the wind-up [m/s]."""
 _FOLLOWING_THROUGH = 1.5
-"""Longest swing without an impact, as a multiple of the planned duration."""
+"""Longest duration of a swing without an impact, as a multiple of the planned duration."""
 
 
 def along(ahead: FloatArray, angle: FloatArray) -> FloatArray:
-    """Return the direction ``(..., 3)`` from handle to head at an angle of the swing ``(...)`` [rad]."""
+    """Return the direction ``(..., 3)`` from the handle to the head at a swing angle ``(...)`` [rad]."""
     return np.asarray(-np.sin(angle)[..., None] * ahead - np.cos(angle)[..., None] * UP)
 
 
 class Arc:
-    """The path of hand and tool in one strike: the elbow, and the angles where the swing begins and ends."""
+    """The path of the hand and the tool in one strike: the elbow, the wind-up and the swing."""
 
     def __init__(self, binding: Binding, start: State, hyperparameters: Hyperparameters) -> None:
         hand, tool, thing = get_tokens(binding, "hand", "tool", "object")
@@ -43,12 +43,15 @@ class Arc:
         self.latest = self.winding + _FOLLOWING_THROUGH * self.swing.duration(hand)
 
     def hand_at(self, angle: FloatArray) -> FloatArray:
-        """Return the place of the hand ``(..., 3)`` [m] at an angle ``(...)`` [rad]."""
+        """Return the position ``(..., 3)`` [m] of the hand at a swing angle ``(...)`` [rad]."""
         return np.asarray(self.elbow + self.radius[..., None] * along(self.ahead, angle))
 
 
 def on_arc(state: State, hand: Token, tool: Token, arc: Arc, spin: FloatArray, driven: FloatArray) -> FloatArray:
-    """Return the acceleration ``(..., 3)`` [m/s^2] of a hand on its arc about the elbow."""
+    """Return the acceleration ``(..., 3)`` [m/s^2] that keeps a hand on its arc about the elbow.
+
+    `spin` [rad/s] and `driven` [rad/s^2] are the angular speed and acceleration of the swing, both ``(...)``.
+    """
     arm = arc.radius[..., None] * along(arc.ahead, swing_angle(state, tool))
     velocity = spin[..., None] * cross(arc.axis, arm)
     acceleration = driven[..., None] * cross(arc.axis, arm) - (spin**2)[..., None] * arm
@@ -56,7 +59,7 @@ def on_arc(state: State, hand: Token, tool: Token, arc: Arc, spin: FloatArray, d
 
 
 def in_plane(state: State, tool: Token, axis: FloatArray, driven: FloatArray) -> FloatArray:
-    """Return the angular acceleration ``(..., 3)`` [rad/s^2] of a swing that keeps to its plane."""
+    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that drives a swing and keeps the swing in its plane."""
     spin = state[tool, "angular_velocity"]
     out_of_plane = spin - dot(spin, axis)[..., None] * axis
     back = ORIENTATION_RATE**2 * cross(side(state, tool), axis)

@@ -1,7 +1,8 @@
-"""CARRYING (paper, D10): a hand brings its tool to the place of its next use, in three modes.
+"""The block CARRYING (paper, D10), in which a hand brings a tool to the place of its next use.
 
-``push``: upright, behind the thing to push. ``strike``: raised, above the thing to strike. ``down``: standing where it
-stood at first. The hand follows the demonstrated reach and turns the tool while it is high.
+In mode ``push``, the tool ends upright behind the object to push. In mode ``strike``, the tool ends raised above the
+object to strike. In mode ``down``, the tool ends standing at its initial place. The hand follows the demonstrated reach
+and turns the tool in the high part of the reach.
 """
 
 from collections.abc import Callable
@@ -51,21 +52,21 @@ from .holding import HeldTool, pose_tool
 from .predicates import HELD, IN_PUSH_STANCE, IN_STRIKE_STANCE, STANDS
 
 Pose = tuple[FloatArray, FloatArray, FloatArray]
-"""Position of the hand ``(..., 3)`` [m], yaw of the tool and angle of its swing ``(...)`` [rad]."""
+"""Position of the hand ``(..., 3)`` [m], yaw of the tool and swing angle of the tool, each ``(...)`` [rad]."""
 Goal = Callable[[Binding, State], Pose]
 
 _SETTLING = 0.1
 _TURN = (0.3, 0.4)
-"""Beginning and duration of the turn, as shares of the reach's duration; the hand is high then."""
+"""Beginning and duration of the turn, as shares of the reach's duration. The hand is high during the turn."""
 
 
 def _seen(object_class: type[AffordanceClass]) -> Target:
-    """Return the target object. The hand reads its place only at the start; other blocks may change it afterwards."""
+    """Return the target object. The hand reads the object's place only at the start, so the object may move later."""
     return Target("object", object_class, reads=())
 
 
 def _hand_at(binding: Binding, state: State, place: FloatArray, direction: FloatArray, angle: float) -> Pose:
-    """Return the pose of the hand when its tool is at a place [m], without a change of grasp."""
+    """Return the pose of the hand that brings its tool to a place ``(..., 3)`` [m] with the current grasp."""
     hand, tool = get_tokens(binding, "hand", "tool")
     arm = rotate(tool_orientation(direction, angle), hand_in_tool(state, hand, tool))
     return place + arm, direction, np.full_like(direction, angle)
@@ -154,7 +155,7 @@ def _carrying(
         entry=(HELD("tool", "hand"), *entry),
         exit=(*arrived, HELD("tool", "hand"), AT_REST("hand"), AT_REST("tool")),
         writes={"hand": BODY, "tool": BODY},
-        # These facts concern the place where the tool stood first.
+        # These facts concern the initial place of the tool.
         keeps=(HANDLE_WITHIN_REACH, HOME),
         hyperparameters=(chosen,),
         duration=duration,
@@ -179,7 +180,7 @@ CARRYING = (
             AT_REST("object"),
         ),
         (IN_PUSH_STANCE("tool", "object", "region"), ~STANDS("tool")),
-        "the hand brings the tool upright behind what it is to push",
+        "the hand brings the upright tool to a place behind the object to push",
     ),
     _carrying(
         "strike",
@@ -188,7 +189,7 @@ CARRYING = (
         (_seen(Strikable),),
         (ABLE_TO_STRIKE("hand", "tool", "object"), AT_REST("object")),
         (IN_STRIKE_STANCE("hand", "tool", "object"), ~STANDS("tool")),
-        "the hand raises the tool above what it is to strike",
+        "the hand raises the tool above the object to strike",
     ),
     _carrying(
         "down",
@@ -197,6 +198,6 @@ CARRYING = (
         (Target("region", Region),),
         (HOME("tool", "region"),),
         (STANDS("tool"),),
-        "the hand stands the tool where it stood at first",
+        "the hand sets the tool down at its initial place",
     ),
 )

@@ -1,4 +1,4 @@
-"""Hands that grasp, tools, and the things that tools push and strike."""
+"""Classes of hands that can grasp, of tools, and of objects that tools push and strike."""
 
 from typing import ClassVar
 
@@ -25,7 +25,7 @@ from ..common.classes import (
 
 _OPEN = 0.08
 """Gap between open fingers [m]."""
-IMPULSE = VaryingProperty("impulse", 1, "N s", (0.0,), "largest impact that it has taken so far")
+IMPULSE = VaryingProperty("impulse", 1, "N s", (0.0,), "largest impact that the object has received so far")
 
 
 class DexterousHand(StaticEndEffector):
@@ -35,31 +35,32 @@ class DexterousHand(StaticEndEffector):
     varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, aperture_property(_OPEN))
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (
         *StaticEndEffector.basic_actions,
-        BasicAction("torque", 3, "N m", "maximal_torque", "torque of the wrist in the world"),
-        BasicAction("grip", 1, "N", "maximal_grip", "force of each finger: closes if positive, else opens"),
+        BasicAction("torque", 3, "N m", "maximal_torque", "torque of the wrist in the world frame"),
+        BasicAction("grip", 1, "N", "maximal_grip", "force of each finger; positive values close the hand"),
     )
 
     maximal_torque: float = positive("N m", "largest torque of the wrist", 1e6)
     maximal_grip: float = positive("N", "largest force of each virtual finger", 1e6)
     maximal_aperture: float = positive("m", "largest gap between the fingers", 1, default=_OPEN)
     wrist_inertia: float = positive("kg m^2", "moment of inertia of the hand about its wrist", 1e3)
-    contact_width: float = positive("m", "length of a handle that the hand touches", 1)
-    strike_torque: float = positive("N m", "torque that drives a strike, beyond what bears the tool", 1e6)
-    strike_angle: float = positive("rad", "angle over which it drives the strike", 2.5)
+    contact_width: float = positive("m", "length of the part of a handle that the hand touches", 1)
+    strike_torque: float = positive("N m", "torque that drives a strike, in addition to the torque for the weight", 1e6)
+    strike_angle: float = positive("rad", "angle over which strike_torque drives the strike", 2.5)
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Complain about a strike that needs more torque than the wrist has."""
-        if token["strike_torque"] > token["maximal_torque"]:
-            return f"strike_torque is {token['strike_torque']} N m, more than the maximal_torque of the wrist"
+        """Return an error message if a strike needs more torque than the wrist has, otherwise None."""
+        strike, most = token["strike_torque"], token["maximal_torque"]
+        if strike > most:
+            return f"strike_torque must be at most maximal_torque, {most} N m, got {strike} N m"
         return StaticEndEffector.consistent(token)
 
 
 class Graspable(AffordanceClass):
-    """Has a handle along which a hand can grasp it (paper, Fig. 5, blue).
+    """Tools with a handle that a hand can grasp (paper, Fig. 5, blue).
 
-    The origin of its body frame is the centre of mass. The x axis points along the handle towards the head, and the
-    tool swings about the y axis. When the tool stands, x points down.
+    The origin of the body frame is the centre of mass. The x axis points along the handle towards the head. The tool
+    swings about the y axis. A tool stands on its head, with x pointing down.
     """
 
     name: ClassVar[str] = "GRASPABLE"
@@ -73,52 +74,52 @@ class Graspable(AffordanceClass):
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Complain about a handle that has no length or does not point along x towards the head."""
+        """Return an error message if the handle has no length or does not point along x to the head, otherwise None."""
         start, end = token["handle_from"], token["handle_to"]
         if end[0] - start[0] < 1e-3:
-            return "handle_to must lie further along x than handle_from: the body's x axis goes towards the head"
+            return "handle_to must have a larger x than handle_from, because the x axis points towards the head"
         if abs(end[1] - start[1]) > 1e-6 or abs(end[2] - start[2]) > 1e-6:
-            return "handle_from and handle_to must differ in x only: the handle lies along the body's x axis"
+            return "handle_from and handle_to must have the same y and z, because the handle lies along the x axis"
         if token.shape is None:
-            return "a tool needs a shape"
+            return "a tool must have a shape"
         return None
 
 
 class Striker(Graspable):
-    """A tool that strikes with a point of its head (paper, Fig. 5, red)."""
+    """Tools that strike with a point of their head (paper, Fig. 5, red)."""
 
     name: ClassVar[str] = "STRIKER"
 
-    impact_point: Vector3 = quantity("m", "point that strikes, in the body frame; it moves along -z")
+    impact_point: Vector3 = quantity("m", "point that strikes, in the body frame; a strike moves it along -z")
 
 
 class Pusher(Graspable):
-    """A tool that pushes with a point of its head (paper, Fig. 5, green)."""
+    """Tools that push with a point of their head (paper, Fig. 5, green)."""
 
     name: ClassVar[str] = "PUSHER"
 
-    pushing_point: Vector3 = quantity("m", "point that pushes, in the body frame; it moves along +z")
+    pushing_point: Vector3 = quantity("m", "point that pushes, in the body frame; a push moves it along +z")
 
 
 class _Boxes(BoxShaped):
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Complain about a shape that is not the box of the half extents."""
-        return find_box_fault(token, "what tools push or strike is a box so far: remove the shape")
+        """Return an error message if the shape is not the box of the half extents, otherwise None."""
+        return find_box_fault(token, "the shape of an object to push or strike must be a box: remove the shape")
 
 
 class Strikable(_Boxes, AffordanceClass):
-    """Can be struck from above."""
+    """Objects that can be struck from above."""
 
     name: ClassVar[str] = "STRIKABLE"
     varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, IMPULSE)
 
     half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
-    impulse_needed: float = positive("N s", "least impact that counts as a strike", 1e6)
+    impulse_needed: float = positive("N s", "smallest impact that counts as a strike", 1e6)
 
 
 class Pushable(_Boxes, AffordanceClass):
-    """Can be pushed over the floor."""
+    """Objects that can be pushed over the floor."""
 
     name: ClassVar[str] = "PUSHABLE"
 

@@ -1,4 +1,4 @@
-"""Feasibility, decided before any search: whether a hand and a tool can do the task."""
+"""Feasibility predicates of tool use, which are decided before any search."""
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from .predicates import HAND, OPEN, TOOL
 from .swing import swing_of
 
 _RESERVE = 1.5
-"""Force that a grip must hold, as a multiple of the tool's weight."""
+"""Load that a grip must be able to hold, as a multiple of the tool's weight."""
 _FLOOR_FRICTION = 1.0
 _SQUARE_TOLERANCE = np.radians(5.0)
 _GRASPS = 31
@@ -39,12 +39,12 @@ def _width(hand: Token, tool: Token) -> float:
 
 
 def resistance(thing: Token) -> float:
-    """Return the force [N] with which the floor resists a thing that is pushed over it."""
+    """Return the force [N] with which the floor resists an object that is pushed over it."""
     return float(_FLOOR_FRICTION * thing["friction"] * GRAVITY * thing["mass"])
 
 
 def _push(hand: Token, tool: Token, thing: Token) -> float:
-    """Force [N] that hand, grip and wrist can exert at the nearest grasp, beyond what the push needs."""
+    """Return the force [N] that a hand can exert with the grasp nearest to the head, minus the force of the push."""
     force = resistance(thing)
     lever = abs(tool["pushing_point"][0] - tool["handle_to"][0])
     most = min(hand["maximal_force"], GRIP_FRICTION * hand["maximal_grip"] - GRAVITY * tool["mass"])
@@ -54,7 +54,7 @@ def _push(hand: Token, tool: Token, thing: Token) -> float:
 
 
 def _strike(hand: Token, tool: Token, thing: Token) -> float:
-    """Largest impulse [N s] of all grasps that the wrist can swing, beyond the one needed."""
+    """Return the largest impulse [N s] of a swing with any grasp that the wrist can bear, minus the impulse needed."""
     places = np.linspace(0.0, handle_length(tool), _GRASPS)
     swing = swing_of(hand, tool, tool["handle_to"][0] - places, 0.0)
     bearable = swing.torque(hand) + swing.weight_torque <= hand["maximal_torque"]
@@ -62,7 +62,7 @@ def _strike(hand: Token, tool: Token, thing: Token) -> float:
 
 
 def _depth(hand: Token, *places: FloatArray) -> FloatArray:
-    """Return the least depth ``(...)`` [m] of places ``(..., 3)`` in the hand's workspace."""
+    """Return the smallest depth ``(...)`` [m] of the places ``(..., 3)`` [m] inside the hand's workspace."""
     return np.asarray(np.min([depth_in_workspace(hand, place) for place in places], axis=0))
 
 
@@ -71,7 +71,7 @@ def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
 
 
 def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
-    """The hand's places when the thing comes to the region, from any start on its line."""
+    """Return the smallest depth [m] inside the workspace of the hand's possible positions at the end of a push."""
     ahead, _ = way(state, thing, region)
     back = half_depth(state, thing, ahead) + tool["pushing_point"][2]
     place = (state[region, "position"] - ahead * back[..., None]) * HORIZONTAL
@@ -79,7 +79,7 @@ def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region:
 
 
 def _squareness(state: State, thing: Token, region: Token) -> FloatArray:
-    """Tolerance less the angle [rad] between the way to the region and the nearest side of the box."""
+    """Return the tolerance minus the angle [rad] between the direction of the push and the nearest side's normal."""
     ahead, _ = way(state, thing, region)
     local = to_body(state, thing, ahead)
     return np.asarray(_SQUARE_TOLERANCE - np.arccos(np.clip(np.abs(local).max(axis=-1), 0.0, 1.0)))
@@ -92,15 +92,15 @@ LIFTABLE = Predicate(
     unit="N",
     scale=10.0,
     kind=Kind.STATIC,
-    description="{hand} grips hard enough to lift {tool}",
-    denial="{tool} is too heavy for the grip of {hand}",
+    description="{hand} can grip hard enough to lift {tool}",
+    denial="{hand} cannot grip hard enough to lift {tool}",
 )
 WIDE_ENOUGH = length_predicate(
     "wide_enough",
     (HAND, TOOL),
     everywhere(_width),
     kind=Kind.STATIC,
-    description="{hand} opens wide enough for the handle of {tool}",
+    description="{hand} can open wide enough for the handle of {tool}",
     denial="the handle of {tool} is too wide for {hand}",
 )
 HANDLE_WITHIN_REACH = length_predicate(
@@ -109,8 +109,8 @@ HANDLE_WITHIN_REACH = length_predicate(
     _reach_of_handle,
     reads={"tool": POSE},
     kind=Kind.STATIC,
-    description="{hand} reaches the handle of {tool} where it stands at first",
-    denial="the handle of {tool} is beyond the workspace of {hand}",
+    description="the handle of {tool} starts inside the workspace of {hand}",
+    denial="the handle of {tool} does not start inside the workspace of {hand}",
 )
 ABLE_TO_PUSH = Predicate(
     "able_to_push",
@@ -120,7 +120,7 @@ ABLE_TO_PUSH = Predicate(
     scale=10.0,
     kind=Kind.STATIC,
     description="{hand} is strong enough to push {object} with {tool}",
-    denial="{object} resists more than {hand} can push with {tool}",
+    denial="{hand} is too weak to push {object} with {tool}",
 )
 ABLE_TO_STRIKE = Predicate(
     "able_to_strike",
@@ -130,7 +130,7 @@ ABLE_TO_STRIKE = Predicate(
     scale=0.1,
     kind=Kind.STATIC,
     description="{hand} can strike {object} hard enough with {tool}",
-    denial="no swing of {tool} by {hand} gives {object} the impulse that it needs",
+    denial="{hand} cannot strike {object} hard enough with {tool}",
 )
 SQUARE_TO = Predicate(
     "square_to",
@@ -140,8 +140,8 @@ SQUARE_TO = Predicate(
     scale=0.05,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
-    description="{object} has a side across the straight way to {region}",
-    denial="no side of {object} is across the straight way to {region}, so that a push would turn it",
+    description="{object} has a side perpendicular to the line to {region}",
+    denial="{object} has no side perpendicular to the line to {region}, so a push would turn {object}",
 )
 PUSH_WITHIN_REACH = length_predicate(
     "push_within_reach",
@@ -149,8 +149,8 @@ PUSH_WITHIN_REACH = length_predicate(
     _reach_of_push,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
-    description="{hand} can be behind {object} at {region} within its workspace",
-    denial="{region} is too far for {hand} to push {object} there with {tool}",
+    description="{hand} can push {object} to {region} with {tool} within its workspace",
+    denial="{hand} cannot push {object} all the way to {region} with {tool} within its workspace",
 )
 HOME = length_predicate(
     "home",
@@ -158,8 +158,8 @@ HOME = length_predicate(
     depth_in_region,
     reads={"tool": ("position",), "region": ("position",)},
     kind=Kind.STATIC,
-    description="{region} is where {tool} stands at first",
-    denial="{region} is not where {tool} stands at first",
+    description="{region} is the initial place of {tool}",
+    denial="{region} is not the initial place of {tool}",
 )
 GRASP_FACTS = (LIFTABLE, WIDE_ENOUGH, HANDLE_WITHIN_REACH)
 FEASIBLE = (*GRASP_FACTS, ABLE_TO_PUSH, ABLE_TO_STRIKE, SQUARE_TO, PUSH_WITHIN_REACH, HOME)

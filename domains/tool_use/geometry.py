@@ -1,8 +1,9 @@
-"""Where a tool is held, stands, pushes and strikes; world frame unless a name says otherwise, batch dimensions first.
+"""Places at which a tool is held, stands, pushes and strikes.
 
-A tool swings in the vertical plane of its heading, which contains its body's x axis, along the handle, and z axis. The
-swing angle is 0 when the tool stands on its head, x down and z ahead. It is -pi/2 when the tool is level in the air,
-its head ahead and its striking face down, and -pi when its head is up.
+A tool swings in the vertical plane of its heading. This plane contains the x axis of its body frame, which points along
+the handle, and the z axis. The swing angle is 0 if the tool stands on its head, with x down and z ahead. The angle is
+-pi/2 if the tool is level, with its head ahead and its striking face down. The angle is -pi if the head is up. Vectors
+are in the world frame unless a name says otherwise. Batch dimensions come first.
 """
 
 from functools import cache
@@ -26,42 +27,42 @@ from hybrid_tamp.authoring import (
 from ..common.vectors import HORIZONTAL, UP, to_body
 
 LEVEL = -np.pi / 2
-"""Angle at which a tool strikes [rad]."""
+"""Swing angle at which a tool strikes [rad]."""
 RAISED = -np.pi
-"""Angle at which a strike is wound up [rad]."""
+"""Swing angle of a tool that is raised for a strike [rad]."""
 STANDOFF = 0.03
-"""Gap between a tool and what it is about to push [m]."""
+"""Gap between a tool and the object that the tool is about to push [m]."""
 CLEARANCE = 0.012
 """Gap between a pushing tool and the floor [m]."""
 BESIDE = 0.09
-"""Distance beside a handle at which a hand waits before and after it grasps [m]."""
+"""Distance from a handle at which a hand waits before and after a grasp [m]."""
 _RIGHT, _AHEAD_OF_SIDE = np.array([1, 0, 2]), np.array([1.0, -1.0, 0.0])
 """Indices and signs of the cross product of a vector and `UP`."""
 
 
 def dot(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the inner product over the last axis, ``(...)``."""
+    """Return the inner product ``(...)`` over the last axis."""
     return np.asarray(np.vecdot(one, other))
 
 
 def norm(vector: FloatArray) -> FloatArray:
-    """Return the length over the last axis, ``(...)``."""
+    """Return the Euclidean norm ``(...)`` over the last axis."""
     return np.sqrt(dot(vector, vector))
 
 
 def point(state: State, tool: Token, body: FloatArray) -> FloatArray:
-    """Return the place ``(..., 3)`` [m] of a point of the tool, given in its body frame."""
+    """Return the position ``(..., 3)`` [m] of a point of the tool that is given in the body frame."""
     return state[tool, "position"] + rotate(state[tool, "orientation"], body)
 
 
 def point_velocity(state: State, tool: Token, body: FloatArray) -> FloatArray:
-    """Return the velocity ``(..., 3)`` [m/s] of a point of the tool, given in its body frame."""
+    """Return the velocity ``(..., 3)`` [m/s] of a point of the tool that is given in the body frame."""
     arm = rotate(state[tool, "orientation"], body)
     return np.asarray(state[tool, "velocity"] + cross(state[tool, "angular_velocity"], arm))
 
 
 def hand_in_tool(state: State, hand: Token, tool: Token) -> FloatArray:
-    """Return the hand's centre in the tool's body frame, ``(..., 3)`` [m]."""
+    """Return the position ``(..., 3)`` [m] of the hand's centre in the tool's body frame."""
     return in_box(state, tool, state[hand, "position"])
 
 
@@ -71,17 +72,17 @@ def handle_length(tool: Token) -> float:
 
 
 def on_handle(tool: Token, location: FloatArray | float) -> FloatArray:
-    """Return the point of the handle in the body frame ``(..., 3)`` [m], `location` away from its end near the head."""
+    """Return the point ``(..., 3)`` [m] of the handle, in the body frame. Location 0 [m] is nearest to the head."""
     return np.asarray(tool["handle_to"] - np.asarray(location)[..., None] * np.array([1.0, 0.0, 0.0]))
 
 
 def location(state: State, hand: Token, tool: Token) -> FloatArray:
-    """Return the distance ``(...)`` [m] along the handle between the hand and the end near the head."""
+    """Return the distance ``(...)`` [m] along the handle from its end near the head to the hand."""
     return np.asarray(tool["handle_to"][0] - hand_in_tool(state, hand, tool)[..., 0])
 
 
 def off_handle(state: State, hand: Token, tool: Token) -> FloatArray:
-    """Return the distance ``(...)`` [m] of the hand's centre from the graspable segment."""
+    """Return the distance ``(...)`` [m] between the hand's centre and the graspable segment."""
     place = hand_in_tool(state, hand, tool)
     along = np.clip(place[..., 0], tool["handle_from"][0], tool["handle_to"][0])
     return norm(
@@ -90,38 +91,38 @@ def off_handle(state: State, hand: Token, tool: Token) -> FloatArray:
 
 
 def beside(state: State, hand: Token, tool: Token) -> FloatArray:
-    """Return the place ``(..., 3)`` [m] beside the middle of a handle where a hand waits, on the side where it is."""
+    """Return the place ``(..., 3)`` [m] beside the middle of a handle at which a hand waits, on the hand's own side."""
     aside = np.where(hand_in_tool(state, hand, tool)[..., 1] < 0, -BESIDE, BESIDE)
     middle = on_handle(tool, handle_length(tool) / 2)
     return point(state, tool, middle + aside[..., None] * np.array([0.0, 1.0, 0.0]))
 
 
 def side(state: State, tool: Token) -> FloatArray:
-    """Return the tool's y axis ``(..., 3)``, about which it swings."""
+    """Return the y axis ``(..., 3)`` of the tool, about which the tool swings."""
     return rotate(state[tool, "orientation"], np.array([0.0, 1.0, 0.0]))
 
 
 def heading(state: State, tool: Token) -> FloatArray:
-    """Return the horizontal unit vector ``(..., 3)`` ahead of the tool."""
+    """Return the horizontal unit vector ``(..., 3)`` that points ahead of the tool."""
     across = side(state, tool)
     return _unit(across.take(_RIGHT, -1) * _AHEAD_OF_SIDE)
 
 
 def yaw(state: State, tool: Token) -> FloatArray:
-    """Return the direction ``(...)`` [rad] of the heading about the vertical."""
+    """Return the angle ``(...)`` [rad] of the tool's heading about the vertical axis."""
     ahead = heading(state, tool)
     return np.arctan2(ahead[..., 1], ahead[..., 0])
 
 
 def swing_angle(state: State, tool: Token) -> FloatArray:
-    """Return the angle of the tool's swing ``(...)`` [rad], from -3/2 pi up to pi/2."""
+    """Return the swing angle ``(...)`` [rad] of the tool, from -3/2 pi to pi/2."""
     along = rotate(state[tool, "orientation"], np.array([1.0, 0.0, 0.0]))
     angle = np.arctan2(-dot(along, heading(state, tool)), -along[..., 2])
     return np.asarray(np.where(angle > np.pi / 2, angle - 2 * np.pi, angle))
 
 
 def tool_orientation(direction: FloatArray, angle: FloatArray | float) -> FloatArray:
-    """Return the orientation ``(..., 4)`` of a tool from the yaw of its heading and its swing angle [rad]."""
+    """Return the orientation ``(..., 4)`` of a tool with the given yaw of its heading and swing angle [rad]."""
     turned, swung = np.broadcast_arrays(direction, np.asarray(angle) + np.pi / 2)
     return quaternion_from_rpy(np.stack([np.zeros_like(turned), swung, turned], axis=-1))
 
@@ -132,14 +133,14 @@ def foot(tool: Token) -> float:
 
 
 def butt(tool: Token) -> FloatArray:
-    """Return the corner of the handle's end ``(3,)`` [m], in the body frame, that comes near a struck thing."""
+    """Return the corner ``(3,)`` [m] of the handle's far end, in the body frame, that comes near a struck object."""
     back = max(_ahead(part, -1.0) for part in solids_of(tool.solid))
     return np.array([-back, 0.0, tool["handle_to"][2] - tool["handle_width"] / 2])
 
 
 @cache
 def _ahead(part: Part, way: float = 1.0) -> float:
-    """Return the extent [m] of a part of a shape along the body's x axis, or against it if `way` is -1."""
+    """Return the extent [m] of a part of a shape along the body's x axis, or along -x if `way` is -1."""
     along = rotate(quaternion_conjugate(quaternion_from_rpy(part.rpy)), np.array([way, 0.0, 0.0]))
     if isinstance(part, Box):
         reach = float(np.abs(along) @ np.asarray(part.half_extents))
@@ -151,23 +152,23 @@ def _ahead(part: Part, way: float = 1.0) -> float:
 
 
 def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:
-    """Return the horizontal direction ``(..., 3)`` from a thing to a region and the distance ``(...)`` [m]."""
+    """Return the horizontal direction ``(..., 3)`` and the distance ``(...)`` [m] from an object to a region."""
     offset = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
     return _unit(offset), norm(offset)
 
 
 def in_box(state: State, thing: Token, place: FloatArray) -> FloatArray:
-    """Return a place ``(..., 3)`` [m] in the frame of a thing."""
+    """Return a position ``(..., 3)`` [m], given in the world frame, in the body frame of an object."""
     return to_body(state, thing, place - state[thing, "position"])
 
 
 def half_depth(state: State, thing: Token, direction: FloatArray) -> FloatArray:
-    """Return the extent ``(...)`` [m] of a box from its centre along a direction ``(..., 3)``."""
+    """Return the extent ``(...)`` [m] of a box from its centre in a direction ``(..., 3)``."""
     return np.asarray(np.abs(to_body(state, thing, direction)) @ np.asarray(thing["half_extents"]))
 
 
 def push_pose(state: State, tool: Token, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:
-    """Return position ``(..., 3)`` [m] and yaw ``(...)`` [rad] of a tool before it pushes a thing to a region."""
+    """Return the position ``(..., 3)`` [m] and the yaw ``(...)`` [rad] of a tool that is ready to push an object."""
     ahead, _ = way(state, thing, region)
     back = half_depth(state, thing, ahead) + STANDOFF + tool["pushing_point"][2]
     place = state[thing, "position"] - ahead * back[..., None]
@@ -176,20 +177,20 @@ def push_pose(state: State, tool: Token, thing: Token, region: Token) -> tuple[F
 
 
 def top(state: State, thing: Token) -> FloatArray:
-    """Return the middle of a box's top ``(..., 3)`` [m]."""
+    """Return the centre ``(..., 3)`` [m] of the top of a box."""
     high = half_depth(state, thing, np.broadcast_to(UP, state[thing, "position"].shape))
     return np.asarray(state[thing, "position"] + high[..., None] * UP)
 
 
 def strike_place(state: State, hand: Token, tool: Token, target: FloatArray) -> FloatArray:
-    """Return the hand's centre ``(..., 3)`` [m] when the level tool meets a target ``(..., 3)`` [m]."""
+    """Return the position ``(..., 3)`` [m] of the hand's centre when its level tool meets a target ``(..., 3)`` [m]."""
     arm = hand_in_tool(state, hand, tool) - np.asarray(tool["impact_point"])
     return np.asarray(target + arm[..., :1] * heading(state, tool) + arm[..., 2:] * UP)
 
 
 def _unit(vector: FloatArray) -> FloatArray:
     length = norm(vector)[..., None]
-    # A vector of length zero must stay finite; if it matters, a predicate does not hold.
+    # The unit vector of a zero vector must be finite. Where its value matters, a predicate does not hold.
     if np.minimum.reduce(length, axis=None, initial=1.0) > 1e-9:
         return np.asarray(vector / length)
     return np.where(length > 1e-9, vector / np.maximum(length, 1e-9), np.array([1.0, 0.0, 0.0]))

@@ -1,4 +1,7 @@
-"""GRASPING (paper, D7) and RELEASING (D11): a hand moves from beside a handle to it and closes; it opens and leaves."""
+"""The blocks GRASPING (paper, D7) and RELEASING (D11).
+
+In GRASPING, a hand beside a handle moves to the handle and closes. In RELEASING, the hand opens and moves away.
+"""
 
 import numpy as np
 
@@ -32,13 +35,13 @@ from .holding import gripping_system
 from .predicates import AT_HANDLE, EMPTY, HELD, STANDS
 
 _APPROACH = 0.8
-"""Time from beside the handle to the grasp location [s]."""
+"""Duration of the movement from beside the handle to the grasp location [s]."""
 _CLOSES_AFTER = 0.95
-"""When the hand begins to close [s]: it is at rest by then."""
+"""Elapsed time at which the hand begins to close [s]. The hand is at rest by then."""
 _OPENING = 0.3
-"""Time for the fingers to open before the hand moves [s]."""
+"""Time that the fingers take to open before the hand moves away [s]."""
 _LEAVING = 0.8
-"""Time for the hand to leave [s]."""
+"""Time that the hand takes to move away [s]."""
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
@@ -74,7 +77,7 @@ def _grasp(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _contact(binding: Binding, before: State, after: State, hyperparameters: Hyperparameters) -> FloatArray:
-    """Return the share ``(...)`` of the hand's width that touches the handle at the end."""
+    """Return the share ``(...)`` of the hand's contact width that touches the handle after the grasp."""
     hand, tool = get_tokens(binding, "hand", "tool")
     place, half = location(after, hand, tool), hand["contact_width"] / 2
     touching = np.minimum(place + half, handle_length(tool)) - np.maximum(place - half, 0.0)
@@ -82,7 +85,7 @@ def _contact(binding: Binding, before: State, after: State, hyperparameters: Hyp
 
 
 def _grasped(binding: Binding, state: State) -> State:
-    """The hand is at the middle of the handle, closed."""
+    """Return the state with the hand closed at the middle of the handle."""
     hand, tool = get_tokens(binding, "hand", "tool")
     place = point(state, tool, on_handle(tool, handle_length(tool) / 2))
     return state.replace({(hand.name, "position"): place, (hand.name, "aperture"): tool["handle_width"]})
@@ -113,7 +116,7 @@ REACH_HANDLE = ReachGoal(
     entry=(*_GRASPABLE, EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     arrived=(AT_HANDLE("hand", "tool"),),
     hand_class=DexterousHand,
-    # Only an empty hand reaches, so it leaves no tool behind.
+    # Only an empty hand reaches, so no hand leaves a tool behind.
     keeps=(HELD,),
 )
 
@@ -131,7 +134,7 @@ GRASPING = Block(
             0.0,
             100.0,
             _middle,
-            "distance of the grasp from the end of the handle near the head",
+            "distance from the handle's end near the head to the grasp",
             _bounds,
         ),
     ),
@@ -140,10 +143,10 @@ GRASPING = Block(
     policy=_grasp,
     system=gripping_system,
     performance=(
-        Measure("contact", "1", 1.0, end=_contact, description="share of the hand's width that touches the handle"),
+        Measure("contact", "1", 1.0, end=_contact, description="share of contact_width that touches the handle"),
     ),
     outcome=_grasped,
-    description="the hand reaches to the grasp location and closes on the handle",
+    description="the hand moves to the grasp location and closes on the handle",
 )
 
 RELEASING = Block(
@@ -151,12 +154,12 @@ RELEASING = Block(
     slots=(Slot("hand", DexterousHand), Slot("tool", Graspable)),
     anchor="hand",
     entry=(HELD("tool", "hand"), STANDS("tool")),
-    # The tool must go on standing when the hand lets go: the condition is measured.
+    # The exit requires STANDS because the tool must not fall over when the hand releases it.
     exit=(~HELD("tool", "hand"), EMPTY("hand"), STANDS("tool"), AT_REST("hand"), AT_REST("tool")),
     writes={"hand": (*MOTION, "aperture")},
     duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05),
     policy=_release,
     system=gripping_system,
     outcome=_released,
-    description="the hand opens and leaves the tool where it stands",
+    description="the hand opens, moves away and leaves the tool standing",
 )

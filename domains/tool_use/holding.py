@@ -1,13 +1,13 @@
-"""The dynamics of a hand and the tool that it holds, as one rigid body.
+"""Dynamics of a hand and the tool that the hand holds, which move as one rigid body.
 
-With r from the hand to the tool's centre of mass, the hand at x, the tool at x + r and f the force that the hand
-exerts on the tool (Newton and Euler)::
+The hand is at x and the tool's centre of mass is at x + r. The Newton-Euler equations are::
 
     m_hand x'' = F - f,     m (x + r)'' = f + w,     (I + I_wrist) alpha = T - r x f + n
 
-F and T are the basic actions, w and n the other forces on the tool and their moment: its weight and contact forces.
-The body turns about the tool's y axis, so (x + r)'' = x'' + alpha x r - omega^2 r, and I is the moment about that axis.
-Turns about the other axes are slow; the same moment is used there. The hand's own weight is compensated.
+F and T are the basic actions, and f is the force of the hand on the tool. The tool's weight and contact forces sum to w
+and have the moment n. The body turns about the tool's y axis, so (x + r)'' = x'' + alpha x r - omega^2 r, and I is the
+moment of inertia about this axis. Turns about other axes are slow, so the same I is used for them. The hand's own
+weight is compensated.
 """
 
 from dataclasses import dataclass
@@ -38,16 +38,16 @@ from .geometry import dot, hand_in_tool, off_handle
 _LIFT = GRAVITY * UP
 """Acceleration that compensates gravity [m/s^2]."""
 POSITION_RATE = 60.0
-"""Natural frequency of the servo that brings a hand and its tool to a place [rad/s]."""
+"""Natural frequency of the servo that controls the position of a hand and its tool [rad/s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """A force on a held tool other than those of the hand and of its weight.
+    """A force on a held tool in addition to its weight and to the force of the hand.
 
     Attributes:
-        force: ``(..., 3)`` [N].
-        point: its point of application ``(..., 3)`` [m].
+        force: the force ``(..., 3)`` [N].
+        point: point of application of the force ``(..., 3)`` [m].
     """
 
     force: FloatArray
@@ -55,11 +55,11 @@ class Load:
 
 
 Whole = tuple[FloatArray, float, FloatArray]
-"""Centre of mass ``(..., 3)`` [m], mass [kg] and moment of inertia ``(...)`` [kg m^2] of hand and tool."""
+"""Centre of mass ``(..., 3)`` [m], mass [kg] and moment of inertia ``(...)`` [kg m^2] of a hand with its tool."""
 
 
 class HeldTool:
-    """A hand and the tool that it holds, as one body. States have the batch shape ``(...)``."""
+    """A rigid body that consists of a hand and the tool that the hand holds. States have the batch shape ``(...)``."""
 
     def __init__(self, hand: Token, tool: Token) -> None:
         self.hand, self.tool = hand, tool
@@ -69,13 +69,13 @@ class HeldTool:
         self._own_inertia = tool["inertia"][1] + hand["wrist_inertia"]
 
     def wrench(self, state: State, acceleration: FloatArray, turning: FloatArray, load: Load | None = None) -> Commands:
-        """Return the basic actions for given accelerations of the hand and its tool (inverse dynamics).
+        """Return the basic actions for given accelerations of the body (inverse dynamics).
 
         Args:
             state: current state.
-            acceleration: of the hand, ``(..., 3)`` [m/s^2].
-            turning: angular acceleration of both, ``(..., 3)`` [rad/s^2].
-            load: another force on the tool, or None.
+            acceleration: acceleration of the hand ``(..., 3)`` [m/s^2].
+            turning: angular acceleration of the body ``(..., 3)`` [rad/s^2].
+            load: additional force on the tool, or None.
         """
         hand, tool = self.hand, self.tool
         arm = state[tool, "position"] - state[hand, "position"]
@@ -99,21 +99,21 @@ class HeldTool:
         orientation: tuple[FloatArray, FloatArray],
         load: Load | None = None,
     ) -> Commands:
-        """Return the basic actions that keep a hand and its tool on a moving reference.
+        """Return the basic actions that keep the body on a moving reference.
 
         Args:
             state: current state.
-            position: of the hand [m] and its velocity [m/s], each ``(..., 3)``.
-            orientation: of the tool ``(..., 4)`` and its angular velocity ``(..., 3)`` [rad/s].
-            load: another force on the tool, or None.
+            position: reference position [m] and velocity [m/s] of the hand, each ``(..., 3)``.
+            orientation: reference orientation ``(..., 4)`` and angular velocity ``(..., 3)`` [rad/s] of the tool.
+            load: additional force on the tool, or None.
         """
         turning = turning_rate(state, self.tool, *orientation)
         return self.wrench(state, keeping(state, self.hand, *position), turning, load)
 
     def accelerated(self, state: State, commands: Commands, dt: float) -> tuple[FloatArray, FloatArray]:
-        """Return the velocity of the hand [m/s] and the angular velocity of both [rad/s], ``(..., 3)``, after a step.
+        """Return the hand's velocity [m/s] and the body's angular velocity [rad/s], each ``(..., 3)``, after a step.
 
-        The basic actions and the tool's weight move them as one rigid body.
+        The basic actions and the weight of the tool accelerate the body.
         """
         arm = state[self.tool, "position"] - state[self.hand, "position"]
         spin = state[self.tool, "angular_velocity"]
@@ -127,9 +127,13 @@ class HeldTool:
     def placed(
         self, state: State, velocity: FloatArray, spin: FloatArray, dt: float
     ) -> dict[tuple[str, str], FloatArray]:
-        """Return poses and velocities of hand and tool after a step at these velocities of the hand and of both.
+        """Return the poses and velocities of hand and tool after a step (semi-implicit Euler with exact rotation).
 
-        Semi-implicit Euler with exact turns.
+        Args:
+            state: state before the step.
+            velocity: velocity of the hand after the step ``(..., 3)`` [m/s].
+            spin: angular velocity of the body after the step ``(..., 3)`` [rad/s].
+            dt: time step [s].
         """
         hand, tool = self.hand, self.tool
         turn = quaternion_from_rotation_vector(spin * dt)
@@ -147,7 +151,7 @@ class HeldTool:
         }
 
     def whole(self, state: State) -> Whole:
-        """Return centre of mass, mass and moment of inertia of both."""
+        """Return the centre of mass, the mass and the moment of inertia of the body."""
         arm = state[self.tool, "position"] - state[self.hand, "position"]
         inertia = self._own_inertia + self._reduced * dot(arm, arm)
         centre = state[self.hand, "position"] + arm * (self._tool_mass / self._mass)
@@ -157,7 +161,7 @@ class HeldTool:
 def pose_tool(
     state: State, hand: Token, tool: Token, place: FloatArray, orientation: FloatArray
 ) -> dict[tuple[str, str], FloatArray]:
-    """Return the poses of a hand at a place ``(..., 3)`` [m] and of its tool, turned to an orientation ``(..., 4)``."""
+    """Return the poses of a hand at a place ``(..., 3)`` [m] and of its tool in an orientation ``(..., 4)``."""
     arm = rotate(orientation, hand_in_tool(state, hand, tool))
     return {
         (hand.name, "position"): place,
@@ -173,13 +177,13 @@ def keeping(
     velocity: FloatArray | float,
     acceleration: FloatArray | float = 0.0,
 ) -> FloatArray:
-    """Return the acceleration ``(..., 3)`` [m/s^2] that brings a hand back to a moving reference."""
+    """Return the acceleration ``(..., 3)`` [m/s^2] that keeps a hand on a moving reference."""
     error, drift = position - state[hand, "position"], velocity - state[hand, "velocity"]
     return np.asarray(acceleration + POSITION_RATE**2 * error + 2.0 * DAMPING_RATIO * POSITION_RATE * drift)
 
 
 def gripping_system(binding: Binding, start: State) -> ContinuousSystem:
-    """Make the system of a hand without a tool: its fingers open or close, and a handle between them stops them."""
+    """Return the system of a hand without a tool. Its fingers open or close until a handle between them stops them."""
     hand, tool = get_tokens(binding, "hand", "tool")
     arm, width, widest = hand_system(binding, start), tool["handle_width"], hand["maximal_aperture"]
 
@@ -196,9 +200,9 @@ def gripping_system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def effective_mass(body: Whole, at: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return the mass ``(...)`` [kg] with which hand and tool meet an impact at a point along a unit direction.
+    """Return the effective mass ``(...)`` [kg] of a hand with its tool for an impact at a point along a unit direction.
 
-    An impulse P at distance l from the common centre of mass changes the point's speed by P (1/M + l^2/I).
+    An impulse P at distance l from the common centre of mass changes the speed of the point by P (1/M + l^2/I).
     """
     centre, mass, inertia = body
     lever = cross(at - centre, direction)
@@ -208,15 +212,15 @@ def effective_mass(body: Whole, at: FloatArray, direction: FloatArray) -> FloatA
 def knocked(
     body: Whole, velocity: FloatArray, spin: FloatArray, place: FloatArray, at: FloatArray, impulse: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the velocity of the hand and the angular velocity of both after an impact on the tool.
+    """Return the velocity of the hand and the angular velocity of the body after an impact on the tool.
 
     Args:
-        body: hand and tool.
-        velocity: of the hand before, ``(..., 3)`` [m/s].
-        spin: of both before, ``(..., 3)`` [rad/s].
-        place: of the hand, ``(..., 3)`` [m].
-        at: point of impact, ``(..., 3)`` [m].
-        impulse: ``(..., 3)`` [N s].
+        body: the hand with its tool.
+        velocity: velocity of the hand before the impact ``(..., 3)`` [m/s].
+        spin: angular velocity of the body before the impact ``(..., 3)`` [rad/s].
+        place: position of the hand ``(..., 3)`` [m].
+        at: point of impact ``(..., 3)`` [m].
+        impulse: impulse on the tool ``(..., 3)`` [N s].
     """
     centre, mass, inertia = body
     turned = cross(at - centre, impulse) / inertia[..., None]

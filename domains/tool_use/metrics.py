@@ -1,4 +1,4 @@
-"""Metrics of tool use for a finished run, and their predictions by the closed forms."""
+"""Metrics of tool use in a finished run, and their predictions in closed form."""
 
 from collections.abc import Iterator, Mapping
 
@@ -13,16 +13,17 @@ from .striking import tip_speed
 from .swing import swing_of
 
 _MOVING = 0.02
-"""Least speed at which a pushed thing counts as moving [m/s]."""
+"""Smallest speed at which a pushed object counts as moving [m/s]."""
 _WITH_TOOL = ("CARRYING", "PUSHING", "STRIKING")
 
 
 def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
-    """Return the metrics of every grasp, push and strike by instance and metric.
+    """Return the metrics of every grasp, push and strike. The result maps each (instance, metric) to its value.
 
-    Grasp: its location, and the largest slip of the hand in the tool's frame at the end of a later block that holds
-    the tool. Push: the mean torque of the wrist about the tool's y axis while the object moves, and its prediction
-    from the grasp. Strike: the largest speed of the impact point along its normal, and its prediction from the grasp.
+    - Grasp: the grasp location, and the largest slip of the hand in the tool's frame. The slip is measured at the end
+      of each later block in which the hand holds the tool.
+    - Push: the mean torque of the wrist about the tool's y axis while the object moves, measured and predicted.
+    - Strike: the largest speed of the impact point along its normal, measured and predicted.
     """
     return measure_instances(task, recording, {"GRASPING": _grasp, "PUSHING": _push, "STRIKING": _strike})
 
@@ -46,7 +47,7 @@ def _grasp(task: Task, recording: Recording, instance: BlockInstance) -> Iterato
 
 
 def _later(recording: Recording, grasp: BlockInstance) -> Iterator[BlockInstance]:
-    """Yield the hand's later instances in order, up to its next grasp."""
+    """Yield the instances of the hand after a grasp in order of time, up to the hand's next grasp."""
     for instance in sorted(recording.instances, key=lambda other: other.start):
         if instance.slots.get("hand") == grasp.slots["hand"] and instance.start >= grasp.end:
             if instance.block == grasp.block:

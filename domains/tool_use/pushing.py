@@ -1,8 +1,8 @@
-"""PUSHING (paper, D9): the head of an upright tool pushes a thing in a straight line to a region.
+"""The block PUSHING (paper, D9), in which the head of an upright tool pushes an object in a straight line to a region.
 
-The tool first moves until it touches the thing, then pushes it over the distance. Both movements are straight and have
-the speed profile of human movements. The wrist bears the torque of the push: the resistance times the height of the
-hand above the pushing point.
+First the tool moves until it touches the object. Then it pushes the object. Both movements are straight and have the
+speed profile of human movements. The torque of the wrist is the resistance times the hand's height above the pushing
+point.
 """
 
 import numpy as np
@@ -49,19 +49,19 @@ from .holding import HeldTool, Load, effective_mass, knocked
 from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
 
 _APPROACH = 0.8
-"""Time until the tool touches the thing [s]."""
+"""Time until the tool touches the object [s]."""
 _SHORTEST = 1.0
-"""Least duration of a push [s]."""
+"""Shortest duration of a push [s]."""
 _STEERING = 0.08
-"""Lateral offset of the pushing point per angle that the thing has turned [m/rad]."""
+"""Lateral offset of the pushing point per angle by which the object has turned [m/rad]."""
 _RETURNING = 15.0
-"""Wanted turn of the thing towards its line, per distance from the line [rad/m]."""
+"""Wanted turn of the object towards its line, per distance from the line [rad/m]."""
 _LARGEST_TURN = 0.3
-"""Largest wanted turn [rad]."""
+"""Largest wanted turn of the object [rad]."""
 _MARGIN = 0.6
-"""Largest lateral offset of the pushing point, as a share of the half width."""
+"""Largest lateral offset of the pushing point, as a share of the object's half width."""
 _CREEP = 0.01
-"""Least speed at which the full resistance is expected [m/s]."""
+"""Smallest speed at which the policy compensates the full resistance [m/s]."""
 _TOUCH = 1e-6
 
 
@@ -85,7 +85,7 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) 
 
 
 def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArray:
-    """Return the distance ``(...)`` [m] between the pushing point and the side of the thing."""
+    """Return the distance ``(...)`` [m] between the pushing point and the near side of the object."""
     face = point(state, tool, np.asarray(tool["pushing_point"]))
     return dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
 
@@ -93,15 +93,15 @@ def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArr
 def _steering(state: State, thing: Token, line: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the lateral position ``(...)`` [m] of the pushing point and its rate [m/s].
 
-    If a single point pushes a thing from behind, the thing turns away from that point more and more. So the tool pushes
-    on the side to which the thing has turned. If the thing has left its line, the tool turns it a little towards the
-    line.
+    If a single point pushes an object from behind, the object turns away from that point more and more. So the tool
+    pushes on the side to which the object has turned. If the object has left its line, the tool turns the object a
+    little towards the line.
 
     Args:
         state: current state.
-        thing: the pushed thing.
-        line: a point of the line ``(..., 3)`` [m].
-        axes: the directions along it and across ``(..., 2, 3)``.
+        thing: the pushed object.
+        line: a point on the line of the push ``(..., 3)`` [m].
+        axes: the directions along the line and perpendicular to the line ``(..., 2, 3)``.
     """
     across = axes[..., 1, :]
     off, drift = dot(state[thing, "position"] - line, across), dot(state[thing, "velocity"], across)
@@ -151,7 +151,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Make the system: hand and tool are one body and push the thing inelastically; it slides with Coulomb friction."""
+    """Return the system in which hand and tool are one body. The pushed object slides with friction, without bounce."""
     hand, tool, thing, _ = _roles(binding)
     held, head = HeldTool(hand, tool), np.asarray(tool["pushing_point"])
     friction, own_mass = resistance(thing), thing["mass"]
@@ -180,14 +180,14 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def _torque_work(binding: Binding, state: State, commands: Commands) -> FloatArray:
-    """Return the squared torque of the wrist, times the speed of the push, ``(...)`` [N^2 m^3 / s]."""
+    """Return the squared torque of the wrist times the speed of the pushed object, ``(...)`` [N^2 m^3 / s]."""
     hand, tool, thing, _ = _roles(binding)
     torque = dot(commands[hand.name, "torque"], side(state, tool))
     return np.asarray(torque**2 * norm(state[thing, "velocity"]))
 
 
 def _outcome(binding: Binding, state: State) -> State:
-    """The thing lies in the middle of the region; hand and tool are behind it, and the tool touches it."""
+    """Return the state with the object at the centre of the region, and with hand and tool behind it, in contact."""
     hand, tool, thing, region = _roles(binding)
     ahead, _ = way(state, thing, region)
     pushed = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
@@ -224,11 +224,11 @@ PUSHING = Block(
         AT_REST("tool"),
     ),
     writes={"hand": BODY, "tool": BODY, "object": BODY},
-    # A push is straight, and the thing keeps its heading. The other facts concern the place where the tool stood first.
+    # A push is straight, and the object keeps its heading. The other facts concern the initial place of the tool.
     keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),
     hyperparameters=(
-        # Only near the region: pushes far past it would take most of the time of a search.
-        Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "how far past the region's middle"),
+        # The bounds are narrow because a search would spend most of its time on pushes far past the region.
+        Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "distance past the region's centre"),
         Hyperparameter("speed", "m/s", 0.05, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
     ),
     duration=Duration(_APPROACH, 40.0, _expected),
@@ -240,7 +240,7 @@ PUSHING = Block(
             "N^2 m^3",
             -4.0,
             rate=_torque_work,
-            description="square of the wrist's torque, over the distance pushed",
+            description="square of the wrist's torque, integrated over the distance pushed",
         ),
     ),
     outcome=_outcome,

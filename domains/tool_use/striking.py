@@ -1,7 +1,8 @@
-"""STRIKING (paper, D8): a hammering movement; the tool's impact point meets the top of a thing.
+"""The block STRIKING (paper, D8): a hammering movement in which the tool's impact point hits the top of an object.
 
-The hand winds up. Then a constant torque swings hand and tool about an elbow, and its work gives the final speed. The
-tool coasts at that speed until it meets its target. After the impact the hand holds the tool just above the thing.
+First the hand winds up. Then a constant torque swings the hand and the tool about an elbow. The work of this torque
+determines the final speed. The tool coasts at the final speed until it hits its target. After the impact, the hand
+holds the tool just above the object.
 """
 
 import numpy as np
@@ -53,9 +54,9 @@ from .holding import HeldTool, effective_mass, keeping, pose_tool
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
 
 _ABOVE = 0.15
-"""Angle by which the tool is raised after the impact [rad]."""
+"""Angle above level to which the tool is raised after the impact [rad]."""
 _RAISING_RATE = 20.0
-"""Natural frequency of the servo that raises it [rad/s]."""
+"""Natural frequency of the servo that raises the tool [rad/s]."""
 _SETTLING = 0.5
 _TOUCH = 1e-6
 
@@ -107,16 +108,17 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
-    """Return the angular acceleration ``(..., 3)`` [rad/s^2] of a gentle turn to an orientation."""
+    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that gently turns the tool to an orientation."""
     error = turn_between(state[tool, "orientation"], wanted)
     brake = 2.0 * DAMPING_RATIO * _RAISING_RATE * state[tool, "angular_velocity"]
     return np.asarray(_RAISING_RATE**2 * error - brake)
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Make the system: hand and tool are one body, which the top of the thing stops in an inelastic impact.
+    """Return the system in which hand and tool are one body that stops in an inelastic impact on an object's top.
 
-    If a tool is held near its head, its butt is in the way. The swing ends when the butt meets the thing or the floor.
+    If the hand holds the tool near its head, the far end of the handle may hit the object or the floor first. Then the
+    swing ends there.
     """
     hand, tool, thing = _roles(binding)
     held, striking, back = HeldTool(hand, tool), np.asarray(tool["impact_point"]), butt(tool)
@@ -147,13 +149,13 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def _tip_speed_squared(binding: Binding, state: State) -> FloatArray:
-    """Return the square of the impact point's speed along its normal, ``(...)`` [m^2/s^2]."""
+    """Return the squared speed ``(...)`` [m^2/s^2] of the impact point along its normal."""
     _, tool, _ = _roles(binding)
     return np.asarray(tip_speed(state, tool) ** 2)
 
 
 def tip_speed(state: State, tool: Token) -> FloatArray:
-    """Return the speed of the impact point along its normal, the body's -z axis, ``(...)`` [m/s]."""
+    """Return the speed ``(...)`` [m/s] of the impact point along its normal, the body's -z axis."""
     normal = rotate(state[tool, "orientation"], -UP)
     return dot(point_velocity(state, tool, np.asarray(tool["impact_point"])), normal)
 
@@ -163,7 +165,7 @@ def _hand_speed(binding: Binding, state: State) -> FloatArray:
 
 
 def _outcome(binding: Binding, state: State) -> State:
-    """The thing has been struck, and the tool is raised above it."""
+    """Return the state with the object struck and the tool raised above it."""
     hand, tool, thing = _roles(binding)
     place = strike_place(state, hand, tool, top(state, thing))
     orientation = tool_orientation(yaw(state, tool), LEVEL - _ABOVE)
@@ -195,17 +197,17 @@ STRIKING = Block(
         AT_REST("tool"),
     ),
     writes={"hand": BODY, "tool": BODY, "object": ("velocity", "impulse")},
-    # These facts concern the place where the tool stood first.
+    # These facts concern the initial place of the tool.
     keeps=(HANDLE_WITHIN_REACH, HOME),
     hyperparameters=(
         _offset(
             "swing_radius",
             0.0,
             0.3,
-            "distance of the hand from the elbow about which it swings; 0: the hand stays in its place",
+            "distance from the hand to the elbow about which it swings; at 0 the hand only turns",
         ),
-        _offset("target_x", -0.03, 0.03, "how far ahead of the middle of the top the tool strikes"),
-        _offset("target_y", -0.03, 0.03, "how far to the left of the middle of the top the tool strikes"),
+        _offset("target_x", -0.03, 0.03, "distance of the target ahead of the centre of the object's top"),
+        _offset("target_y", -0.03, 0.03, "distance of the target to the left of the centre of the object's top"),
     ),
     duration=Duration(WINDING_UP, 10.0, _expected),
     policy=_policy,
@@ -221,5 +223,5 @@ STRIKING = Block(
         Measure("hand_speed", "m/s", -0.1, peak=_hand_speed, description="largest speed of the hand"),
     ),
     outcome=_outcome,
-    description="the hand swings the tool so that its impact point hits the object's top",
+    description="the hand swings the tool so that the impact point hits the object's top",
 )

@@ -1,4 +1,4 @@
-"""The closed form of a strike: speed and impulse of a tool that a constant torque swings over an angle."""
+"""A strike in closed form: the speed and impulse of a tool that a constant torque swings through an angle."""
 
 from dataclasses import dataclass
 
@@ -9,19 +9,19 @@ from hybrid_tamp.authoring import CONTROL_PERIOD, GRAVITY, FloatArray, Token
 from .geometry import LEVEL
 
 _COASTING = 0.2
-"""Number of control periods that the tool coasts at its final speed before it should meet its target."""
+"""Number of control periods for which the tool coasts at its final speed before the planned impact."""
 
 
 @dataclass(frozen=True, eq=False)
 class Swing:
-    """A swing of hand and tool about an elbow; all of shape ``(...)``.
+    """A swing of a hand and a tool about an elbow. All fields have the shape ``(...)``.
 
     Attributes:
-        inertia: moment of inertia about the elbow [kg m^2].
-        rate: angular speed omega at the end: the work of the torque, tau phi = I omega^2 / 2 [rad/s].
-        lever: distance of the impact point from the elbow along the handle [m].
+        inertia: moment of inertia of the hand and the tool about the elbow [kg m^2].
+        rate: final angular speed omega [rad/s], given by the work of the torque: tau phi = I omega^2 / 2.
+        lever: distance from the elbow to the impact point along the handle [m].
         impulse: impulse of an inelastic impact [N s].
-        weight_torque: largest torque of the wrist that bears the tool's weight [N m].
+        weight_torque: largest torque of the wrist that the weight of the tool requires [N m].
     """
 
     inertia: FloatArray
@@ -36,38 +36,42 @@ class Swing:
         return np.asarray(self.rate * self.lever)
 
     def periods(self, hand: Token) -> FloatArray:
-        """Return the number of whole control periods, at least one, of a drive with about the hand's strike torque."""
+        """Return the duration of the drive as a whole number of control periods, at least one.
+
+        The torque of this drive is close to the hand's strike torque.
+        """
         exact = self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD)
         return np.asarray(np.maximum(np.round(exact), 1.0))
 
     def drive(self, hand: Token) -> FloatArray:
-        """Return the constant angular acceleration [rad/s^2] that gives the final speed after whole control periods."""
+        """Return the constant angular acceleration [rad/s^2] that reaches the final speed after the drive's periods."""
         return np.asarray(self.rate / (self.periods(hand) * CONTROL_PERIOD))
 
     def torque(self, hand: Token) -> FloatArray:
-        """Return the torque about the elbow [N m] of the drive, beyond the one that bears the tool."""
+        """Return the torque [N m] of the drive about the elbow, in addition to the torque that bears the tool."""
         return np.asarray(self.inertia * self.drive(hand))
 
     def wound_up(self, hand: Token) -> FloatArray:
-        """Return the angle of the tool where the swing begins [rad].
+        """Return the swing angle [rad] at which the swing begins.
 
-        The speed changes once a period, so n periods turn the tool by (n + 1)/2 times its turn in one at full speed.
+        The speed changes once per period. So n periods turn the tool by (n + 1)/2 times the angle of one period at full
+        speed.
         """
         return np.asarray(LEVEL - self.rate * CONTROL_PERIOD * ((self.periods(hand) + 1.0) / 2.0 + _COASTING))
 
     def duration(self, hand: Token) -> FloatArray:
-        """Return the time until the impact [s]."""
+        """Return the time from the beginning of the swing to the impact [s]."""
         return np.asarray((self.periods(hand) + _COASTING) * CONTROL_PERIOD)
 
 
 def swing_of(hand: Token, tool: Token, held_at: FloatArray, radius: FloatArray | float) -> Swing:
-    """Return the swing of a tool.
+    """Return the swing of a tool that a hand holds.
 
     Args:
         hand: the hand.
         tool: the tool.
-        held_at: position of the hand along the body's x axis, ``(...)`` [m].
-        radius: distance of the hand from the elbow, ``(...)`` [m]; 0 if the hand stays in its place.
+        held_at: position of the hand along the tool's x axis ``(...)`` [m].
+        radius: distance of the hand from the elbow ``(...)`` [m]. A hand at radius 0 only turns.
     """
     aside = tool["handle_to"][2]
     own = tool["inertia"][1] + hand["wrist_inertia"]

@@ -60,7 +60,7 @@ def ready_to_push(grasps: FloatArray, distance: float) -> State:
 
 
 def ready_to_strike(grasps: FloatArray) -> State:
-    """The hand is where the hammer, level, meets the middle of the top; the hammer is raised."""
+    """The hand is where the level hammer would meet the middle of the top, but the hammer is raised."""
     lever = HAMMER["impact_point"][0] + grasps
     hand = top(TASK.state, BLOCK) + np.stack([-lever, 0 * grasps, np.full_like(grasps, 0.045)], axis=-1)
     orientation = tool_orientation(0.0, RAISED)
