@@ -1,7 +1,7 @@
-"""Optimise each action on its own, in the order of the plan: the baseline for planning ahead.
+"""Optimisation of each action on its own, in the order of the plan, as a baseline for planning ahead.
 
-Only the instance's own conditions and measures count; later instances are ignored. Among equally good values the
-search takes the middle of their interval.
+Each action is scored by its own conditions and measures only. If a whole interval of values is equally good, its
+midpoint is chosen.
 """
 
 from collections.abc import Collection
@@ -15,17 +15,17 @@ from hybrid_tamp.motion.arrays import FloatArray
 _POINTS = 61
 _SWEEPS = 2
 _NARROWER = 0.05
-"""Half of a sweep's range as a fraction of the previous range: three points on either side of the best one."""
+"""Half-width of the second sweep, as a fraction of the variable's range: three grid steps of the first sweep."""
 _EQUAL = 1e-6
-"""Difference that counts as none, as a fraction of the spread of values over a scan."""
+"""Largest difference between values that count as equal, as a fraction of the spread over a scan."""
 
 
 def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArray:
-    """Return the point ``(d,)`` at which each action is best on its own.
+    """Return the point with each action optimised on its own. Shape ``(d,)``.
 
     Args:
-        objective: the objective of the whole plan.
-        relevant: the variables to optimise; the others keep their defaults.
+        objective: objective of the whole plan.
+        relevant: names of the variables to optimise. All other variables keep their defaults.
     """
     point: FloatArray = objective.space.default.copy()
     for instance in sorted(objective.plan.instances, key=lambda i: (i.start, i.name)):
@@ -34,7 +34,7 @@ def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArra
             for index, (key, name) in enumerate(zip(objective.keys, objective.space.names, strict=True))
             if key[0] == instance.name and name in relevant
         ]
-        # Optimise one variable after another, then all again in a narrower range: their best values are coupled.
+        # Optimise the variables in turn, then again in a narrower range, because their best values are coupled.
         for sweep in range(_SWEEPS):
             for index in mine:
                 point[index] = _scan(objective, objective.restrict_to(instance), point, index, _NARROWER**sweep)
@@ -42,7 +42,7 @@ def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArra
 
 
 def _scan(objective: Objective, evaluate: Evaluate, point: FloatArray, index: int, share: float) -> float:
-    """Return the middle of the best interval of one variable, within a fraction of its range about the point."""
+    """Return the midpoint of the best interval of one variable, within a fraction of its range around a point."""
     lower, upper = objective.space.lower[index], objective.space.upper[index]
     low, high = lower, upper
     if share < 1.0:

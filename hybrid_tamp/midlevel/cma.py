@@ -1,16 +1,16 @@
-"""CMA-ES (Hansen and Ostermeier 2001, Evolutionary Computation 9:159-195), by the package cmaes, with restarts.
+"""CMA-ES with restarts (Hansen and Ostermeier 2001, Evolutionary Computation 9:159-195), using the package cmaes.
 
-It searches the unit cube of the variables, so that metres and seconds have the same weight, and starts at the default
-point. cmaes uses only the order of scores within a generation. It gets ranks, because no single number orders (V, J)
-over generations without loss. If all scores of a generation are equal up to rounding, all ranks are 0, so that cmaes
-still recognises a flat objective.
+The search starts at the default point. It runs in the unit cube of the variables, so that metres and seconds have the
+same weight. cmaes uses only the order of scores within a generation. It gets ranks, because no single number orders
+(V, J) across generations without loss. If all scores of a generation are equal up to rounding, all ranks are 0, so that
+cmaes recognises a flat objective.
 
-In the first generations, which are about as wide as the cube, cmaes samples points outside the cube again. Later
-points are folded back at the faces of the cube: further resampling would keep pushing the distribution away from a
-face, and with several variables it would never reach an optimum in a corner (`scripts/optimisers` shows this).
+The first generations are about as wide as the cube. In these generations, cmaes samples points outside the cube again.
+Later points outside the cube are mirrored at its faces. Resampling them would push the distribution away from a face,
+so that the search could never reach an optimum in a corner (`scripts/optimisers` shows this).
 
-A run ends when its generation has shrunk to a point, or when cmaes stops. The optimum of that run may be a local one,
-so another run starts at a random point with twice the population (IPOP: Auger and Hansen, CEC 2005).
+A run ends when its generation has shrunk to a point, or when cmaes stops. Its optimum may be local. So another run
+starts at a random point with twice the population (IPOP, Auger and Hansen, CEC 2005).
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.motion.arrays import FloatArray
 
 REDRAWN = 10
-"""Number of generations in which points outside the cube are sampled again instead of folded back."""
+"""Number of generations in which points outside the cube are sampled again instead of mirrored."""
 PATIENCE = 7
 """Number of generations within which a quick run must improve."""
 LEAST_GAIN = 0.03
@@ -35,18 +35,18 @@ class CMAES(Optimiser):
     """The optimiser ``cma``.
 
     Attributes:
-        population: candidates of a generation in the first run, at least 4; None for ``4 + 3 ln k`` with k variables.
-            If a batch of rollouts costs little more than one rollout, a larger population explores more at no cost.
+        population: number of candidates per generation in the first run, at least 4. None means ``4 + 3 ln k`` for k
+            variables. A larger population explores more and costs little if rollouts run in batches.
         sigma: initial standard deviation, as a fraction of each variable's range.
-        tolerance: a run ends when its generation spreads less than this in each variable, as a fraction of its range.
+        tolerance: spread of a generation below which a run ends, as a fraction of each variable's range.
         restarts: maximum number of further runs within the budget.
-        quick: whether a run ends when its last generations gained almost nothing, and no other run starts once all
+        quick: whether to end a run if its last generations gained almost nothing, and to start no further run once all
             conditions are met.
-        noisy: whether to adapt the learning rates to noise (Nomura, Akimoto and Ono, GECCO 2023). Without noise
-            this only costs evaluations.
+        noisy: whether to adapt the learning rates to noise (Nomura, Akimoto and Ono, GECCO 2023). Without noise,
+            adaptation only costs evaluations.
 
     Raises:
-        InputError: the population is below 4.
+        InputError: if the population is below 4.
     """
 
     population: int | None = None
@@ -57,9 +57,9 @@ class CMAES(Optimiser):
     noisy: bool = False
 
     def __post_init__(self) -> None:
-        """Check the population."""
+        """Check the size of the population."""
         if self.population is not None and self.population < 4:
-            raise InputError([Issue("population", "at least 4 candidates a generation", str(self.population))])
+            raise InputError([Issue("population", "must be at least 4 candidates", str(self.population))])
 
     def sample(self, search: Search, rng: np.random.Generator) -> str:
         """Run CMA-ES from the default point, then from random points."""
@@ -76,7 +76,7 @@ class CMAES(Optimiser):
         return search.spent or "converged"
 
     def _run(self, search: Search, start: FloatArray, population: int, rng: np.random.Generator) -> None:
-        # cmaes imports scipy.stats, which takes most of a second.
+        # Import late, because cmaes imports scipy.stats, which takes almost a second.
         from cmaes import CMA
 
         bounds = np.tile([0.0, 1.0], (search.k, 1))
@@ -98,10 +98,10 @@ class CMAES(Optimiser):
 
 
 def fold(points: FloatArray) -> FloatArray:
-    """Return points ``(..., k)`` mirrored at the faces of the unit cube until they are inside."""
+    """Return points of shape ``(..., k)`` mirrored at the faces of the unit cube until they lie inside."""
     return np.asarray(1.0 - np.abs(1.0 - np.mod(points, 2.0)))
 
 
 def _rank(scores: Scores) -> list[float]:
-    """Return the costs that cmaes minimises: ranks, or zeros if the generation is flat."""
+    """Return the costs that cmaes minimises, which are ranks, or zeros if all scores are equal."""
     return [0.0] * len(scores) if np.all(scores.best()) else scores.ranks().astype(np.float64).tolist()

@@ -1,4 +1,4 @@
-"""Direct sampling on a grid, as in the paper: exhaustive, without refinement; a baseline for other optimisers."""
+"""Direct sampling on a regular grid, as in the paper. It is exhaustive and serves as a baseline."""
 
 from dataclasses import dataclass
 from math import prod
@@ -12,24 +12,26 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Grid(Optimiser):
-    """The optimiser ``grid``: as many points on each axis as the budget of evaluations allows, both ends included.
+    """The optimiser ``grid``.
+
+    The grid has as many points on each axis as the budget of evaluations allows, including both bounds.
 
     Attributes:
-        batch: number of candidates that are evaluated at once, at least 1.
+        batch: number of candidates per batch, at least 1.
 
     Raises:
-        InputError: the batch is below 1.
+        InputError: if the batch is below 1.
     """
 
     batch: int = 256
 
     def __post_init__(self) -> None:
-        """Check the batch."""
+        """Check the size of a batch."""
         if self.batch < 1:
-            raise InputError([Issue("batch", "at least 1 candidate", str(self.batch))])
+            raise InputError([Issue("batch", "must be at least 1 candidate", str(self.batch))])
 
     def sample(self, search: Search, rng: np.random.Generator) -> str:
-        """Evaluate the grid and the default point; nothing is random."""
+        """Evaluate the default point and all points of the grid. The random generator is not used."""
         # The default point takes one evaluation.
         counts = axis_counts(search.k, search.budget.evaluations - 1)
         axes = [np.linspace(0.0, 1.0, n) if n > 1 else at[None] for n, at in zip(counts, search.start, strict=True)]
@@ -42,9 +44,9 @@ class Grid(Optimiser):
 
 
 def axis_counts(k: int, evaluations: int) -> tuple[int, ...]:
-    """Return the number of points on each of k axes; their product does not exceed the evaluations.
+    """Return the number of grid points on each of k axes. The grid has at most ``evaluations`` points.
 
-    The counts differ by 1 at most, and earlier axes have more; an axis of 1 point is not searched.
+    The numbers differ by at most 1, and earlier axes get the larger number. An axis with one point is not searched.
     """
     least = 1
     while k > 0 and (least + 1) ** k <= evaluations:
@@ -57,7 +59,7 @@ def axis_counts(k: int, evaluations: int) -> tuple[int, ...]:
 
 
 def _points(axes: list[FloatArray], indices: np.ndarray) -> FloatArray:
-    """Return the points of the grid with these indices in the unit cube, shape ``(n, k)``."""
+    """Return the grid points with the given flat indices, in the unit cube. Shape ``(n, k)``."""
     if not axes:
         return np.empty((len(indices), 0))
     places = np.unravel_index(indices, [len(axis) for axis in axes])

@@ -1,4 +1,4 @@
-"""Which performance measures each hyperparameter changes, and whether it changes its own action."""
+"""Influence of each hyperparameter on the performance measures and on its own action."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,8 +18,8 @@ class Influence:
     """The effects of the variables of a search.
 
     Attributes:
-        moves: variable to the performance measures that it changes.
-        own: the variables that change a condition or a measure of their own instance.
+        moves: maps the name of each variable to the performance measures that the variable changes.
+        own: names of the variables that change a condition or a measure of their own instance.
     """
 
     moves: Mapping[str, tuple[MeasureKey, ...]] = field(default_factory=dict)
@@ -27,7 +27,7 @@ class Influence:
 
 
 def find_influence(objective: Objective, screening: Screening, sampled: Rollout) -> Influence:
-    """Find the effects of each variable within the population that a screening rolled out."""
+    """Return the effects of each variable, found in the population that was rolled out for screening."""
     moves: dict[str, tuple[MeasureKey, ...]] = {}
     for measure, figures in sampled.figures.items():
         for name in screening.find_moving(figures):
@@ -43,13 +43,13 @@ def find_influence(objective: Objective, screening: Screening, sampled: Rollout)
 
 
 def find_moved_measures(rollouts: list[Rollout]) -> tuple[MeasureKey, ...]:
-    """Return the performance measures that are not the same for all candidates of these populations."""
+    """Return the performance measures that differ between candidates of the given populations."""
     figures = {key: np.concatenate([rollout.figures[key] for rollout in rollouts]) for key in rollouts[0].figures}
     return tuple(key for key, each in figures.items() if _spread(each) > SAME)
 
 
 def is_idle(rollouts: list[Rollout]) -> bool:
-    """Say whether all performance measures and the violation are the same for all candidates."""
+    """Say whether all candidates have the same violation and the same performance measures."""
     violation = np.concatenate([rollout.violation for rollout in rollouts])
     return not find_moved_measures(rollouts) and _spread(violation) <= SAME
 

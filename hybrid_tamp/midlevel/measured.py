@@ -1,4 +1,4 @@
-"""Conversion of measured runs to rollouts, with the same conditions and performance measures."""
+"""Conversion of measured runs to rollouts with the same conditions and performance measures."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -18,14 +18,14 @@ _Name = TypeVar("_Name")
 
 
 def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout:
-    """Convert a recording to the rollout of a population of one.
+    """Convert a recording to the rollout of a population with one candidate.
 
     If the run failed, its violation is infinite.
 
     Args:
-        task: the task.
-        recording: the measured run.
-        whole: whether the run covers the whole plan; otherwise the goal is not measured.
+        task: task of the run.
+        recording: recording of the run.
+        whole: whether the run covers the whole plan. If not, the goal is not measured.
     """
     conditions: list[Condition] = []
     figures: dict[Key, FloatArray] = {}
@@ -48,7 +48,7 @@ def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout
 
 
 def merge_rollouts(runs: Sequence[Rollout]) -> Rollout:
-    """Merge rollouts of one candidate each into that of a population; values that a run never reached are NaN."""
+    """Merge rollouts with one candidate each into the rollout of a population. Missing values are NaN."""
     margins = [{(c.where, c.atom): c.margin for c in run.conditions} for run in runs]
     longest = max(runs, key=lambda run: len(run.conditions))
     conditions = [replace(c, margin=_concatenate(margins, (c.where, c.atom))) for c in longest.conditions]
@@ -66,12 +66,12 @@ def merge_rollouts(runs: Sequence[Rollout]) -> Rollout:
 
 
 def _keys(tables: Iterable[Mapping[_Name, object]]) -> list[_Name]:
-    """Return the keys of all tables without duplicates, in order."""
+    """Return the keys of all tables in order, without duplicates."""
     return list(dict.fromkeys(key for table in tables for key in table))
 
 
 def _concatenate(tables: Sequence[Mapping[_Name, FloatArray]], key: _Name) -> FloatArray:
-    """Concatenate an entry ``(1,)`` of all tables; NaN for each table without it."""
+    """Concatenate the entries of all tables for a key. Each entry has shape ``(1,)``, and missing entries are NaN."""
     return np.concatenate([table.get(key, np.array([np.nan])) for table in tables])
 
 
@@ -88,7 +88,7 @@ def _conditions(task: Task, recording: Recording, instance: BlockInstance) -> It
 
 
 def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the figures of an instance's measures, from its beginning until its exit conditions hold."""
+    """Yield pairs of (measure, figure), measured from the start of an instance until its exit conditions hold."""
     block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
     end = instance.end if instance.reached is None else min(instance.reached, instance.end)
     first, last = (round(time / recording.timestep) for time in (instance.start, end))
@@ -104,6 +104,6 @@ def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Itera
         elif measure.peak is not None:
             figure = float(np.max(measure.peak(binding, run), initial=-np.inf))
         else:
-            assert measure.rate is not None, "a measure has one of the three"
+            assert measure.rate is not None, "a measure must define end, peak or rate"
             figure = float(np.sum(measure.rate(binding, run, commands))) * recording.timestep
         yield measure.name, np.array([figure])

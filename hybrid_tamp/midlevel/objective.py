@@ -1,6 +1,6 @@
-"""The objective of the mid-level planner: violations first, then the weighted sum of performance measures.
+"""Objective of the mid-level planner: minimise violations, then maximise the weighted sum of performance measures.
 
-It is the same for rollouts of a whole population by the blocks' forward models and for single runs in physics.
+The same objective scores rollouts of a population on forward models and single runs in physics.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -19,26 +19,27 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 RESERVE = 0.5
-"""Largest margin that a search reserves for each goal atom [scales of its predicate]."""
+"""Largest margin that a search reserves for a goal atom, as a multiple of the predicate's scale."""
 
 
 class RollOut(Protocol):
-    """A way to roll out a population, such as `Rollouts`."""
+    """Interface of functions that roll out a population, such as `Rollouts`."""
 
     def __call__(self, chosen: Chosen, count: int, until: str | None = None) -> Rollout:
-        """Roll out at least until the exit of one instance."""
+        """Roll out the plan at least until the exit of the instance ``until``, or completely if ``until`` is None."""
 
 
 @dataclass(frozen=True, eq=False)
 class Objective:
-    """V and J of a plan as functions of its hyperparameters.
+    """Violation V and value J of a plan as functions of its hyperparameters.
 
     Attributes:
-        task: the task.
-        plan: the plan.
-        roll_out: rolls out candidates.
-        until: the instance after whose exit rollouts for scores may stop, or None.
-        reserves: goal atom to the margin that a search reserves for it [its unit]; None until it is known.
+        task: task of the plan.
+        plan: plan whose hyperparameters vary.
+        roll_out: function that rolls out candidates.
+        until: name of the instance after which rollouts may stop. If None, they cover the whole plan.
+        reserves: maps each goal atom to the margin that a search reserves, in the unit of its predicate. None until
+            the reserves are known.
     """
 
     task: Task
@@ -53,20 +54,20 @@ class Objective:
 
     @property
     def keys(self) -> tuple[Key, ...]:
-        """(instance, hyperparameter) of each variable."""
+        """Pair of (instance, hyperparameter) for each variable."""
         return tuple(self._variables)
 
     @cached_property
     def space(self) -> SearchSpace:
-        """The hyperparameters of all instances, in the order of the plan."""
+        """Search space of the hyperparameters of all instances, in the order of the plan."""
         return SearchSpace(tuple(self._variables.values()))
 
     def __call__(self, points: FloatArray) -> Scores:
-        """Return the scores of points ``(n, d)`` of the space."""
+        """Return the scores of points of the space. ``points`` has shape ``(n, d)``."""
         return self.score(self.rollout(points, self.until))
 
     def rollout(self, points: FloatArray, until: str | None = None) -> Rollout:
-        """Roll out points ``(n, d)`` at least until the exit of one instance."""
+        """Roll out points of shape ``(n, d)``, at least until the exit of the instance ``until``."""
         columns = dict(zip(self.keys, np.asarray(points, dtype=np.float64).T, strict=True))
         return self.roll_out(columns, len(points), until)
 
@@ -75,20 +76,20 @@ class Objective:
         return Scores(self.sum_violations(rollout), rollout.value)
 
     def sum_violations(self, rollout: Rollout) -> FloatArray:
-        """Return V plus the missing parts of the reserves of goal atoms, shape ``(n,)``."""
+        """Return the violation V plus the shortfall of each reserve. Shape ``(n,)``."""
         return np.asarray(rollout.violation + _lacking(rollout.conditions, self.reserves or {}))
 
     def keep_reserves(self, rollout: Rollout) -> "Objective":
-        """Return the objective that reserves part of the margins of goal atoms, as the first candidate has them.
+        """Return the objective with reserves for the goal atoms, taken from the margins of the first candidate.
 
-        Without a reserve the search would trade the whole margin of the goal for value, and physics would just miss it.
+        Without reserves, the search would trade the whole margin of a goal atom for value, and a run would miss it.
         """
         goal = set(self.task.goal)
         found = [condition for condition in rollout.conditions if condition.atom in goal and condition.margin[0] > 0]
         return replace(self, reserves={c.atom: min(RESERVE * c.predicate.scale, float(c.margin[0])) for c in found})
 
     def restrict_to(self, instance: BlockInstance) -> Callable[[FloatArray], Scores]:
-        """Return the objective of one instance alone: its own conditions and measures."""
+        """Return a scoring function that uses only the conditions and measures of one instance."""
 
         def evaluate(points: FloatArray) -> Scores:
             rollout = self.rollout(points, instance.name)
@@ -106,12 +107,12 @@ class Objective:
 
 @dataclass
 class Evaluator:
-    """Scores the candidates of a search and keeps their rollouts.
+    """A scoring function for a search that stores all rollouts.
 
     Attributes:
-        objective: the objective; if its reserves are unknown, the first candidate sets them.
-        part: the part of the space that is searched.
-        batches: the points ``(n, d)`` of the whole space in each batch, with their rollout.
+        objective: the objective. If its reserves are unknown, the first candidate determines them.
+        part: part of the space that is searched.
+        batches: pairs of (points, rollout) for each batch. The points of the whole space have shape ``(n, d)``.
     """
 
     objective: Objective
@@ -119,7 +120,7 @@ class Evaluator:
     batches: list[tuple[FloatArray, Rollout]] = field(default_factory=list)
 
     def __call__(self, points: FloatArray) -> Scores:
-        """Return the scores of points ``(n, k)`` of the part."""
+        """Return the scores of points of the part. ``points`` has shape ``(n, k)``."""
         whole = self.part.embed(points)
         rollout = self.objective.rollout(whole, self.objective.until)
         if self.objective.reserves is None:
@@ -129,12 +130,12 @@ class Evaluator:
 
     @property
     def rollouts(self) -> list[Rollout]:
-        """The rollout of each batch."""
+        """Rollouts of all batches."""
         return [rollout for _, rollout in self.batches]
 
 
 def _lacking(conditions: Iterable[Condition], reserves: Mapping[Atom, float]) -> FloatArray:
-    """Return the sum of the missing parts of reserves, without violations, in units of their scales."""
+    """Return the summed shortfalls of the reserves, divided by the predicates' scales. Negative margins count as 0."""
     lacking = [
         np.maximum(reserves[c.atom] - np.maximum(c.margin, 0.0), 0.0) / c.predicate.scale
         for c in conditions
@@ -150,7 +151,10 @@ def find_last_measured(task: Task, plan: TaskPlan) -> str | None:
 
 
 def _variables(task: Task, plan: TaskPlan) -> Iterable[tuple[Key, Variable]]:
-    """Yield the hyperparameters of the plan; the default is the plan's value, else the initial value of the block."""
+    """Yield pairs of (key, variable) for all hyperparameters of the plan.
+
+    The default of a variable is its value in the plan or, without one, the initial value defined by the block.
+    """
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
         block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
         for h in block.hyperparameters:

@@ -1,9 +1,9 @@
-"""The interface of all optimisers: they take a scoring function, a space and a budget, and return an optimum.
+"""Common interface of the optimisers. An optimiser takes a scoring function, a space and a budget.
 
-The best candidate has the smallest violation and, among those, the largest value (`Scores`). The default point is
-always the first candidate. If several candidates are equal up to rounding (relative difference 1e-12), the one nearest
-to the default wins (Euclidean distance in the unit cube), and of equally near ones the earliest. So no hyperparameter
-moves without a gain, and every optimiser breaks ties in the same way.
+The best candidate has the smallest violation and, at equal violations, the largest value (`Scores`). The default point
+is always the first candidate. Candidates whose scores differ by less than 1e-12 (relative) are tied. Every optimiser
+breaks ties in favour of the candidate nearest to the default, by Euclidean distance in the unit cube, then of the
+earliest candidate. So no hyperparameter changes without a gain.
 """
 
 import time
@@ -20,22 +20,23 @@ from hybrid_tamp.model.refined import Milestone
 from hybrid_tamp.motion.arrays import FloatArray
 
 Evaluate = Callable[[FloatArray], Scores]
-"""Maps points ``(n, d)`` in real units, read-only, to the scores of n candidates; NaN marks a failed rollout."""
+"""Function that maps read-only points of shape ``(n, d)`` to the scores of n candidates. NaN marks a failed rollout."""
 
 Progress = Callable[[Milestone], None]
-"""Called with each milestone of a search."""
+"""Progress callback. It gets every milestone of a search."""
 
 
 @dataclass(frozen=True)
 class Budget:
-    """The limits of a search; it ends at the first limit that it meets.
+    """The limits of a search. The search ends at the first limit that it reaches.
 
     Attributes:
-        evaluations: maximum number of candidates; never exceeded.
-        seconds: time after which no further batch begins [s]. A search that it ends depends on the machine.
+        evaluations: maximum number of candidates, which is never exceeded.
+        seconds: time in seconds after which no further batch begins. A search that reaches this limit is not
+            reproducible.
 
     Raises:
-        InputError: a limit is not positive.
+        InputError: if a limit is not positive.
     """
 
     evaluations: int
@@ -44,9 +45,9 @@ class Budget:
     def __post_init__(self) -> None:
         """Check that both limits are positive."""
         if not self.evaluations >= 1:
-            raise InputError([Issue("budget.evaluations", "at least 1 evaluation", str(self.evaluations))])
+            raise InputError([Issue("budget.evaluations", "must be at least 1 evaluation", str(self.evaluations))])
         if not self.seconds > 0.0:
-            raise InputError([Issue("budget.seconds", "more than 0 s", str(self.seconds))])
+            raise InputError([Issue("budget.seconds", "must be more than 0 s", str(self.seconds))])
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,12 +55,12 @@ class Optimum:
     """The result of a search.
 
     Attributes:
-        point: the best candidate [units], shape ``(d,)``.
-        violation: its violation V; if it is above 0, no candidate met all conditions.
-        value: its value J.
-        evaluations: number of candidates that were evaluated.
-        history: a milestone after each batch.
-        stopped: why the search ended: ``converged``, ``evaluations``, ``seconds`` or ``all sampled``.
+        point: the best candidate, in real units. Shape ``(d,)``.
+        violation: violation V of the best candidate. If it is positive, no candidate met all conditions.
+        value: value J of the best candidate.
+        evaluations: number of evaluated candidates.
+        history: milestones after each batch.
+        stopped: reason why the search ended: ``converged``, ``evaluations``, ``seconds`` or ``all sampled``.
     """
 
     point: FloatArray
@@ -71,19 +72,19 @@ class Optimum:
 
 
 class NothingFinite(HybridTampError):
-    """Every rollout failed, so there is no best candidate; `evaluations` is their number."""
+    """Raised if all `evaluations` rollouts of a search failed, so that there is no best candidate."""
 
     def __init__(self, evaluations: int) -> None:
-        super().__init__(f"violation or value was NaN or infinite for every one of {evaluations} candidates")
+        super().__init__(f"the violation or the value is NaN or infinite for all {evaluations} candidates")
         self.evaluations = evaluations
 
 
 class Search:
-    """A search under way, in the unit cube of the k variables that are not constant.
+    """A search in progress, in the unit cube of the k variables that are not constant.
 
     Attributes:
-        k: number of variables that are searched.
-        start: the default point in the unit cube, shape ``(k,)``.
+        k: number of searched variables.
+        start: default point in the unit cube. Shape ``(k,)``.
         budget: the limits of the search.
         evaluations: number of candidates evaluated so far.
     """
@@ -104,7 +105,7 @@ class Search:
 
     @property
     def spent(self) -> str:
-        """The limit that has been met, ``evaluations`` or ``seconds``; else empty."""
+        """Name of the limit that is reached, ``evaluations`` or ``seconds``, or an empty string."""
         if self.evaluations >= self.budget.evaluations:
             return "evaluations"
         return "seconds" if time.monotonic() - self._begin >= self.budget.seconds else ""
@@ -112,8 +113,8 @@ class Search:
     def gain(self, batches: int) -> float:
         """Return the gain of the last batches as a fraction of the total gain.
 
-        The gain is measured in violation until the violation stops falling, and in value after that. It is 1 if there
-        were fewer batches or no gain so far.
+        The gain is the decrease of the violation or, if the violation stays constant, the increase of the value. The
+        fraction is 1 if there were no more than ``batches`` batches, or no gain at all.
         """
         if len(self._history) <= batches:
             return 1.0
@@ -125,20 +126,20 @@ class Search:
 
     @property
     def met(self) -> bool:
-        """Whether a candidate met all conditions."""
+        """Whether any candidate met all conditions."""
         return bool(self._history) and self._history[-1].violation == 0.0
 
     def evaluate(self, cube: FloatArray) -> Scores:
-        """Evaluate a batch of candidates, as many as the budget allows; the first batch begins with the default point.
+        """Evaluate as many candidates as the budget allows. The first batch also evaluates the default point.
 
         Args:
-            cube: coordinates in the unit cube, shape ``(n, k)``.
+            cube: candidates in the unit cube. Shape ``(n, k)``.
 
         Returns:
             The scores of the first m candidates, ``m <= n``.
 
         Raises:
-            ValueError: the number of scores differs from the number of points.
+            ValueError: if the number of scores differs from the number of points.
         """
         points = self._varying.embed(self._varying.from_unit(cube))
         extra = 0 if self.evaluations else 1
@@ -159,10 +160,10 @@ class Search:
         return scores[extra:]
 
     def find_best(self, stopped: str) -> Optimum:
-        """Return the best candidate, with ties broken as described at the top of this module.
+        """Return the best candidate, with ties broken as described in the module docstring.
 
         Raises:
-            NothingFinite: every rollout failed.
+            NothingFinite: if every rollout failed.
         """
         points, scores = np.concatenate(self._points), Scores.join(self._scores)
         if not np.any(scores.finite):
@@ -174,7 +175,7 @@ class Search:
 
 
 class Optimiser(ABC):
-    """A way to search."""
+    """Base class of the optimisers. Subclasses implement `sample`."""
 
     def __call__(
         self,
@@ -187,18 +188,18 @@ class Optimiser(ABC):
         """Return the best candidate found within the bounds and the budget.
 
         Args:
-            evaluate: scores a batch of points.
-            space: the variables; constants keep their values.
+            evaluate: function that returns the scores of a batch of points.
+            space: the variables and their bounds. Constant variables keep their values.
             budget: the limits of the search.
-            rng: source of all randomness: the same state gives the same optimum, bit for bit.
-            progress: called with each milestone.
+            rng: only source of randomness. The same generator state gives a bit-identical optimum.
+            progress: callback for each milestone.
 
         Raises:
-            NothingFinite: every rollout failed.
+            NothingFinite: if every rollout failed.
         """
         search = Search(evaluate, space, budget, progress)
         return search.find_best(self.sample(search, rng))
 
     @abstractmethod
     def sample(self, search: Search, rng: np.random.Generator) -> str:
-        """Evaluate candidates until the search ends, and return why it ended."""
+        """Evaluate candidates until the search ends, and return the reason why it ended (see `Optimum.stopped`)."""

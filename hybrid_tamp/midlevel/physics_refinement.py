@@ -1,8 +1,8 @@
-"""The last refinement: a search near the optimum of the forward models, by rollouts that are more accurate and dearer.
+"""Refinement in physics: a search near the optimum of the forward models by runs in a physics simulation.
 
-The forward models leave out effects that shift the optimum a little. The search therefore stays near their optimum:
-where they predict no further violation, and within a fraction of each range. Their optimum is the first candidate and
-wins over equally good ones.
+The forward models omit effects that shift the optimum slightly. The search stays within a fraction of each variable's
+range around their optimum, where they predict no further violation. Their optimum is the first candidate, and it wins
+ties.
 """
 
 import logging
@@ -23,9 +23,9 @@ from hybrid_tamp.motion.arrays import FloatArray
 _logger = logging.getLogger(__name__)
 
 _SHARE, _LEAST, _MOST = 50, 4, 40
-"""Evaluations of the budget for each run in physics; least and largest number of runs."""
+"""Number of budgeted evaluations per run in physics, minimum number of runs, and maximum number of runs."""
 _REACH = 0.1
-"""Largest distance of a value from the optimum, as a fraction of its range."""
+"""Largest distance of a value from the optimum, as a fraction of the variable's range."""
 _HALVINGS = 8
 
 
@@ -34,9 +34,9 @@ class RefinedInPhysics:
     """The result of refinement in physics.
 
     Attributes:
-        point: the best point ``(d,)``.
-        shortfall: the first condition that it does not meet, or None.
-        retuning: the course of the search.
+        point: best point. Shape ``(d,)``.
+        shortfall: first condition that the best point violates, or None.
+        retuning: summary of the search in physics.
     """
 
     point: FloatArray
@@ -50,10 +50,10 @@ def refine_in_physics(
     """Search near a point by runs in physics.
 
     Args:
-        settings: the optimiser and the budgets: physics gets a share of the evaluations and the same time again.
-        searched: the search with the forward models.
-        point: its optimum, shape ``(d,)``.
-        measured: the objective by runs in physics. Repeated runs score the same to the bit, so there is no noise.
+        settings: optimiser and budgets. Runs in physics get a share of the evaluations, and the full time again.
+        searched: result of the search on the forward models.
+        point: optimum of this search. Shape ``(d,)``.
+        measured: objective that scores runs in physics. Repeated runs give bit-identical scores, so there is no noise.
     """
     began, midlevel = time.monotonic(), settings.midlevel
     part = narrow_space(replace(searched.objective, until=None), point, searched.screening.relevant)
@@ -68,14 +68,14 @@ def refine_in_physics(
         optimum = find_optimiser(midlevel.optimiser)(runs, part, budget, settings.rng, tell)
         best, stopped, history = part.embed(optimum.point[None])[0], optimum.stopped, optimum.history
     except NothingFinite as error:
-        _logger.warning("in physics %s", error)
+        _logger.warning("refinement in physics failed: %s", error)
     before, (value, shortfall) = _look_up(runs, point)[0], _look_up(runs, best)
     count = sum(len(points) for points, _ in runs.batches)
     return RefinedInPhysics(best, shortfall, Retuning(before, value, count, time.monotonic() - began, stopped, history))
 
 
 def _look_up(runs: Evaluator, point: FloatArray) -> tuple[Value, Shortfall | None]:
-    """Return the outcome of a point that has been run."""
+    """Return the value and the shortfall of a point that was run before."""
     points, run = next((points, run) for points, run in runs.batches if (points == point).all(axis=1).any())
     row = int(np.argmax((points == point).all(axis=1)))
     short = run.worst(row)
@@ -83,16 +83,16 @@ def _look_up(runs: Evaluator, point: FloatArray) -> tuple[Value, Shortfall | Non
 
 
 def narrow_space(objective: Objective, point: FloatArray, names: Collection[str]) -> SearchSpace:
-    """Return the part of the space about a point in which each variable alone does not add to the violation.
+    """Return a part of the space around a point, narrow enough that no single variable increases the violation.
 
     Args:
-        objective: an objective with cheap rollouts.
-        point: the default point ``(d,)`` of the part.
-        names: the variables of the part.
+        objective: objective with inexpensive rollouts.
+        point: centre and default point of the part. Shape ``(d,)``.
+        names: names of the variables of the part.
     """
     space = objective.space
     columns = [index for index, name in enumerate(space.names) if name in names]
-    steps = _REACH * 0.5 ** np.arange(_HALVINGS)[::-1]  # from small to large
+    steps = _REACH * 0.5 ** np.arange(_HALVINGS)[::-1]  # ascending
     reaches = np.stack([-steps, steps])[:, None] * (space.upper - space.lower)[columns][None, :, None]
     moved = np.tile(point, (*reaches.shape, 1))  # (2, k, halvings, d)
     for row, column in enumerate(columns):

@@ -1,7 +1,7 @@
-"""The search for the best hyperparameters of one plan.
+"""Search for the best hyperparameters of a plan.
 
-In a space of several variables, screening finds those that have an effect; the others keep their defaults, which
-shrinks the space. The search starts at the defaults, or at the point where each action is best on its own.
+Screening finds the variables that have an effect. All other variables keep their defaults, which shrinks the space. The
+search starts at the default point or, if it is better, at the point with each action optimised on its own.
 """
 
 import time
@@ -22,32 +22,32 @@ from hybrid_tamp.model.task import MidLevel
 from hybrid_tamp.motion.arrays import FloatArray
 
 Progress = Callable[[float, Milestone], None]
-"""Called with the spent share of the budget, 0 to 1, and the best candidate so far."""
+"""Progress callback. Its arguments are the used share of the budget (0 to 1) and the best candidate so far."""
 
 _BATCHES = {"cma": 48}
-"""Number of candidates in a batch, by optimiser: a batch costs little more than one candidate."""
+"""Maps the name of an optimiser to its number of candidates per batch."""
 _SCREENING = 0.4
 """Largest share of the budget for screening."""
 _TOLERANCE = 1e-2
-"""Largest effect, as a fraction of the spread, that does not justify another dimension of the search."""
+"""Largest negligible effect of a variable, as a fraction of the spread over the sample."""
 _BASES = (4, 6)
-"""Least and largest number of base points of a screening."""
+"""Minimum and maximum number of base points for screening."""
 
 
 class NotFinite(DomainError):
-    """Every rollout of a plan failed; the message names the first block that computed something not finite."""
+    """Raised if every rollout of a plan fails. The message names the first block with a non-finite result."""
 
 
 @dataclass(frozen=True)
 class SearchSettings:
-    """The settings of all searches of one plan.
+    """Settings of all searches for one plan.
 
     Attributes:
-        midlevel: the optimiser and the budgets of the task.
-        rng: source of all randomness.
-        began: start of the work, by `time.monotonic` [s].
-        tell: called with the progress of the work.
-        compare: whether to optimise each action on its own as well.
+        midlevel: optimiser and budgets of the task.
+        rng: only source of randomness.
+        began: start time of the optimisation, from `time.monotonic`, in seconds.
+        tell: progress callback.
+        compare: whether to also optimise each action on its own.
     """
 
     midlevel: MidLevel
@@ -62,12 +62,12 @@ class Searched:
     """The result of a search.
 
     Attributes:
-        objective: the objective, with its reserves.
-        screening: which variables matter.
-        influence: what they change.
-        apart: the point ``(d,)`` at which each action is best on its own; None if it was not computed.
-        optimum: the best point.
-        spent: number of rollouts so far.
+        objective: objective of the search, including its reserves.
+        screening: result of the screening of the variables.
+        influence: performance measures and actions that the variables affect.
+        apart: point with each action optimised on its own, or None if it was not computed. Shape ``(d,)``.
+        optimum: best point of the search.
+        spent: total number of rollouts so far.
     """
 
     objective: Objective
@@ -79,22 +79,22 @@ class Searched:
 
 
 def search_plan(settings: SearchSettings, objective: Objective, spent: int = 0) -> Searched:
-    """Search the hyperparameters that matter.
+    """Search for the best values of the relevant hyperparameters.
 
     Args:
-        settings: the settings.
-        objective: the objective of a plan with at least one hyperparameter that varies.
+        settings: settings of the search.
+        objective: objective of a plan with at least one hyperparameter that is not constant.
         spent: number of rollouts before this search.
 
     Raises:
-        NotFinite: every rollout failed.
+        NotFinite: if every rollout failed.
     """
     varying = objective.space.varying
     return _search_line(settings, objective, spent) if len(varying) == 1 else _search_space(settings, objective, spent)
 
 
 def _search_space(settings: SearchSettings, objective: Objective, spent: int) -> Searched:
-    """Screen the variables and search those that matter."""
+    """Screen the variables, and search over the relevant variables."""
     screened, screening = _screen(settings, objective)
     objective = screened.objective
     influence = find_influence(objective, screening, screened.rollouts[-1])
@@ -105,10 +105,10 @@ def _search_space(settings: SearchSettings, objective: Objective, spent: int) ->
 
 
 def _search_line(settings: SearchSettings, objective: Objective, spent: int) -> Searched:
-    """Search one variable without screening; the search itself shows what the variable changes."""
+    """Search over a single variable without screening. The search itself shows the effects of the variable."""
     (name,) = objective.space.varying
     searched, optimum = _optimise(settings, objective, [name], objective.space.default, spent)
-    # Use all batches: in the last generation alone all candidates may be equally good.
+    # Use all batches, because all candidates of the last generation may be equally good.
     influence = Influence({name: find_moved_measures(searched.rollouts)}, frozenset([name]))
     effect = Effect(0.0, 0.0) if is_idle(searched.rollouts) else Effect(np.inf, np.inf)
     objective = searched.objective
@@ -129,7 +129,7 @@ def _screen(settings: SearchSettings, objective: Objective) -> tuple[Evaluator, 
 
 
 def _choose_start(objective: Objective, apart: FloatArray | None) -> FloatArray:
-    """Return the better start of the search: the defaults, or the point where each action is best on its own."""
+    """Return the better start point: the defaults, or the point with each action optimised on its own."""
     default = objective.space.default
     if apart is None or np.allclose(apart, default, rtol=1e-9):
         return default
@@ -140,7 +140,7 @@ def _choose_start(objective: Objective, apart: FloatArray | None) -> FloatArray:
 def _optimise(
     settings: SearchSettings, objective: Objective, names: Collection[str], start: FloatArray, spent: int
 ) -> tuple[Evaluator, Optimum]:
-    """Search some variables from a point; return the optimum as a point of the whole space."""
+    """Search over the named variables from a start point. The optimum is returned as a point of the whole space."""
     midlevel = settings.midlevel
     part = objective.space.starting_at(start).only(names)
     left = max(1, midlevel.evaluations - spent)
@@ -160,9 +160,9 @@ def _optimise(
 
 
 def _blame_block(evaluated: Evaluator, error: NothingFinite) -> NotFinite:
-    """Name the block that first computed something not finite."""
+    """Return an error that names the first block with a non-finite result."""
     failed = evaluated.rollouts[-1].failed
     where = next((instance for instance in evaluated.objective.plan.instances if instance.name in failed), None)
     if where is None:
         return NotFinite([Issue("", str(error))])
-    return NotFinite([Issue(where.name, str(error), remedy=f"there the block {where.block} first computed it")])
+    return NotFinite([Issue(where.name, str(error), remedy=f"block {where.block} has the first non-finite result")])

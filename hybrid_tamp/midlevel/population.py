@@ -1,7 +1,7 @@
-"""The model of one block instance, and its candidates, rolled out together as rows of one array.
+"""Model of one block instance, and the rollout of its candidates as rows of one array.
 
-As in a real run, a candidate reaches its exit at the first control step at which its minimum duration has passed and
-all exit conditions hold. Otherwise it ends at the block's maximum duration, or when it and its commands are at rest.
+As in a real run, a candidate reaches its exit at the first control step after the minimum duration at which all exit
+conditions hold. Otherwise, the rollout ends at the block's maximum duration, or when state and commands are constant.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,26 +24,26 @@ from hybrid_tamp.motion.arrays import FloatArray
 IntArray = NDArray[np.int64]
 
 CHUNK = 48
-"""Number of control steps between checks of the conditions: many states cost little more than one."""
+"""Number of control steps per chunk. Conditions are checked once per chunk, for all its states together."""
 STILL = 1e-7
-"""A state that changes by less than this within a chunk is at rest [SI units]."""
+"""Largest change of a state at rest within a chunk, in SI units."""
 _STEADY = 1e-3
-"""A command that changes by less than this within a chunk is constant [SI units]."""
+"""Largest change of a constant command within a chunk, in SI units."""
 _AWAKE = 0.5
-"""Time before which nothing counts as at rest [s]: movements begin slowly."""
+"""Time before which no state counts as at rest, in seconds, because movements begin slowly."""
 
 
 class InstanceModel:
-    """The model of one instance of a plan.
+    """Model of one block instance of a plan.
 
     Attributes:
-        instance: the instance.
-        block: its block.
-        binding: its roles.
-        columns: indices of the state of its roles' tokens in a row of the task's state, shape ``(m,)``.
-        held: whether each of these columns belongs to a token in a slot, shape ``(m,)``.
+        instance: the block instance.
+        block: block of the instance.
+        binding: maps each role of the instance to its token or symbol.
+        columns: indices of the instance's tokens in a row of the task's state. Shape ``(m,)``.
+        held: mask of the columns that belong to a token in a slot. Shape ``(m,)``.
         longest: maximum number of control steps.
-        shortest: minimum duration [s].
+        shortest: minimum duration in seconds.
     """
 
     def __init__(self, task: Task, instance: BlockInstance) -> None:
@@ -61,15 +61,15 @@ class InstanceModel:
         self.shortest = self.block.duration.minimum - 1e-6
 
     def state(self, rows: FloatArray) -> State:
-        """Return rows ``(..., m)`` as the state of the instance's tokens."""
+        """Return rows of shape ``(..., m)`` as the state of the instance's tokens."""
         return State(self._layout, rows)
 
     def exits(self, state: State) -> FloatArray:
-        """Return the margins of the exit conditions, shape ``(..., e)``."""
+        """Return the margins of the measured exit conditions. Shape ``(..., e)``."""
         return self._margins(self.block.measured_exits, state)
 
     def entries(self, state: State) -> FloatArray:
-        """Return the margins of the entry conditions that are measured, shape ``(..., e)``."""
+        """Return the margins of the measured entry conditions. Shape ``(..., e)``."""
         return self._margins(self.block.measured_entries, state)
 
     def _margins(self, literals: Sequence[Literal], state: State) -> FloatArray:
@@ -78,20 +78,20 @@ class InstanceModel:
         return np.stack(margins, axis=-1) if margins else np.zeros((*batch, 0))
 
     def start_from(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> ForwardModel:
-        """Make its policy and system for states ``(n, m)`` at its beginning."""
+        """Return the forward model of the instance for initial states of shape ``(n, m)``."""
         return ForwardModel(self.block, self.binding, self.state(start), Parameters(chosen))
 
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """The rollout of one instance for each candidate of a population, until its exit conditions hold.
+    """Rollout of one instance up to its exit conditions, for each of n candidates.
 
     Attributes:
-        after: final state of the instance's tokens, shape ``(n, m)``; the initial state if the rollout failed.
-        steps: number of control periods, shape ``(n,)``.
-        exits: final margins of its exit conditions, each in its own unit, shape ``(n, e)``.
-        figures: figures of its performance measures, shape ``(n, p)``.
-        finite: whether everything that was computed is finite, shape ``(n,)``.
+        after: final state of the instance's tokens, or the initial state if the rollout failed. Shape ``(n, m)``.
+        steps: number of control periods. Shape ``(n,)``.
+        exits: final margins of the exit conditions, each in the unit of its predicate. Shape ``(n, e)``.
+        figures: values of the performance measures. Shape ``(n, p)``.
+        finite: whether all computed values are finite. Shape ``(n,)``.
     """
 
     after: FloatArray
@@ -101,15 +101,15 @@ class Stretch:
     finite: BoolArray
 
     def rows(self, index: IntArray) -> "Stretch":
-        """Return the candidates with these indices."""
+        """Return the rollouts of the candidates with the given indices."""
         return Stretch(*(getattr(self, field.name)[index] for field in fields(self)))
 
 
 class Population:
-    """The candidates of one rollout: their states, and the results of those that have ended.
+    """The candidates of one rollout in progress, with the results of finished candidates.
 
     Attributes:
-        pending: whether each candidate is still running, shape ``(n,)``.
+        pending: mask of the candidates that are still running. Shape ``(n,)``.
     """
 
     def __init__(self, model: InstanceModel, start: FloatArray, chosen: Mapping[str, FloatArray]) -> None:
@@ -127,14 +127,14 @@ class Population:
         self._restrict(np.arange(count))
 
     def _restrict(self, rows: IntArray) -> None:
-        """Continue with these candidates only."""
+        """Continue the rollout with the given rows only."""
         self.rows = rows
         mine = {name: value[rows] for name, value in self.chosen.items()}
         self.running = self.model.start_from(self.start[rows], mine)
         self.state = self.model.state(self.after[rows])
 
     def advance(self) -> None:
-        """Take a chunk of steps, check all its states, and retire the candidates that have ended."""
+        """Advance by one chunk of control steps, check its states, and store the results of finished candidates."""
         count = min(CHUNK, self.model.longest - self.done)
         values, commanded = [self.state.values], []
         finite = np.ones(len(self.rows), dtype=bool)
@@ -167,14 +167,14 @@ class Population:
         self._drop_retired(chunk[-1])
 
     def _drop_retired(self, values: FloatArray) -> None:
-        """Drop the candidates that have ended once they are half of those in the batch."""
+        """Remove finished candidates from the batch once they make up at least half of it."""
         left = self.pending[self.rows]
         self.after[self.rows[left]] = values[left]
         if left.any() and 2 * np.count_nonzero(left) <= len(left):
             self._restrict(self.rows[left])
 
     def _measure(self, run: State, commanded: list[Commands], counted: BoolArray) -> None:
-        """Add the contribution of the counted states of a chunk ``(t, n)`` to peaks and integrals."""
+        """Update the peaks and integrals of the measures with the counted states of a chunk, shape ``(t, n)``."""
         counted = counted & self.pending[self.rows]
         binding = self.model.binding
         for column, measure in enumerate(self.measures):
@@ -198,6 +198,6 @@ class Population:
 
 
 def _steady(commanded: Sequence[Commands]) -> BoolArray:
-    """Say for which candidates the commands of a chunk are constant; otherwise a policy is about to act."""
+    """Return a mask of the candidates with constant commands in a chunk. A changing command means upcoming motion."""
     changes = [np.abs(commanded[-1][key] - first).max(axis=-1) for key, first in commanded[0].items()]
     return np.asarray(np.logical_and.reduce([change < _STEADY for change in changes], initial=True), dtype=bool)

@@ -1,8 +1,9 @@
-"""The mid-level planner (paper, Sec. II-D): the hyperparameters of all actions of a plan, optimised together.
+"""Entry point of the mid-level planner, which optimises the hyperparameters of all actions together (Sec. II-D).
 
-The planner tries the defaults first. If they meet every condition and there is no measure to improve, it keeps them.
-Otherwise it screens the hyperparameters, searches those that matter, refines the optimum in physics if the task
-requests it, and summarises. The optimum is never worse than the defaults or than each action optimised on its own.
+The planner tries the defaults first. If they meet every condition and the plan has no performance measure, the planner
+keeps them. Otherwise it screens the hyperparameters and searches over the relevant ones. If the task requests it, the
+optimum is then refined in physics. On the forward models, the optimum is never worse than the defaults, nor worse than
+each action optimised on its own.
 """
 
 import time
@@ -28,18 +29,18 @@ def refine(
     compare: bool = True,
     measured: RollOut | None = None,
 ) -> RefinedPlan:
-    """Optimise the hyperparameters of a plan, by the settings of its task.
+    """Optimise the hyperparameters of a plan with the settings of its task.
 
     Args:
-        task: the task, with a goal that leaves no choice.
-        plan: a lawful plan of it.
-        progress: called with the progress of the work.
-        roll_out: rolls out candidates; by default with the blocks' forward models.
-        compare: whether to optimise each action on its own as well, for comparison.
-        measured: runs candidates in physics, for the last refinement if the task requests it.
+        task: a task whose goal leaves no choice.
+        plan: a lawful plan of the task.
+        progress: progress callback.
+        roll_out: function that rolls out candidates. By default, the blocks' forward models are used.
+        compare: whether to also optimise each action on its own, for comparison.
+        measured: function that runs candidates in physics, for tasks with ``refine: physics``.
 
     Raises:
-        NotFinite: every rollout failed.
+        NotFinite: if every rollout failed.
     """
     began, last = time.monotonic(), find_last_measured(task, plan)
     objective = Objective(task, plan, roll_out or Rollouts(task, plan))
@@ -48,14 +49,14 @@ def refine(
         if not objective.space.varying or defaults.violation == 0:
             return summarise_defaults(objective, defaults, began)
     if last is None:
-        objective = replace(objective, reserves={})  # There is no value to trade them for.
+        objective = replace(objective, reserves={})  # Reserves are useless without a value to trade them for.
     tell = progress or (lambda share, best: None)
     rng = np.random.default_rng(task.seed)
     settings = SearchSettings(task.midlevel, rng, began, tell, compare and last is not None)
     searched = search_plan(settings, replace(objective, until=last))
     candidates = _compare(searched)
     if last is not None and searched.optimum.violation == 0 and candidates.violation > 0:
-        # The rollouts stopped after the last measure, and a later condition does not hold.
+        # The rollouts of the search stopped after the last measure, but a later condition is violated.
         searched = search_plan(settings, replace(searched.objective, until=None), searched.spent)
         candidates = _compare(searched)
     refined = None
@@ -66,6 +67,6 @@ def refine(
 
 
 def _compare(searched: Searched) -> Candidates:
-    """Roll out the whole plan for the defaults, the optimum and the best point of each action on its own."""
+    """Roll out the whole plan for the defaults, the optimum and the point with each action optimised on its own."""
     others = [] if searched.apart is None else [searched.apart]
     return Candidates.of(searched.objective, searched.objective.space.default, searched.optimum.point, *others)

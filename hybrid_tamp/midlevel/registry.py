@@ -1,4 +1,4 @@
-"""The optimisers by name."""
+"""Registry of the optimisers by name."""
 
 from collections.abc import Callable, Mapping
 
@@ -9,15 +9,15 @@ from hybrid_tamp.midlevel.optimiser import Optimiser
 
 
 def find_optimiser(name: str, *, batch: int | None = None, quick: bool = False) -> Optimiser:
-    """Return the optimiser with this name.
+    """Return the optimiser with the given name.
 
     Args:
-        name: one of `OPTIMISERS`.
-        batch: number of candidates evaluated at once, the population of CMA-ES; None for the optimiser's own choice.
-        quick: whether to start close to the default, which is good, and to end when there is little left to gain.
+        name: a key of `OPTIMISERS`.
+        batch: number of candidates per batch, which is the population of CMA-ES. None uses the optimiser's default.
+        quick: whether to search close to the default point first and to stop once the gains become small.
 
     Raises:
-        InputError: no optimiser has this name.
+        InputError: if no optimiser has this name.
     """
     if name not in OPTIMISERS:
         raise InputError([Issue("", "unknown optimiser", repr(name), tuple(sorted(OPTIMISERS)))])
@@ -32,4 +32,4 @@ OPTIMISERS: Mapping[str, Callable[[int | None, bool], Optimiser]] = {
     "cma": _cma,
     "grid": lambda batch, quick: Grid() if batch is None else Grid(batch),
 }
-"""Makers of the optimisers by name."""
+"""Maps the name of each optimiser to a function that creates the optimiser from ``batch`` and ``quick``."""

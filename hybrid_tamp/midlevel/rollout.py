@@ -1,8 +1,8 @@
-"""Rollouts of a plan: its blocks' continuous systems in sequence, for a whole population of hyperparameters at once.
+"""Rollouts of a plan on the forward models of its blocks, for a whole population of hyperparameters at once.
 
-The plan fixes the order of reassignments; each candidate has its own times. Each instance starts from the states in
-which earlier instances left its tokens. Instances that end in the same reassignment hold until the last one is ready.
-A condition that does not hold counts as a violation, and the rollout continues.
+The plan determines the order of the reassignments. Their times differ between candidates. Each instance starts from the
+states in which earlier instances left its tokens. Instances that end in the same reassignment hold until all of them
+are ready. A condition that does not hold counts as a violation, and the rollout continues.
 """
 
 from collections.abc import Mapping
@@ -23,24 +23,24 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 Key = tuple[str, str]
-"""(instance, hyperparameter) or (instance, measure)."""
+"""Pair of (instance, hyperparameter) or (instance, measure)."""
 
 Chosen = Mapping[Key, FloatArray]
-"""(instance, hyperparameter) to the values over the population, shape ``(n,)``."""
+"""Maps (instance, hyperparameter) to the values of all candidates. Shape ``(n,)``."""
 
 _SETTLING = 0.5
-"""Time that the last instances run before the goal is measured, as in a real run [s]."""
+"""Minimum time for which the last instances run before the goal is measured, as in a real run, in seconds."""
 
 
 @dataclass(frozen=True, eq=False)
 class Condition:
-    """One condition over the population.
+    """One condition with its margins for all candidates.
 
     Attributes:
-        where: name of the instance whose entry or exit condition it is, or `GOAL`.
+        where: name of the instance with this entry or exit condition, or `GOAL` for a goal atom.
         atom: the ground condition.
-        predicate: its predicate, whose scale is the margin that counts as one unit of violation.
-        margin: its signed margins [unit of the predicate], shape ``(n,)``; not finite for a failed rollout.
+        predicate: predicate of the condition. A margin of minus its scale counts as one unit of violation.
+        margin: signed margins, in the unit of the predicate. Not finite for failed rollouts. Shape ``(n,)``.
     """
 
     where: str
@@ -50,11 +50,11 @@ class Condition:
 
     @property
     def violation(self) -> FloatArray:
-        """Distance from holding, in units of its scale, shape ``(n,)``."""
+        """Violation of the condition, as a multiple of the predicate's scale. Shape ``(n,)``."""
         return np.asarray(np.maximum(0.0, -self.margin) / self.predicate.scale)
 
     def at(self, candidate: int) -> Shortfall:
-        """Return the shortfall of one candidate for which the condition does not hold."""
+        """Return the shortfall of a candidate that violates the condition."""
         return Shortfall(self.where, self.atom, self.predicate.unit, float(self.margin[candidate]))
 
 
@@ -63,12 +63,13 @@ class Rollout:
     """The predicted outcome of a population.
 
     Attributes:
-        conditions: entry and exit conditions of all instances in their order, then the goal's atoms.
-        figures: (instance, performance measure) to the figures, shape ``(n,)``.
-        value: the weighted sum of the performance measures, maximised, shape ``(n,)``.
-        final: the final state, shape ``(n, layout.size)``.
-        intervals: instance to its beginning and end [s], each of shape ``(n,)``.
-        failed: instance to whether something first became non-finite in it, for each candidate, shape ``(n,)``.
+        conditions: entry and exit conditions of all instances in order, followed by the goal atoms.
+        figures: maps (instance, performance measure) to the measured figures. Shape ``(n,)``.
+        value: value J, the weighted sum of the performance measures, to be maximised. Shape ``(n,)``.
+        final: final states. Shape ``(n, layout.size)``.
+        intervals: maps each instance to a pair of (start time, end time) in seconds, each of shape ``(n,)``.
+        failed: maps each instance to a mask of the candidates whose first non-finite result occurred in the instance.
+            Shape ``(n,)``.
     """
 
     conditions: tuple[Condition, ...]
@@ -80,25 +81,25 @@ class Rollout:
 
     @property
     def violation(self) -> FloatArray:
-        """V, the sum of all violations, shape ``(n,)``; infinite if anything was not finite."""
+        """Violation V, the sum over all conditions. It is infinite for failed rollouts. Shape ``(n,)``."""
         total = np.sum([condition.violation for condition in self.conditions], axis=0) + np.zeros(len(self.value))
         for where in self.failed.values():
             total = np.where(where, np.inf, total)
         return np.where(np.isfinite(total), total, np.inf)
 
     def worst(self, candidate: int = 0) -> Condition | None:
-        """Return the first condition that does not hold for a candidate, in the order of the plan, or None."""
+        """Return the first condition in plan order that a candidate violates, or None if all conditions hold."""
         return next((c for c in self.conditions if not c.margin[candidate] >= 0), None)
 
     def value_of(self, task: Task, instance: BlockInstance) -> FloatArray:
-        """Return the weighted sum of one instance's own measures, shape ``(n,)``."""
+        """Return the weighted sum of the performance measures of one instance. Shape ``(n,)``."""
         measures = task.domain.block_by_name[instance.block].performance
         terms = [m.weight * self.figures[instance.name, m.name] / m.scale for m in measures]
         return np.asarray(np.sum(terms, axis=0) + np.zeros(len(self.value)))
 
 
 class Rollouts:
-    """Rolls out one plan for several populations; what candidates share is computed once."""
+    """Rollout function for one plan on forward models. Results that all candidates share are computed once."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         self.task = task
@@ -110,9 +111,10 @@ class Rollouts:
         """Roll out a population.
 
         Args:
-            chosen: values of hyperparameters; the others have the value in the plan, or else their initial value.
+            chosen: maps (instance, hyperparameter) to values of shape ``(n,)``. Other hyperparameters keep their value
+                in the plan or, without one, their initial value.
             count: size n of the population.
-            until: the instance after whose exit the rollout may stop; None rolls out the whole plan.
+            until: name of the instance after whose exit the rollout may stop. None rolls out the whole plan.
         """
         chain = _Chain(self.task, self._simulations, chosen, count)
         chain.begin(initial(self.plan), np.zeros(count, dtype=np.int64))
@@ -127,7 +129,7 @@ class Rollouts:
 
 @dataclass(eq=False)
 class _Running:
-    """An instance that has begun, with its results so far."""
+    """A running instance, with its results so far."""
 
     begun: IntArray
     start: FloatArray
@@ -137,7 +139,7 @@ class _Running:
 
 @dataclass(eq=False)
 class _Chain:
-    """A population part of the way through the plan."""
+    """The rollout of a population in progress."""
 
     task: Task
     simulations: Mapping[str, Simulation]
@@ -155,7 +157,7 @@ class _Chain:
         self.last = np.zeros(self.count, dtype=np.int64)
 
     def begin(self, instances: tuple[BlockInstance, ...], time: IntArray) -> None:
-        """Start instances from the current states of their tokens."""
+        """Start instances from the current states of their tokens, at a control step for each candidate."""
         for instance in instances:
             simulation = self.simulations[instance.name]
             start = self.now[:, simulation.columns]
@@ -174,10 +176,10 @@ class _Chain:
         return found
 
     def reassign(self, event: Reassignment, before: list[IntArray]) -> IntArray:
-        """Carry out an event and return when it happens, in control steps, shape ``(n,)``."""
+        """Carry out a reassignment, and return its time in control steps. Shape ``(n,)``."""
         ready = [self._reach_exit(name) for name in event.ending]
         read = {value for instance in event.starting for value in instance.targets.values()}
-        # If a running instance changes what a starting instance reads, it must have reached its exit first (law 5).
+        # A running instance that changes the targets of a starting instance must reach its exit first (law 5).
         ready += [self._reach_exit(n) for n in self.running if n not in event.ending and self._changes(n, read)]
         time: IntArray = np.max([*ready, *before], axis=0)
         if event.final:
@@ -195,7 +197,7 @@ class _Chain:
         )
 
     def _reach_exit(self, name: str) -> IntArray:
-        """Run an instance to its exit, move its tokens there and return when it gets there, in control steps."""
+        """Run an instance to its exit, update the states of its tokens, and return the exit time in control steps."""
         running, simulation = self.running[name], self.simulations[name]
         if running.stretch is None:
             running.stretch = stretch = simulation.run(running.start, running.chosen)
@@ -211,7 +213,7 @@ class _Chain:
 
     def _end(self, name: str, time: IntArray) -> None:
         running, simulation = self.running.pop(name), self.simulations[name]
-        assert running.stretch is not None, "an instance reaches its exit before it ends"
+        assert running.stretch is not None, "an instance must reach its exit before it ends"
         until = time - running.begun
         self._place(simulation, simulation.hold(running.start, running.chosen, running.stretch, until))
         begun, ended = (np.asarray(steps * CONTROL_PERIOD, dtype=np.float64) for steps in (running.begun, time))
@@ -227,7 +229,7 @@ class _Chain:
             self.conditions.append(Condition(where, atom, literal.predicate, margins[:, column]))
 
     def finish(self, ending: tuple[str, ...] | None = None) -> Rollout:
-        """Return the outcome of the population at the end of the plan, or at the exit of these instances."""
+        """Return the outcome of the population at the end of the plan, or at the exit of the given instances."""
         for name in ending or ():
             self._reach_exit(name)
         final = State(self.task.state.layout, self.now)

@@ -1,4 +1,4 @@
-"""Scores of candidates: violation first, then value."""
+"""Scores of candidates, ordered by violation first and by value second."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,34 +12,35 @@ IntArray = NDArray[np.int_]
 BoolArray = NDArray[np.bool_]
 
 SAME = 1e-12
-"""Relative difference up to which two figures are equal up to rounding."""
+"""Largest relative difference between two figures that counts as rounding error."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scores:
     """Violation and value of n candidates.
 
-    A candidate is better than another if its violation is smaller or, at equal violations, its value is larger. A
-    failed rollout (NaN or infinite in either) is stored as violation inf and value -inf, so it ranks below all others.
+    A candidate is better than another if its violation is smaller or, at equal violations, its value is larger. If the
+    violation or the value is NaN or infinite, the rollout failed. A failed rollout is stored with violation inf and
+    value -inf, so that it ranks last.
 
     Attributes:
-        violation: V, 0 if all conditions hold, shape ``(n,)``.
-        value: J, the weighted sum of the performance measures, maximised, shape ``(n,)``.
+        violation: violation V, which is 0 if all conditions hold. Shape ``(n,)``.
+        value: value J, the weighted sum of the performance measures, to be maximised. Shape ``(n,)``.
 
     Raises:
-        ValueError: the arrays differ in length, or a violation is negative.
+        ValueError: if the arrays differ in length, or if a violation is negative.
     """
 
     violation: FloatArray
     value: FloatArray
 
     def __post_init__(self) -> None:
-        """Mark failed rollouts in both arrays."""
+        """Check the arrays, and mark failed rollouts in both."""
         violation, value = (np.asarray(each, dtype=np.float64) for each in (self.violation, self.value))
         if violation.ndim != 1 or violation.shape != value.shape:
             raise ValueError(f"violation and value must both have shape (n,), got {violation.shape} and {value.shape}")
         if np.any(violation < 0.0):
-            raise ValueError(f"violations must not be negative, got {np.nanmin(violation)}")
+            raise ValueError(f"a violation must not be negative, got {np.nanmin(violation)}")
         finite = np.isfinite(violation) & np.isfinite(value)
         object.__setattr__(self, "violation", np.where(finite, violation, np.inf))
         object.__setattr__(self, "value", np.where(finite, value, -np.inf))
@@ -58,11 +59,11 @@ class Scores:
 
     @property
     def finite(self) -> BoolArray:
-        """Whether the rollout did not fail, shape ``(n,)``."""
+        """Mask of the rollouts that did not fail. Shape ``(n,)``."""
         return np.isfinite(self.violation)
 
     def ranks(self) -> IntArray:
-        """Return the rank of each candidate, shape ``(n,)``: 0 for the best; equal candidates share a rank."""
+        """Return the rank of each candidate, starting with 0 for the best. Equal candidates share a rank."""
         order = np.lexsort((-self.value, self.violation))
         violation, value = self.violation[order], self.value[order]
         worse = (violation[1:] != violation[:-1]) | (value[1:] != value[:-1])
@@ -71,9 +72,9 @@ class Scores:
         return ranks
 
     def best(self) -> BoolArray:
-        """Say which candidates are the best up to rounding, shape ``(n,)``; all if all failed.
+        """Return a mask of the best candidates up to rounding errors. If all rollouts failed, all candidates are best.
 
-        Rounding does not excuse a violation: only an exact 0 counts as 0.
+        A violation above 0 is never rounded to 0. Shape ``(n,)``.
         """
         least = np.min(self.violation)
         if not np.isfinite(least):

@@ -1,14 +1,13 @@
-"""Screening of hyperparameters: those without any effect keep their defaults, so that the search space shrinks.
+"""Screening of hyperparameters. Hyperparameters without an effect keep their defaults, which shrinks the search space.
 
-An effect at one point says nothing about other points, and a variable may act only through an interaction. Screening
-therefore starts from base points all over the space: a latin hypercube and the default point. From each base point it
-moves each variable to both bounds, to their middle and to a random value, and keeps all others. It compares the points
-on this line along the variable's axis. A variable is free if the largest effect on all its lines is below tolerance,
-both on the violation and on the value.
+The effect of a variable may differ from point to point and may depend on other variables. So screening uses base points
+all over the space: the default point and a latin hypercube. From each base point, every variable is moved on its own to
+both bounds, to their midpoint and to a random value. These points form a line along the variable's axis. A variable is
+free if its largest effect on any line is within tolerance, for both the violation and the value.
 
-The violation comes first, so the value counts only at points that meet all conditions. If hardly any such points are
-on a variable's lines, the value counts at every point whose rollout did not fail. A variable that decides whether a
-rollout fails is never free.
+The value counts only at points that meet all conditions, because the violation takes precedence. If a variable has too
+few such points, the value counts at every point whose rollout did not fail. A variable that can make a rollout fail is
+never free.
 """
 
 from collections.abc import Mapping
@@ -24,11 +23,14 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 LEVELS = (0.0, 0.5, 1.0)
 FEW = 4
-"""Fewest lines with two points that meet all conditions from which the effect on the value is estimated there."""
+"""Minimum number of lines with two points that meet all conditions. With fewer lines, other points count as well."""
 
 
 class Effect(NamedTuple):
-    """Largest change that a variable makes while the others keep their values; inf if it can make a rollout fail."""
+    """Largest changes of violation and value by one variable alone.
+
+    The violation is inf if the variable can make a rollout fail.
+    """
 
     violation: float
     value: float
@@ -39,10 +41,10 @@ class Screening:
     """The effects of the variables of a space.
 
     Attributes:
-        effects: variable that is not constant to its largest effects, in the order of the space.
-        tolerance: largest effects that do not matter.
-        evaluations: number of candidates that were evaluated.
-        bases: number of base points among them.
+        effects: maps each variable that is not constant to its largest effects, in the order of the space.
+        tolerance: largest negligible effects.
+        evaluations: number of evaluated candidates, including the base points.
+        bases: number of base points.
     """
 
     effects: Mapping[str, Effect]
@@ -52,12 +54,12 @@ class Screening:
 
     @property
     def relevant(self) -> tuple[str, ...]:
-        """Names of the variables with an effect."""
+        """Names of the variables with an effect above the tolerance."""
         return tuple(name for name in self.effects if name not in self.free)
 
     @property
     def free(self) -> tuple[str, ...]:
-        """Names of the variables without an effect."""
+        """Names of the variables without an effect above the tolerance."""
         most = self.tolerance
         return tuple(
             name
@@ -69,9 +71,8 @@ class Screening:
         """Return the names of the variables that change a figure by more than a fraction of its spread.
 
         Args:
-            figures: the figure of each evaluated candidate, shape ``(evaluations,)``; figures that are not finite do
-                not count.
-            tolerance: fraction of the spread over the sample.
+            figures: figures of all evaluated candidates. Non-finite figures are ignored. Shape ``(evaluations,)``.
+            tolerance: largest negligible change, as a fraction of the spread over the sample.
         """
         counted = np.isfinite(figures)
         if not counted.any():
@@ -85,19 +86,19 @@ class Screening:
 def screen_hyperparameters(
     evaluate: Evaluate, space: SearchSpace, rng: np.random.Generator, *, bases: int = 32, tolerance: float = 2e-3
 ) -> Screening:
-    """Find the variables that have an effect anywhere within their bounds; evaluate all points in one batch.
+    """Find the variables that have an effect anywhere within their bounds. All points are evaluated in one batch.
 
     Args:
-        evaluate: scores a batch of points.
-        space: the variables; k of them are not constant.
-        rng: source of the base points and of the random values.
-        bases: number of base points, at least 1, including the default; ``bases * (4 k + 1)`` points are evaluated.
-        tolerance: largest effect that does not matter. For the value it is a fraction of the spread over the sample
-            (from the 5th to the 95th percentile, so that a few extreme rollouts do not hide the others). For the
-            violation it is absolute (violations are scaled), or a fraction of the spread if that exceeds 1.
+        evaluate: function that returns the scores of a batch of points.
+        space: the variables, k of which are not constant.
+        rng: random generator for the base points and the random values.
+        bases: number of base points including the default, at least 1. ``bases * (4 k + 1)`` points are evaluated.
+        tolerance: largest negligible effect. For the value, it is a fraction of the spread over the sample, which is
+            measured from the 5th to the 95th percentile to exclude extreme rollouts. For the violation, it is a
+            fraction of the spread or of 1, whichever is larger.
 
     Raises:
-        NothingFinite: every rollout failed.
+        NothingFinite: if every rollout failed.
     """
     varying = space.only(space.varying)
     k = varying.d
@@ -115,14 +116,14 @@ def screen_hyperparameters(
 
 
 def _bases(default: FloatArray, n: int, rng: np.random.Generator) -> FloatArray:
-    """Sample the base points in the unit cube, shape ``(n, k)``: the default and a latin hypercube."""
+    """Return the default point and a latin hypercube of base points, in the unit cube. Shape ``(n, k)``."""
     rows = np.tile(np.arange(n - 1), (len(default), 1))
     hypercube = (rng.permuted(rows, axis=1).T + rng.uniform(size=(n - 1, len(default)))) / max(1, n - 1)
     return np.vstack([default, hypercube])
 
 
 def _moved(base: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Move each variable of each base point to each level, shape ``(n, k, levels, k)``."""
+    """Return points with one variable of a base point moved to each level. Shape ``(n, k, levels, k)``."""
     n, k = base.shape
     moved = np.tile(base[:, None, None, :], (1, k, len(LEVELS) + 1, 1))
     for i in range(k):
@@ -132,13 +133,13 @@ def _moved(base: FloatArray, rng: np.random.Generator) -> FloatArray:
 
 
 def _lines(figures: FloatArray, n: int, k: int) -> FloatArray:
-    """Return the figures of the points on each line, shape ``(n, k, 1 + levels)``, the base point first."""
+    """Return the figures of the points on each line, base point first. Shape ``(n, k, 1 + levels)``."""
     base = np.broadcast_to(figures[:n, None, None], (n, k, 1))
     return np.concatenate([base, figures[n:].reshape(n, k, -1)], axis=2)
 
 
 def _allowed(scores: Scores, tolerance: float) -> Effect:
-    """Return the effects that do not matter."""
+    """Return the largest negligible effects."""
     violation = tolerance * max(1.0, _spread(scores.violation[scores.finite]))
     met = scores.violation <= violation
     values = scores.value[met if np.sum(met) > 1 else scores.finite]
@@ -151,7 +152,7 @@ def _spread(figures: FloatArray) -> float:
 
 
 def _effect(violation: FloatArray, value: FloatArray, allowed: float) -> Effect:
-    """Return the largest effect over lines, from figures of shape ``(n, 1 + levels)``."""
+    """Return the largest effect of a variable over its lines, from figures of shape ``(n, 1 + levels)``."""
     finite = np.isfinite(violation)
     met = violation <= allowed
     known = np.sum(np.sum(met, axis=1) > 1)
@@ -163,7 +164,7 @@ def _effect(violation: FloatArray, value: FloatArray, allowed: float) -> Effect:
 
 
 def _largest_range(figures: FloatArray, counted: BoolArray) -> float:
-    """Return the largest difference between two figures of a line that count; 0 if fewer than two count."""
+    """Return the largest difference between two counted figures of a line, or 0 if fewer than two are counted."""
     high = np.max(np.where(counted, figures, -np.inf), axis=1)
     low = np.min(np.where(counted, figures, np.inf), axis=1)
     return max(0.0, float(np.max(high - low)))

@@ -1,4 +1,4 @@
-"""The space of hyperparameters that an optimiser searches: a box in real units, mapped to the unit cube."""
+"""Search space of the hyperparameters. The space is a box in real units that maps to the unit cube."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -13,17 +13,17 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Variable:
-    """One hyperparameter of the space.
+    """One hyperparameter as a variable of a search space.
 
     Attributes:
-        name: unique in its space, e.g. ``"GRASPING(hand).grasp"``.
-        unit: SI unit.
-        lower: lower bound [unit].
-        upper: upper bound [unit]; a variable with equal bounds is a constant.
-        default: the value without optimisation [unit].
+        name: unique name in the space, for example ``"GRASPING(hand).grasp"``.
+        unit: SI unit of the values.
+        lower: lower bound.
+        upper: upper bound. A variable with equal bounds is constant.
+        default: value without optimisation.
 
     Raises:
-        InputError: the bounds are not finite or in the wrong order, or the default is outside them.
+        InputError: if a bound is not finite, if the bounds are in the wrong order, or if the default is out of bounds.
     """
 
     name: str
@@ -33,24 +33,24 @@ class Variable:
     default: float
 
     def __post_init__(self) -> None:
-        """Check bounds and default."""
+        """Check the bounds and the default."""
         bounds = f"[{self.lower}, {self.upper}]"
         if not (self.lower <= self.upper and isfinite(self.lower) and isfinite(self.upper)):
-            raise InputError([Issue(self.name, "finite bounds, the lower one first", bounds)])
+            raise InputError([Issue(self.name, "the bounds must be finite, with the lower bound first", bounds)])
         if not self.lower <= self.default <= self.upper:
-            raise InputError([Issue(self.name, f"a default within {bounds}", str(self.default))])
+            raise InputError([Issue(self.name, f"the default must be within {bounds}", str(self.default))])
 
 
 @dataclass(frozen=True)
 class SearchSpace:
-    """A box of d variables; a point is a row ``(d,)`` in real units, in the order of the variables.
+    """A box of d variables. A point has shape ``(d,)``, in real units and in the order of the variables.
 
     Attributes:
         variables: the d variables.
-        whole: the space that this is a part of, whose other variables keep their defaults; or None.
+        whole: the larger space that contains this part, or None. Variables outside the part keep their defaults.
 
     Raises:
-        InputError: two variables have the same name.
+        InputError: if two variables have the same name.
     """
 
     variables: tuple[Variable, ...]
@@ -60,7 +60,7 @@ class SearchSpace:
         """Check that names are unique."""
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:
-            raise InputError([Issue(name, "a unique name for each variable") for name in twice])
+            raise InputError([Issue(name, "the names of variables must be unique") for name in twice])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -69,22 +69,22 @@ class SearchSpace:
 
     @property
     def d(self) -> int:
-        """Number of variables, constants included."""
+        """Number of variables, including constants."""
         return len(self.variables)
 
     @cached_property
     def lower(self) -> FloatArray:
-        """Lower bounds [units], shape ``(d,)``."""
+        """Lower bounds, in real units. Shape ``(d,)``."""
         return np.array([variable.lower for variable in self.variables], dtype=np.float64)
 
     @cached_property
     def upper(self) -> FloatArray:
-        """Upper bounds [units], shape ``(d,)``."""
+        """Upper bounds, in real units. Shape ``(d,)``."""
         return np.array([variable.upper for variable in self.variables], dtype=np.float64)
 
     @cached_property
     def default(self) -> FloatArray:
-        """The default point [units], shape ``(d,)``."""
+        """Default point, in real units. Shape ``(d,)``."""
         return np.array([variable.default for variable in self.variables], dtype=np.float64)
 
     @property
@@ -93,24 +93,24 @@ class SearchSpace:
         return tuple(variable.name for variable in self.variables if variable.lower < variable.upper)
 
     def clip(self, points: FloatArray) -> FloatArray:
-        """Move points ``(..., d)`` outside the bounds to the bounds."""
+        """Return points of shape ``(..., d)`` clipped to the bounds."""
         return np.clip(points, self.lower, self.upper)
 
     def to_unit(self, points: FloatArray) -> FloatArray:
-        """Map points ``(..., d)`` to the unit cube ``[0, 1]^d``; constants get the coordinate 0."""
+        """Map points of shape ``(..., d)`` to the unit cube ``[0, 1]^d``. Constants get the coordinate 0."""
         span = self.upper - self.lower
         return (points - self.lower) / np.where(span > 0.0, span, 1.0)
 
     def from_unit(self, cube: FloatArray) -> FloatArray:
-        """Return the points ``(..., d)`` with these coordinates in the unit cube; never outside the bounds."""
-        # Clipped, because rounding may put lower + 1 * (upper - lower) just above the upper bound.
+        """Map coordinates in the unit cube to points of shape ``(..., d)``, which are never out of bounds."""
+        # Clip the points, because rounding may put lower + 1 * (upper - lower) just above the upper bound.
         return self.clip(self.lower + cube * (self.upper - self.lower))
 
     def only(self, names: Iterable[str]) -> "SearchSpace":
-        """Return the part with these k variables, in the order of this space; the others keep their defaults.
+        """Return the part of the space with the named variables, in the order of the space.
 
         Raises:
-            InputError: the space has no variable with one of the names.
+            InputError: if the space has no variable with one of the names.
         """
         wanted = set(names)
         unknown = sorted(wanted.difference(self.names))
@@ -119,12 +119,15 @@ class SearchSpace:
         return SearchSpace(tuple(variable for variable in self.variables if variable.name in wanted), whole=self)
 
     def starting_at(self, point: FloatArray) -> "SearchSpace":
-        """Return this space with a point ``(d,)`` as its default."""
+        """Return the space with a point of shape ``(d,)`` as its default."""
         variables = (replace(v, default=float(at)) for v, at in zip(self.variables, point, strict=True))
         return replace(self, variables=tuple(variables))
 
     def embed(self, points: FloatArray) -> FloatArray:
-        """Return points ``(n, k)`` of a part as points ``(n, d)`` of its whole; a space without a whole keeps them."""
+        """Return points of this part, shape ``(n, k)``, as points of the whole space, shape ``(n, d)``.
+
+        If this space is not a part, the points are returned unchanged.
+        """
         if self.whole is None:
             return points
         embedded = np.tile(self.whole.default, (len(points), 1))

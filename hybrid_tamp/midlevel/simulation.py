@@ -1,4 +1,4 @@
-"""Roll out one block instance for a whole population, and let it hold until its reassignment."""
+"""Rollout of one block instance for a whole population, followed by its hold until the reassignment."""
 
 from collections.abc import Mapping
 
@@ -12,20 +12,21 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 class Simulation(InstanceModel):
-    """Runs the model of one instance."""
+    """A model of one instance that can be rolled out. Results are cached."""
 
     def __init__(self, task: Task, instance: BlockInstance) -> None:
         super().__init__(task, instance)
         self._known: dict[bytes, Stretch] = {}
 
     def run(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> Stretch:
-        """Roll out until the exit conditions hold.
+        """Roll out the instance until its exit conditions hold.
 
-        Candidates with equal starts and hyperparameters are computed once. If all are equal, the result is cached.
+        Candidates with equal initial states and hyperparameters are computed once. If all candidates are equal, the
+        result is cached.
 
         Args:
-            start: states of the instance's tokens at its beginning, shape ``(n, m)``.
-            chosen: hyperparameter to its values, shape ``(n,)``.
+            start: initial states of the instance's tokens. Shape ``(n, m)``.
+            chosen: maps each hyperparameter to the values of all candidates. Shape ``(n,)``.
         """
         table = np.column_stack([start, *(chosen[h.name] for h in self.block.hyperparameters)])
         _, first, inverse = np.unique(table, axis=0, return_index=True, return_inverse=True)
@@ -38,7 +39,10 @@ class Simulation(InstanceModel):
         return self._known[key].rows(inverse)
 
     def hold(self, start: FloatArray, chosen: Mapping[str, FloatArray], begun: Stretch, until: IntArray) -> FloatArray:
-        """Return the states ``(n, m)`` after the instance has held until these steps since its beginning."""
+        """Return the states after the instance has held until a given number of steps after its start.
+
+        The states have shape ``(n, m)``, and ``until`` has shape ``(n,)``.
+        """
         more: IntArray = until - begun.steps
         if not self.block.moves or not more.max() > 0:
             return begun.after
@@ -65,7 +69,10 @@ class Simulation(InstanceModel):
             return population.stretch()
 
     def _stay(self, start: FloatArray) -> Stretch:
-        """Return the rollout of a system that changes nothing: it ends after its minimum duration if its exits hold."""
+        """Return the rollout of a block that moves no tokens.
+
+        The rollout takes the minimum duration if the exit conditions hold, else the maximum duration.
+        """
         least = int(np.ceil(self.shortest / CONTROL_PERIOD - 1e-6))
         exits = self.exits(self.state(start))
         steps = np.where((exits >= 0).all(axis=1), least, self.longest)

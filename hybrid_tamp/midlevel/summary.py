@@ -1,4 +1,4 @@
-"""The summary of a search: the few candidates left, rolled out over the whole plan, and the refined plan."""
+"""Summary of a search as a refined plan, from rollouts of its last candidates over the whole plan."""
 
 import time
 from collections.abc import Iterator
@@ -16,12 +16,14 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """The last few candidates: the defaults first, and each action optimised on its own last.
+    """The candidates that remain after a search.
+
+    The defaults come first, then the optimum. The point with each action optimised on its own comes last.
 
     Attributes:
-        rollout: their rollout over the whole plan.
-        points: the candidates, shape ``(n, d)``.
-        chosen: index of the best one.
+        rollout: rollout of all candidates over the whole plan.
+        points: the candidates. Shape ``(n, d)``.
+        chosen: index of the best candidate.
     """
 
     rollout: Rollout
@@ -30,33 +32,33 @@ class Candidates:
 
     @classmethod
     def of(cls, objective: Objective, *points: FloatArray) -> "Candidates":
-        """Roll out the whole plan for points ``(d,)`` and choose the best."""
+        """Roll out the whole plan for several points of shape ``(d,)``, and choose the best point."""
         rollout = objective.rollout(np.array(points))
         chosen = np.lexsort((-rollout.value, objective.sum_violations(rollout)))[0]
         return cls(rollout, np.array(points), int(chosen))
 
     @property
     def point(self) -> FloatArray:
-        """The best candidate, shape ``(d,)``."""
+        """The best candidate. Shape ``(d,)``."""
         return np.asarray(self.points[self.chosen])
 
     @property
     def violation(self) -> float:
-        """V of the best candidate."""
+        """Violation V of the best candidate."""
         return self.value(self.chosen).violation
 
     def value(self, candidate: int) -> Value:
-        """Return V and J of one candidate."""
+        """Return violation V and value J of one candidate."""
         return Value(float(self.rollout.violation[candidate]), float(self.rollout.value[candidate]))
 
     def replace_best(self, objective: Objective, point: FloatArray) -> "Candidates":
-        """Return these candidates with a point ``(d,)`` as the best one, in place of the optimum."""
+        """Return the candidates with a new best point of shape ``(d,)``, which replaces the optimum."""
         points = np.vstack([self.points[:1], point, self.points[2:]])
         return Candidates(objective.rollout(points), points, 1)
 
 
 def summarise_defaults(objective: Objective, defaults: Candidates, began: float) -> RefinedPlan:
-    """Return the plan with its defaults, because there is nothing to optimise."""
+    """Return the refined plan with default hyperparameters, for a plan with nothing to optimise."""
     tuned = _tune(objective, defaults.point, dict.fromkeys(objective.space.names, "kept"))
     return _summarise(objective, defaults, tuple(tuned), 0, began)
 
@@ -64,13 +66,13 @@ def summarise_defaults(objective: Objective, defaults: Candidates, began: float)
 def summarise(
     searched: Searched, candidates: Candidates, in_physics: RefinedInPhysics | None, began: float
 ) -> RefinedPlan:
-    """Return the plan with the best of the candidates.
+    """Return the refined plan with the hyperparameters of the best candidate.
 
     Args:
-        searched: the search.
-        candidates: its last candidates.
-        in_physics: the result of refinement in physics, or None without it.
-        began: start of the work, by `time.monotonic` [s].
+        searched: result of the search.
+        candidates: candidates that remain after the search.
+        in_physics: result of the refinement in physics, or None if there was none.
+        began: start time of the optimisation, from `time.monotonic`, in seconds.
     """
     objective, optimum, influence = searched.objective, searched.optimum, searched.influence
     relevant = searched.screening.relevant
@@ -95,7 +97,7 @@ def summarise(
 def _summarise(
     objective: Objective, candidates: Candidates, tuned: tuple[Tuned, ...], spent: int, began: float
 ) -> RefinedPlan:
-    """Return the plan with the best of the candidates, without the results that only a search has."""
+    """Return the refined plan with the best candidate, without the fields that only a search determines."""
     rollout, chosen = candidates.rollout, candidates.chosen
     values = dict(zip(objective.keys, candidates.point.tolist(), strict=True))
     short = rollout.worst(chosen)
@@ -118,7 +120,7 @@ def _summarise(
 
 
 def _tune(objective: Objective, point: FloatArray, statuses: dict[str, str]) -> Iterator[Tuned]:
-    """Yield each hyperparameter at a point ``(d,)``, with its status unless its bounds fix it."""
+    """Yield each hyperparameter with its value at a point of shape ``(d,)``. Equal bounds give the status "fixed"."""
     for key, variable, value in zip(objective.keys, objective.space.variables, point.tolist(), strict=True):
         status = statuses[variable.name] if variable.lower < variable.upper else "fixed"
         yield Tuned(*key, variable.unit, variable.lower, variable.upper, variable.default, value, status)

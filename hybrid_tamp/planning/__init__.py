@@ -1,1 +1,1 @@
-"""Planning a task: tailor the network, plan, optimise, exclude the binding that failed, replan."""
+"""Planning of a task: tailor the network, plan, optimise, and replan without the bindings that failed."""

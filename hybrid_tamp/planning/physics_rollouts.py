@@ -1,4 +1,4 @@
-"""Physics rollouts: candidates of the mid-level planner run in physics and scored like rollouts on forward models."""
+"""Physics rollouts of the mid-level planner's candidates, scored like rollouts on forward models."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,17 +15,17 @@ from hybrid_tamp.workers.processes import map_in_processes
 
 @dataclass(frozen=True, eq=False)
 class PhysicsRollouts:
-    """Rolls out candidates (`midlevel.objective.RollOut`) by running each in a physics backend.
+    """Rollout function (`midlevel.objective.RollOut`) that runs each candidate in a physics backend.
 
-    Each process gets an equal share of the candidates, in their order. It runs the common beginning of its share once
-    and continues each candidate from a snapshot. A continued run is bit-identical to one from the start, so the result
-    does not depend on the number of processes.
+    The candidates are divided equally among the processes, in order. Each process runs the common beginning of its
+    candidates once and continues each candidate from a snapshot. A continued run is bit-identical to a run from the
+    start, so the result does not depend on the number of processes.
 
     Attributes:
-        task: the task; it is sent to the processes together with its domain.
-        plan: the plan whose hyperparameters are varied.
+        task: task of the plan. It is sent to the processes together with its domain.
+        plan: plan whose hyperparameters are varied.
         backend: name of the physics backend.
-        processes: number of processes that run at once.
+        processes: number of parallel processes.
     """
 
     task: Task
@@ -34,16 +34,16 @@ class PhysicsRollouts:
     processes: int = 1
 
     def __call__(self, chosen: Chosen, count: int, until: str | None = None) -> Rollout:
-        """Run a population.
+        """Run every candidate of a population.
 
         Args:
-            chosen: (instance, hyperparameter) to its values ``(n,)``; the others come from the plan or are initial
-                values.
+            chosen: maps (instance, hyperparameter) to the values of all candidates. Shape ``(n,)``. Other
+                hyperparameters keep their value in the plan or, without one, their initial value.
             count: size n of the population.
-            until: the runs end with this instance; later instances are left out.
+            until: name of the instance after which the runs end. If None, they cover the whole plan.
 
         Raises:
-            InputError: the backend cannot simulate the task.
+            InputError: if the backend cannot simulate the task.
         """
         values = [{key: float(each[candidate]) for key, each in chosen.items()} for candidate in range(count)]
         plans = [self.plan.set_hyperparameters(each) for each in values]
@@ -54,7 +54,7 @@ class PhysicsRollouts:
 
 
 def _run(task: Task, plans: Sequence[TaskPlan], backend: str, until: str | None) -> list[Rollout]:
-    """Run plans one after the other in one process."""
+    """Run plans in sequence in one process."""
     from hybrid_tamp.execution.execute import execute_variants
     from hybrid_tamp.physics.protocol import open_backend
 

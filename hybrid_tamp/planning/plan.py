@@ -1,4 +1,4 @@
-"""Plan a task on a network that is tailored to it: first reduced, then widened while there is no plan (Sec. II-C)."""
+"""Planning on a tailored network, which is first reduced and then widened until a plan is found (paper, Sec. II-C)."""
 
 import logging
 import time
@@ -20,24 +20,24 @@ from hybrid_tamp.symbolic.strategies.search import Planner, SearchResult
 _LOG = logging.getLogger(__name__)
 
 _WITHOUT = {
-    "unsolvable": "the network without it has no plan; the planner has proven that",
-    "not_found": "the planner found no plan in the network without it",
-    "plan_refused": "the planner's plan in the network without it was refused",
+    "unsolvable": "the planner has proven that the network without this object has no plan",
+    "not_found": "the planner found no plan in the network without this object",
+    "plan_refused": "the plan found in the network without this object breaks the law of assignment",
 }
-_TOO_LONG = "the planner found no plan in the network without it in half of the time that was left"
+_TOO_LONG = "the planner found no plan in the network without this object in half of the remaining time"
 
 
 def plan_task(task: Task, planner: Planner) -> PlanOutcome:
-    """Plan a task: reduce its network, ask the planner, and bring in other objects while there is no plan.
+    """Plan a task on its reduced network, and add other objects to the network until a plan is found.
 
-    The outcome is 'unsolvable' only if no token or block was left out that could be in a plan.
+    The outcome is 'unsolvable' only if the network contains every token and block that a plan could use.
 
     Args:
-        task: the task.
+        task: the task to plan.
         planner: a running planner process.
 
     Raises:
-        InputError: the engine is unknown or not installed, or the goal cannot be compiled.
+        InputError: if the planning engine is unknown or not installed, or if the goal cannot be compiled.
     """
     if task.unsettled:
         figures, network = PlannerFigures(task.planner, 0.0), PlannedNetwork.of(task, task)
@@ -55,18 +55,18 @@ def plan_task(task: Task, planner: Planner) -> PlanOutcome:
     except LimitReached as limit:
         figures = PlannerFigures(task.planner, tailored.elapsed)
         return PlanOutcome(task, figures, tailored.network, failure=PlanningFailure(limit.limit, str(limit)))
-    assert planned is not None, "with all the time that is left, an attempt ends or raises"
+    assert planned is not None, "an attempt with all of the remaining time must return a result or raise"
     return _outcome(tailored, planned)
 
 
 class _TailoredNetwork:
-    """The network of one task as widened so far, and the time that planning has taken.
+    """The current tailored network of a task, with the planning time so far.
 
     Attributes:
         task: the whole task.
-        reduction: the task reduced to the network.
-        added: the objects that were brought in so far, in their order.
-        stages: stage of planning to the time it took [s].
+        reduction: the task reduced to the current network.
+        added: objects added to the network so far, in order.
+        stages: maps each stage of planning to its total time in seconds.
     """
 
     def __init__(self, task: Task) -> None:
@@ -80,52 +80,55 @@ class _TailoredNetwork:
 
     @property
     def elapsed(self) -> float:
-        """Time since planning began [s]."""
+        """Time since planning began, in seconds."""
         return time.monotonic() - self._began
 
     @property
     def can_widen(self) -> bool:
-        """Whether objects are left that could be brought in."""
+        """Whether any objects remain to be added to the network."""
         return bool(self._widening.find_outside(self.reduction))
 
     @property
     def unreachable(self) -> str:
-        """The goal atoms that no block of the reduced network brings about, in words; empty if there are none."""
+        """Sentence that names the goal atoms that no block of the network achieves, or an empty string."""
         atoms = " and ".join(atom.text for atom in find_unreachable(self.reduction.task))
-        return f"in the network without it no block brings about {atoms}" if atoms else ""
+        return f"no block achieves {atoms} in the network without this object" if atoms else ""
 
     @property
     def network(self) -> PlannedNetwork:
-        """The network as a value."""
+        """Description of the current network."""
         return PlannedNetwork.of(self.task, self.reduction.task, self.added)
 
     def widen(self, why: str) -> None:
-        """Bring in the next objects, twice as many each time unless one suffices."""
+        """Add the next objects to the network for the reason ``why``.
+
+        Every call doubles the number of objects to add. A single object is added if it may suffice.
+        """
         for name in self._widening.choose_next(self.reduction, self._step):
             blocks = self._widening.find_newly_fillable(self.reduction, name)
             classes = tuple(c.name for c in self.task.token_by_name[name].classes if c is not TOKEN)
             self.added.append(AddedToken(name, classes, blocks, why))
             self.reduction = self._widening.reducer.reduce((*self.reduction.brought, name))
-            _LOG.info("%s is brought in: %s", name, why)
+            _LOG.info("added %s to the network: %s", name, why)
         self._step *= 2
 
     def out_of_time(self) -> LimitReached:
-        """Return the error that the time limit of the task is reached."""
-        together = ", all attempts together" if self.added else ""
+        """Return the error to raise if the time limit of the task is reached."""
+        together = " for all attempts together" if self.added else ""
         message = f"the planner reached its time limit of {self.task.limits.time:g} s{together}"
         return LimitReached(message, limit="time")
 
     def count(self, stages: Mapping[str, float]) -> None:
-        """Add the times that stages took [s]."""
+        """Add times in seconds to the totals of the stages."""
         for name, seconds in stages.items():
             self.stages[name] += seconds
 
 
 def _attempt(tailored: _TailoredNetwork, planner: Planner, share: float = 1.0) -> SearchResult | None:
-    """Plan on the network within a share of the remaining time; return None when this share is used up.
+    """Plan on the network within a share of the remaining time. Return None if only this share is used up.
 
     Raises:
-        LimitReached: no time was left, or the memory did not suffice.
+        LimitReached: if no time remains, or if the planner exceeds its memory limit.
     """
     left = share * (tailored.task.limits.time - tailored.elapsed)
     if left <= 0:
@@ -158,7 +161,7 @@ def _extend(tailored: _TailoredNetwork, planned: SearchResult) -> SearchResult:
     if not violations:
         return replace(planned, plan=plan)
     refusal = "; ".join(each.text for each in violations)
-    _LOG.warning("the plan of the reduced network is no plan of the whole task: %s", refusal)
+    _LOG.warning("the plan on the reduced network is not a lawful plan of the whole task: %s", refusal)
     return replace(planned, plan=None, refusal=refusal)
 
 

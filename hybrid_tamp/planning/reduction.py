@@ -1,8 +1,8 @@
-"""Reduction: the part of a task's network that its objects and hands afford (paper, Sec. II-C).
+"""Reduction of a task's network to the part that its objects and hands afford (paper, Sec. II-C).
 
 "The size of the network can be reduced by only considering the parts of the network associated with the affordances of
-the objects that need to be manipulated." The reduced task has fewer tokens and a domain with fewer blocks; a plan of it
-is extended to a plan of the whole task.
+the objects that need to be manipulated." The reduced task has fewer tokens, and its domain has fewer blocks. A plan of
+the reduced task is extended to a plan of the whole task.
 """
 
 from collections.abc import Collection, Mapping, Set
@@ -21,14 +21,14 @@ from hybrid_tamp.model.token import Token
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """A reduced task.
+    """A reduced task, with the data to extend its plans to the whole task.
 
     Attributes:
         whole: the task before the reduction.
-        brought: names of the tokens that were brought in as tools.
+        brought: names of the tokens that were added as tools.
         tokens: names of the tokens of the reduced task.
-        blocks: the blocks of the reduced network.
-        fillable: these, and blocks that tokens could fill if edges led the tokens there.
+        blocks: blocks of the reduced network.
+        fillable: all blocks that the tokens can fill by their classes, including blocks without a path of edges.
     """
 
     whole: Task
@@ -44,17 +44,17 @@ class Reduction:
 
     @cached_property
     def task(self) -> Task:
-        """The reduced task; its domain has the reduced network."""
+        """The reduced task, whose domain has the reduced network."""
         kept = [token for token in self.whole.tokens if token.name in self.tokens]
         return self.whole.restrict(self.tokens, domain=restrict_domain(self.whole, self.blocks, kept))
 
     @cached_property
     def tokens_left_out(self) -> tuple[str, ...]:
-        """Sorted names of the tokens outside the reduced task. Except for places, they rest during the whole plan."""
+        """Sorted names of the tokens outside the reduced task."""
         return tuple(sorted(self.whole.token_by_name.keys() - self.tokens))
 
     def restore(self, plan: TaskPlan) -> TaskPlan:
-        """Extend a plan of the reduced task to the whole task: tokens that were left out rest from start to end."""
+        """Extend a plan of the reduced task to the whole task. All tokens left out, except places, rest throughout."""
         whole, resting = self.whole, self.whole.domain.resting_block
         left_out = [token for name in self.tokens_left_out if not (token := whole.token_by_name[name]).place]
         number = sum(instance.block == resting.name for instance in plan.instances)
@@ -73,7 +73,7 @@ def _resting(task: Task, block: Block, token: Token, name: str, end: float) -> B
 
 
 class Reducer:
-    """Reduces one task repeatedly, and keeps more tokens each time."""
+    """A reducer of one task. Each call to `reduce` may add more tokens as tools."""
 
     def __init__(self, task: Task) -> None:
         self._task = task
@@ -81,28 +81,32 @@ class Reducer:
 
     @cached_property
     def needed(self) -> frozenset[str]:
-        """The tokens that the goal names or offers as a choice, and those that start in a block."""
+        """Names of the tokens that the goal names or allows as a choice, and of tokens that do not start at rest."""
         chosen = (each for atom in self._task.goal if ANY in atom.arguments for each in self._task.groundings(atom))
         named = (name for atom in (*self._task.goal, *chosen) for name in atom.arguments)
         return frozenset(name for name in (*named, *self._begun) if name in self._task.token_by_name)
 
     @cached_property
     def capable(self) -> frozenset[str]:
-        """The tokens that belong to agents or have basic actions."""
+        """Names of the tokens that belong to agents or have basic actions."""
         owned = (name for names in self._task.agents.values() for name in names)
         return frozenset((*owned, *(token.name for token in self._task.tokens if token.basic_actions)))
 
     def reduce(self, brought: Collection[str] = (), among: Collection[Block] | None = None) -> Reduction:
         """Reduce the task to the blocks that the present tokens can fill together.
 
-        The present tokens are the needed ones, the capable ones, places, and those brought in. A block is left out if
-        the present tokens cannot fill its slots and targets, if no way leads into it, if no way leads out of it
-        although its tokens must leave, or if no chain of shared tokens connects it with the needed tokens. A token is
-        left out if it fits none of the remaining blocks.
+        The present tokens are needed tokens, capable tokens, places and the added tools. A block is kept if:
+
+        - the present tokens can fill its slots and targets,
+        - edges lead into all of its slots,
+        - edges lead out of all of its slots, or it has a hold, and
+        - a chain of shared tokens connects the block to the needed tokens.
+
+        A token is kept if it is needed or fits one of the kept blocks.
 
         Args:
-            brought: names of tokens that are brought in as tools.
-            among: the blocks that may be kept; by default all.
+            brought: names of the tokens to add as tools.
+            among: blocks that may be kept. By default, all blocks of the domain.
         """
         domain = self._task.domain
         present = self.needed | self.capable | self._places
@@ -117,7 +121,7 @@ class Reducer:
         return Reduction(self._task, tuple(brought), names, tuple(kept), tuple(fillable))
 
     def _relate(self, able: Mapping[str, Set[str]]) -> list[str]:
-        """Return the blocks that are connected to the needed tokens by chains of shared tokens. Places do not count."""
+        """Return the blocks that chains of shared tokens connect to the needed tokens. Places do not form chains."""
         tokens, related = set(self.needed - self._places), list[str]()
         waiting = dict(able)
         while found := [name for name, fit in waiting.items() if not tokens.isdisjoint(fit)]:
@@ -131,7 +135,7 @@ class Reducer:
 
 
 def _keep_passable(domain: Domain, blocks: list[Block], started: Collection[str]) -> list[Block]:
-    """Keep the blocks that tokens can reach from where they start, and can leave if they must."""
+    """Return the blocks that tokens can reach from their initial blocks, and that tokens can leave unless they hold."""
     kept = {block.name: block for block in blocks} | {name: domain.block_by_name[name] for name in started}
     size = -1
     while len(kept) != size:
@@ -146,7 +150,7 @@ def _keep_passable(domain: Domain, blocks: list[Block], started: Collection[str]
 
 
 def _enterable_blocks(domain: Domain, blocks: Mapping[str, Block], started: Collection[str]) -> set[str]:
-    """Return the blocks all of whose slots can be reached along edges from the blocks in which tokens start."""
+    """Return the names of the blocks that edges connect to the initial blocks. An edge must lead into every slot."""
     entered, size = set(started), -1
     while len(entered) != size:
         size = len(entered)

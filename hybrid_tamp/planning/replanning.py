@@ -1,7 +1,7 @@
-"""Plan a task, optimise the plan, and replan if no hyperparameters satisfy it.
+"""Planning, optimisation of the plan, and replanning if no hyperparameters satisfy the plan.
 
-If even the best hyperparameters leave a condition unmet, nothing is executed. The binding of the failing block is
-excluded and the task planner runs again, as often as the task's limits allow.
+If a condition fails even with the best hyperparameters, the binding of the failing block is excluded and the task
+planner runs again. The task limits the number of repetitions.
 """
 
 from collections.abc import Callable
@@ -18,9 +18,9 @@ from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 from hybrid_tamp.workers.processes import count_processors
 
 FindPlan = Callable[[Task], PlanOutcome]
-"""Plans a task: a task planner, or the transfer of a plan that was seen."""
+"""Function that plans a task, for example by a task planner or by transfer of a demonstrated plan."""
 Progress = Callable[[float, str], None]
-"""Called with the share of the work that is done, 0 to 1, and its description."""
+"""Progress callback. Its arguments are the finished share of the work (0 to 1) and a description."""
 
 
 def plan_and_refine(
@@ -30,18 +30,18 @@ def plan_and_refine(
     backend: str = "pybullet",
     processes: int | None = None,
 ) -> PlanOutcome:
-    """Plan a task and optimise the hyperparameters of the whole plan; exclude what fails, and replan.
+    """Plan a task, optimise the whole plan, and replan without the failing bindings until a plan succeeds.
 
     Args:
-        task: the task.
+        task: the task to plan.
         find_plan: the task planner.
-        progress: called with the share of each optimisation that is done, and its best value so far.
-        backend: name of the physics backend in which candidates of a task with ``refine: physics`` run.
-        processes: number of processes for physics, by default one per processor; the result does not depend on it.
+        progress: callback for the finished share of each optimisation and its best value so far.
+        backend: name of the physics backend for tasks with ``refine: physics``.
+        processes: number of physics processes, by default one per processor. The result does not depend on the number.
 
     Raises:
-        InputError: the planner or the backend is unknown.
-        NotFinite: every rollout of a plan failed.
+        InputError: if the planner or the backend is unknown.
+        NotFinite: if every rollout of a plan fails.
     """
     excluded: tuple[Exclusion, ...] = ()
     current = task
@@ -60,7 +60,7 @@ def plan_and_refine(
         except InputError as error:
             return _give_up(outcome, str(error))
         if len(excluded) > task.limits.refinements:
-            said = f"after {len(excluded)} plans the limit of {task.limits.refinements} refinements is reached"
+            said = f"the limit of {task.limits.refinements} refinements is reached (excluded bindings: {len(excluded)})"
             return _give_up(outcome, said)
 
 
@@ -77,7 +77,11 @@ def _optimise(
 
 
 def _failing_instance(task: Task, plan: TaskPlan, shortfall: Shortfall) -> BlockInstance:
-    """Return the instance to exclude: its condition fails, or it is the last one that should achieve the goal atom."""
+    """Return the instance to exclude.
+
+    If an entry or exit condition fails, return its instance. If a goal atom fails, return the last instance that should
+    achieve the atom.
+    """
     if shortfall.where != GOAL:
         return next(instance for instance in plan.instances if instance.name == shortfall.where)
     last_first = sorted(plan.instances, key=lambda i: (i.end, i.start, i.name), reverse=True)
@@ -90,6 +94,6 @@ def _failing_instance(task: Task, plan: TaskPlan, shortfall: Shortfall) -> Block
 
 
 def _give_up(outcome: PlanOutcome, detail: str = "") -> PlanOutcome:
-    """Return the last outcome as a failure: no plan is left that can be carried out."""
+    """Return the last outcome as a failure, because no executable plan remains."""
     sentence = f"{detail[0].upper()}{detail[1:]}." if detail else ""
     return replace(outcome, plan=None, chosen=None, failure=PlanningFailure(NOT_REFINED, sentence))

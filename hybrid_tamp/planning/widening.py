@@ -1,9 +1,9 @@
-"""Widening: which other objects are brought into a reduced network as tools, and in which order (paper, Sec. II-C).
+"""Widening of a reduced network by other objects as tools, nearest objects first (paper, Sec. II-C).
 
 "If the task cannot be accomplished with the reduced network, the network can be expanded by incorporating other
-available objects as tools." The object that is nearest in the network comes first. Its distance is the number of edges
-between the blocks that it makes fillable and the blocks in use: those of the reduced network and those that bring a
-goal atom about. Ties are broken by the distance in space, then by name.
+available objects as tools." The distance of an object is the smallest number of edges between a block that it makes
+fillable and a block in use. The blocks in use are the blocks of the reduced network and the blocks that achieve a goal
+atom. Ties are broken by the distance in space, then by name.
 """
 
 import math
@@ -23,15 +23,15 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.planning.reduction import Reducer, Reduction
 
 MOST_EXAMINED = 16
-"""Number of nearest objects that are examined one by one: does this object alone bring the goal within reach?"""
+"""Number of nearest objects that are tested individually for whether they alone make the goal reachable."""
 
 
 class Widening:
-    """The other available objects of a task, and what each of them is good for.
+    """Selection of the objects by which a reduced task is widened.
 
     Attributes:
-        task: the task.
-        reducer: reduces the task.
+        task: the whole task.
+        reducer: reducer of the task.
     """
 
     def __init__(self, task: Task) -> None:
@@ -40,20 +40,20 @@ class Widening:
 
     @cached_property
     def all(self) -> Reduction:
-        """The relevant network with all objects: it has a plan if the full network has one."""
+        """The relevant network with all objects. It has a plan if the full network has a plan."""
         return self.reducer.reduce(self.task.token_by_name, find_relevant_blocks(self.task))
 
     def find_outside(self, reduction: Reduction) -> list[Token]:
-        """Return the objects that were not brought in yet and fit a block of the network, in the task's order."""
-        # Agents' tokens are always present, and join the network with the first block that they can fill.
+        """Return the objects outside the reduction that fit a block of the relevant network, in the task's order."""
+        # Agents' tokens are excluded, because the reducer always considers them.
         outside = self.all.tokens - reduction.tokens - self.reducer.capable - set(reduction.brought)
         return [token for token in self.task.assigned if token.name in outside]
 
     def choose_next(self, reduction: Reduction, most: int) -> list[str]:
-        """Return the names of the objects to bring in next, in their order; an empty list if none is left.
+        """Return the names of the objects to add next, in order. The list is empty if no objects remain.
 
-        One object is enough if it brings the goal within reach, as far as can be told without planning. Otherwise these
-        are the `most` nearest objects, or all if the goal stays out of reach even with all of them.
+        If one of the nearest objects alone may make the goal reachable, return only this object. Otherwise return the
+        `most` nearest objects, or all objects if even these do not make the goal reachable.
         """
         order = self._order_by_distance(reduction)
         for name in order[:MOST_EXAMINED]:
@@ -62,7 +62,7 @@ class Widening:
         return order[:most] if len(order) <= most or is_within_reach(self.all.task) else order
 
     def _order_by_distance(self, reduction: Reduction) -> list[str]:
-        """Return the names of the objects that can be brought in, the nearest first."""
+        """Return the names of the objects that can be added, nearest objects first."""
         near = self._distances(reduction)
         kinds: dict[tuple[type, ...], float] = {}
         found = []
@@ -74,7 +74,7 @@ class Widening:
         return [name for _, _, name in sorted(found)]
 
     def find_newly_fillable(self, reduction: Reduction, name: str) -> tuple[str, ...]:
-        """Return the names of the blocks that an object makes fillable, sorted."""
+        """Return the sorted names of the blocks that an object makes fillable."""
         members = {above for member in self.task.token_by_name[name].classes for above in member.__mro__}
         roles = {block.name: block for each in members for block in self._asking.get(each, ())}
         roles |= {block.name: block for block in reduction.fillable}
@@ -83,7 +83,7 @@ class Widening:
 
     @cached_property
     def _asking(self) -> dict[type, list[Block]]:
-        """Class of a slot or a target to the blocks that have one of this class."""
+        """Maps each class to the blocks that have a slot or a target of this class."""
         found: dict[type, list[Block]] = {}
         for block in self.all.blocks:
             for sort in {sort for sort in block.roles.values() if not isinstance(sort, SymbolSort)}:
@@ -91,7 +91,7 @@ class Widening:
         return found
 
     def _distances(self, reduction: Reduction) -> Mapping[str, float]:
-        """Return the number of edges from each block to the nearest block in use, on ways that avoid resting."""
+        """Return a dict that maps each block to its number of edges from the nearest block in use, avoiding resting."""
         graph: nx.Graph[str] = nx.Graph()
         graph.add_nodes_from(self.all.names)
         edges = ((one, other) for (one, _), (other, _) in self.task.domain.network.graph.edges)
@@ -102,7 +102,7 @@ class Widening:
         return dict(nx.multi_source_dijkstra_path_length(graph, used, weight=None)) if used else {}
 
     def _distance(self, name: str) -> float:
-        """Return the distance of an object from the nearest token that the goal names [m]; 0 if one has no position."""
+        """Return the distance of an object from the nearest goal token in metres, or 0 if positions are missing."""
         state = self.task.state
         named = {each for atom in self.task.goal for each in atom.arguments}
         there = [state[each, "position"] for each in named if (each, "position") in state.layout.slices]
@@ -112,7 +112,7 @@ class Widening:
 
 
 def find_achievers(task: Task, blocks: Iterable[Block], atom: Atom) -> Iterator[Block]:
-    """Yield the blocks that bring an atom about, as far as classes and symbols tell."""
+    """Yield the blocks that may achieve an atom, judged by classes and symbols only."""
     for block in blocks:
         bringing = (each for each in block.exit if each.positive and each.predicate.name == atom.predicate)
         if any(_may_be(task, block, literal, atom) for literal in bringing):
@@ -134,14 +134,14 @@ def _may_be(task: Task, block: Block, literal: Literal, atom: Atom) -> bool:
 
 
 def find_unreachable(task: Task) -> list[Atom]:
-    """Return the goal atoms that do not hold and that no block brings about; what blocks need is ignored."""
+    """Return the goal atoms that do not hold and that no block achieves. Preconditions of blocks are ignored."""
     return [
         atom for atom in task.goal if task.margin(atom) < 0 and not any(find_achievers(task, task.domain.blocks, atom))
     ]
 
 
 def is_within_reach(task: Task) -> bool:
-    """Say whether the goal may be reached, as far as can be told without planning (see `backward_search`)."""
+    """Say whether the backward search can reach the goal without a planner (see `backward_search`)."""
     if find_unreachable(task):
         return False
     search = BackwardSearch(task)

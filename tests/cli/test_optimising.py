@@ -166,7 +166,7 @@ def test_a_domain_that_computes_nothing_is_a_wrong_input(
     document = json.loads(done.stdout)
     assert document["error"] == "NotFinite"
     assert document["issues"][0]["where"] == "SECOND-1"
-    assert "the block SECOND first computed it" in done.stderr
+    assert "block SECOND has the first non-finite result" in done.stderr
 
 
 def test_progress_shows_the_best_value_on_a_terminal(words: list[str | Path]) -> None:

@@ -96,7 +96,7 @@ def test_failed_rollouts_are_survived(name: str) -> None:
 
 @BOTH
 def test_nothing_finite_is_an_error(name: str) -> None:
-    with pytest.raises(NothingFinite, match="NaN or infinite for every one of 100 candidates") as failed:
+    with pytest.raises(NothingFinite, match="NaN or infinite for all 100 candidates") as failed:
         search(find_optimiser(name), valued(lambda points: np.full(len(points), np.nan)), box(1), 100)
     assert failed.value.evaluations == 100
 
@@ -315,7 +315,7 @@ def test_noise_is_averaged_out(noisy: bool) -> None:
 
 
 def test_too_small_a_population_is_refused() -> None:
-    with pytest.raises(InputError, match="population: at least 4 candidates a generation; got 3"):
+    with pytest.raises(InputError, match="population: must be at least 4 candidates; got 3"):
         CMAES(population=3)
 
 

@@ -27,11 +27,11 @@ def spaces(draw: st.DrawFn) -> SearchSpace:
 @pytest.mark.parametrize(
     ("lower", "upper", "default", "words"),
     [
-        (1.0, 0.0, 0.5, "grasp: finite bounds, the lower one first; got [1.0, 0.0]"),
-        (0.0, np.inf, 0.5, "grasp: finite bounds, the lower one first; got [0.0, inf]"),
-        (np.nan, 1.0, 0.5, "grasp: finite bounds, the lower one first; got [nan, 1.0]"),
-        (0.0, 1.0, 1.5, "grasp: a default within [0.0, 1.0]; got 1.5"),
-        (0.0, 1.0, np.nan, "grasp: a default within [0.0, 1.0]; got nan"),
+        (1.0, 0.0, 0.5, "grasp: the bounds must be finite, with the lower bound first; got [1.0, 0.0]"),
+        (0.0, np.inf, 0.5, "grasp: the bounds must be finite, with the lower bound first; got [0.0, inf]"),
+        (np.nan, 1.0, 0.5, "grasp: the bounds must be finite, with the lower bound first; got [nan, 1.0]"),
+        (0.0, 1.0, 1.5, "grasp: the default must be within [0.0, 1.0]; got 1.5"),
+        (0.0, 1.0, np.nan, "grasp: the default must be within [0.0, 1.0]; got nan"),
     ],
 )
 def test_bad_bounds_are_refused(lower: float, upper: float, default: float, words: str) -> None:
@@ -41,7 +41,7 @@ def test_bad_bounds_are_refused(lower: float, upper: float, default: float, word
 
 
 def test_names_are_unique() -> None:
-    with pytest.raises(InputError, match="grasp: a unique name for each variable"):
+    with pytest.raises(InputError, match="grasp: the names of variables must be unique"):
         SearchSpace((SPACE.variables[0], SPACE.variables[0]))
 
 

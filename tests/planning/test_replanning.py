@@ -44,4 +44,4 @@ def test_the_limit_of_refinements_is_kept() -> None:
     task = load("roll_second_round")
     outcome = hybrid_tamp.plan(task.replaced(limits=replace(task.limits, refinements=0)), optimise=True)
     assert outcome.plan is None
-    assert "the limit of 0 refinements is reached" in str(outcome.error)
+    assert "limit of 0 refinements is reached" in str(outcome.error)
