@@ -1,1 +1,1 @@
-"""Shapes, hulls, meshes and surfaces: bodies in their own frames, without tokens or tasks."""
+"""Shapes, hulls, meshes and surfaces of bodies. This package does not depend on tokens or tasks."""

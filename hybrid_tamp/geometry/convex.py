@@ -1,8 +1,8 @@
-"""Convex bodies in the world: their lowest points and their overlaps.
+"""Lowest points and overlaps of convex bodies in the world.
 
-All computations use support points, the furthest points of a body along a direction, so that they treat all pairs of
-shapes alike (Gilbert, Johnson and Keerthi 1988, "A fast procedure for computing the distance between complex objects
-in three-dimensional space").
+All computations use support points. The support point of a body along a direction is its furthest point in this
+direction. So the same algorithm works for all pairs of shapes (Gilbert, Johnson and Keerthi 1988, "A fast procedure for
+computing the distance between complex objects in three-dimensional space").
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -17,7 +17,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 
 CONTACT = 1e-3
-"""Largest overlap of bodies that only touch [m]: written poses are rounded."""
+"""Largest overlap that counts as mere contact [m]. Poses in task files are rounded, so touching bodies can overlap."""
 _MOST_STEPS = 64
 
 
@@ -26,12 +26,13 @@ class ConvexBody:
     """A box, cylinder, sphere or convex hull at a pose.
 
     Attributes:
-        half: half extents ``(3,)`` [m] of a core along the body's axes; x and y are zero for a cylinder.
-        disc: radius [m] of a disc perpendicular to the body's z axis that is swept over the core.
-        ball: radius [m] of a ball that is swept over the core.
-        position: of the centre ``(3,)`` [m].
-        axes: the body's axes in the world as rows ``(3, 3)``.
-        points: corners of a hull ``(n, 3)`` [m] in its frame, instead of half, disc and ball; or None.
+        half: half extents of the core along the body's axes [m], shape ``(3,)``. x and y are zero for a cylinder.
+        disc: radius of a disc perpendicular to the body's z axis that is swept over the core [m].
+        ball: radius of a ball that is swept over the core [m].
+        position: position of the centre in the world frame [m], shape ``(3,)``.
+        axes: axes of the body as unit vectors in the world frame, one per row, shape ``(3, 3)``.
+        points: corners of a convex hull in the body frame [m], shape ``(n, 3)``, which replace `half`, `disc` and
+            `ball`. None for other shapes.
     """
 
     half: FloatArray
@@ -43,14 +44,14 @@ class ConvexBody:
 
     @property
     def reach(self) -> float:
-        """Radius of a ball about the centre that contains the body [m]."""
+        """Radius of a ball that is centred at the body's centre and contains the body [m]."""
         if self.points is not None:
             return float(np.linalg.norm(self.points, axis=1).max())
         half = self.half + np.array([self.disc, 0.0, 0.0])
         return float(np.linalg.norm(half)) + self.ball
 
     def support(self, direction: FloatArray) -> FloatArray:
-        """Return the furthest point ``(3,)`` [m] of the body along a direction ``(3,)`` of non-zero length."""
+        """Return the furthest point of the body along a non-zero vector, in the world frame [m], shape ``(3,)``."""
         local = self.axes @ direction
         if self.points is not None:
             return np.asarray(self.position + self.points[np.argmax(self.points @ local)] @ self.axes)
@@ -64,7 +65,7 @@ class ConvexBody:
         return self.position + offset
 
     def shrunk(self, depth: float) -> "ConvexBody":
-        """Return the body without its outermost layer of this depth [m]; a thin body keeps its middle."""
+        """Return the body without its outermost layer of thickness `depth` [m]. A thin body keeps its middle."""
         if self.points is not None:
             middle = (self.points.min(axis=0) + self.points.max(axis=0)) / 2.0
             kept = 1.0 - depth / np.maximum(np.ptp(self.points, axis=0) / 2.0, depth)
@@ -75,11 +76,17 @@ class ConvexBody:
 
 
 Body = Sequence[ConvexBody]
-"""The convex solids of a body; several for a compound or a mesh."""
+"""Convex solids of a body. A compound or a mesh can have several convex solids."""
 
 
 def placed(shape: Shape, position: FloatArray, orientation: FloatArray) -> Body:
-    """Return the body of a shape at a position ``(3,)`` [m] and an orientation, a unit quaternion ``(4,)``."""
+    """Return a shape as a body at a pose.
+
+    Args:
+        shape: shape of the body.
+        position: position of the body frame in the world [m], shape ``(3,)``.
+        orientation: unit quaternion of the body frame in the world, shape ``(4,)``.
+    """
     solids = []
     for part in solids_of(shape):
         axes = rotate(orientation, rotate(quaternion_from_rpy(part.rpy), np.eye(3)))
@@ -92,7 +99,7 @@ def placed(shape: Shape, position: FloatArray, orientation: FloatArray) -> Body:
 
 
 def _hull(part: Hull, position: FloatArray, axes: FloatArray) -> ConvexBody:
-    """Return a hull about the middle of its bounding box, so that its position is inside."""
+    """Return a convex hull as a body whose centre is the centre of the hull's bounding box."""
     middle = (part.vertices.min(axis=0) + part.vertices.max(axis=0)) / 2.0
     return ConvexBody(np.zeros(3), 0.0, 0.0, position + middle @ axes, axes, part.vertices - middle)
 
@@ -106,15 +113,16 @@ def _core(shape: Solid) -> tuple[FloatArray, float, float]:
 
 
 def lowest_height(body: Body) -> float:
-    """Return the height of the body's lowest point [m]."""
+    """Return the height of the body's lowest point in the world frame [m]."""
     return min(float(part.support(np.array([0.0, 0.0, -1.0]))[2]) for part in body)
 
 
 def overlap(one: Body, other: Body) -> FloatArray | None:
-    """Return a short displacement ``(3,)`` [m] that moves `other` clear of `one`; None if they only touch or are apart.
+    """Return a displacement of `other` that ends the overlap with `one` [m], shape ``(3,)``, or None without overlap.
 
-    It is the shortest one along the solids' axes, edges and the lines between their centres, except those that lead
-    down, where there may be a floor. It separates the convex hulls of compounds.
+    The candidate directions are the axes of the solids, the lines between the centres, and the cross products of axes.
+    Downward directions are excluded, because the floor may be there. The displacement is the shortest along the
+    candidates, and also separates the convex hulls of compounds. Bodies that only touch do not overlap.
     """
     pairs = list(product(one, other))
     ways = [way for mine, theirs in pairs if (way := _overlap(mine, theirs)) is not None]
@@ -130,7 +138,7 @@ def overlap(one: Body, other: Body) -> FloatArray | None:
 
 
 def _overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
-    """Return a short displacement that moves one convex body clear of another, or None."""
+    """Return a displacement of a convex body `other` that ends its overlap with `one` [m], or None without overlap."""
     best: FloatArray | None = None
     least = np.inf
     for direction in _directions(one, other):
@@ -146,13 +154,14 @@ def _overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
 def overlaps(
     bodies: Sequence[Body], pass_through: Callable[[int, int], bool] = lambda earlier, later: False
 ) -> Iterator[tuple[int, int, FloatArray]]:
-    """Yield each pair of bodies that share space: (earlier, later, displacement that moves the later one clear).
+    """Yield the pairs of overlapping bodies as triples of (first index, second index, displacement of the second body).
 
-    Each body is the later one of at most one pair, because nobody reads all pairs of a heap.
+    The first index is less than the second. For each second index, only the first overlap is reported, because a user
+    does not need all pairs of a heap.
 
     Args:
-        bodies: all bodies.
-        pass_through: says whether a pair (earlier, later) may share space.
+        bodies: bodies to check.
+        pass_through: function that returns whether the bodies with two given indices are allowed to overlap.
     """
     corners = np.array([_corners(body) for body in bodies]).reshape(-1, 2, 3)
     for later, body in enumerate(bodies):
@@ -166,7 +175,7 @@ def overlaps(
 
 
 def _corners(body: Body) -> FloatArray:
-    """Return the lower and upper corners ``(2, 3)`` [m] of the axis-aligned bounding box of a body."""
+    """Return the lower and the upper corner of a body's axis-aligned bounding box [m], shape ``(2, 3)``."""
     corners = np.array(
         [[[part.support(sign * axis)[i] for i, axis in enumerate(np.eye(3))] for part in body] for sign in (-1.0, 1.0)]
     )
@@ -174,10 +183,10 @@ def _corners(body: Body) -> FloatArray:
 
 
 def _directions(one: ConvexBody, other: ConvexBody) -> Iterator[FloatArray]:
-    """Yield unit vectors along which the bodies may be apart; for two boxes they suffice."""
+    """Yield unit vectors that are candidates for separating directions. For two boxes, the candidates are complete."""
     between = other.position - one.position
     crossed = [np.cross(mine, theirs) for mine in one.axes for theirs in other.axes]
-    # From the axis of each to the other's centre: the shortest way out of a body that is round about its axis.
+    # The direction from the axis of a body to the centre of the other body is the shortest way out of a round body.
     radial = [between - axis * float(between @ axis) for axis in (one.axes[2], other.axes[2])]
     for direction in (between, *one.axes, *other.axes, *radial, *crossed):
         length = float(np.linalg.norm(direction))
@@ -187,10 +196,11 @@ def _directions(one: ConvexBody, other: ConvexBody) -> Iterator[FloatArray]:
 
 
 def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
-    """Say whether the bodies meet, that is, whether the set of differences of their points contains zero.
+    """Return whether the bodies have a common point.
 
-    Each step adds the difference furthest towards zero and keeps the corners of the face of the simplex that is nearest
-    to zero. Bodies that are undecided after `_MOST_STEPS` steps merely touch.
+    The bodies have a common point if the set of differences between their points contains zero. Each step adds the
+    difference that is furthest towards zero to a simplex, and keeps the face of the simplex that is nearest to zero. If
+    `_MOST_STEPS` steps do not decide, the bodies only touch and the result is False.
     """
 
     def furthest(direction: FloatArray) -> FloatArray:
@@ -211,7 +221,7 @@ def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
 
 
 def _nearest_to_zero(corners: list[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
-    """Return the point of a simplex nearest to zero, with the fewest corners whose hull contains it."""
+    """Return the smallest set of corners of a simplex whose hull contains the point nearest to zero, and this point."""
     best: tuple[list[FloatArray], FloatArray] = (corners[:1], corners[0])
     for count in range(1, len(corners) + 1):
         for chosen in combinations(corners, count):

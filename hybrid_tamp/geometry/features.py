@@ -1,7 +1,8 @@
-"""Geometric features of shapes: roundness about an axis, flatness of a face. They rank classes and prove nothing.
+"""Geometric features of shapes, such as the roundness about an axis, which decide the order in which classes are tried.
 
-All features derive from the support function h(u) = max p u over the points p of a body, its reach from the centre of
-mass along a unit vector u. h describes the convex hull, on which a body rolls and stands.
+All features derive from the support function h(u), the maximum of the dot product p u over all points p of a body.
+h(u) is the reach of the body from the centre of mass along a unit vector u. The support function describes the convex
+hull of the body, on which the body rolls and stands.
 """
 
 from dataclasses import dataclass
@@ -14,9 +15,9 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 _ANGLES = 720
 _LEAST_ROUND = float(np.sqrt(0.5))
-"""Roundness of a square prism, which does not roll."""
+"""Roundness of a square prism, which cannot roll."""
 _LAYER = 0.01
-"""Thickness of the layer of points that form a face, as a share of the body's extent along its normal."""
+"""Thickness of the layer of points that form a face, as a fraction of the body's extent along the face normal."""
 
 
 @dataclass(frozen=True)
@@ -24,9 +25,9 @@ class RestingPose:
     """A face of the convex hull on which a body rests.
 
     Attributes:
-        down: its outward normal in the body frame.
-        height: of the centre of mass above the floor [m].
-        share: probability that the body comes to rest on the face after a drop in a random orientation.
+        down: outward normal of the face in the body frame.
+        height: height of the centre of mass above the floor [m].
+        share: probability that the body comes to rest on this face after a drop in a random orientation.
     """
 
     down: tuple[float, float, float]
@@ -35,11 +36,11 @@ class RestingPose:
 
 
 def silhouette(points: FloatArray, axis: FloatArray) -> FloatArray:
-    """Return the support function at angles around an axis, ``(_ANGLES,)`` [m].
+    """Return the support function for equally spaced directions perpendicular to an axis [m], shape ``(_ANGLES,)``.
 
     Args:
-        points: of the body, ``(n, 3)`` [m].
-        axis: unit vector ``(3,)`` through the body frame's origin.
+        points: points of the body in the body frame [m], shape ``(n, 3)``.
+        axis: unit vector along the axis, shape ``(3,)``.
     """
     one, other = across(axis)
     angles = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
@@ -48,7 +49,7 @@ def silhouette(points: FloatArray, axis: FloatArray) -> FloatArray:
 
 
 def across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return two unit vectors ``(3,)`` perpendicular to an axis and each other, right-handed with it."""
+    """Return unit vectors u and v, shape ``(3,)``, for which (u, v, axis) is a right-handed orthogonal system."""
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
     one = np.cross(axis, helper)
     one /= np.linalg.norm(one)
@@ -56,41 +57,45 @@ def across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def roundness(shape: Shape, axis: FloatArray) -> float:
-    """Return the ratio of smallest to largest reach across an axis: 1 for a cylinder, 0.92 for an octagonal prism."""
+    """Return the ratio of the smallest to the largest reach perpendicular to an axis, e.g. 1 for a cylinder."""
     reach = silhouette(points_of(shape), axis)
     return float(reach.min() / reach.max())
 
 
 def rolling_radius(shape: Shape, axis: FloatArray) -> float:
-    """Return the distance per angle of a full turn [m].
+    """Return the distance rolled in a full turn about an axis, divided by 2 pi [m].
 
-    It is the mean reach, because the perimeter of a convex outline is 2 pi times its mean reach (Cauchy's formula).
+    The result is the mean reach perpendicular to the axis, because the perimeter of a convex outline is 2 pi times its
+    mean reach (Cauchy's formula).
     """
     return float(silhouette(points_of(shape), axis).mean())
 
 
 def roundest_axis(shape: Shape) -> FloatArray:
-    """Return the axis of the body frame ``(3,)`` about which a shape is roundest; among equals, the longest one."""
+    """Return the axis of the body frame about which a shape is roundest, shape ``(3,)``. The longest axis wins ties."""
     points = points_of(shape)
     rated = [(round(roundness(shape, axis), 3), round(float(np.ptp(points @ axis)), 6)) for axis in np.eye(3)]
     return np.asarray(np.eye(3)[rated.index(max(rated))])
 
 
 def rolling_likelihood(shape: Shape) -> float:
-    """Return the roundness of a shape about its best axis, scaled from 0 for a square prism to 1 for a cylinder."""
+    """Return the roundness of a shape about its roundest axis, scaled to 0 for a square prism and 1 for a cylinder."""
     best = roundness(shape, roundest_axis(shape))
     return float(np.clip((best - _LEAST_ROUND) / (1.0 - _LEAST_ROUND), 0.0, 1.0))
 
 
 def tumbling_likelihood(shape: Shape) -> float:
-    """Return the relative size, 0 to 1, of the smallest face on which a shape tumbles about its best axis."""
+    """Return a score from 0 to 1 for how well a shape tumbles about its best axis.
+
+    The score is the relative size of the smallest of the faces on which the shape stands while tumbling.
+    """
     points = points_of(shape)
     grounds = np.array([[_ground(points, sign * axis) for sign in (-1.0, 1.0)] for axis in np.eye(3)]).min(axis=1)
     return float(max(np.delete(grounds, turn).min() for turn in range(3)))
 
 
 def _ground(points: FloatArray, down: FloatArray) -> float:
-    """Return the shortest reach of the contact area from below the centre, as a share of the bounding box."""
+    """Return the shortest reach of the contact area from the point below the centre, relative to the bounding box."""
     depth = points @ down
     face = points[depth >= depth.max() - _LAYER * np.ptp(depth)]
     shares = [
@@ -103,11 +108,11 @@ def _ground(points: FloatArray, down: FloatArray) -> float:
 
 
 def resting_poses(shape: Shape, least: float = 0.01) -> tuple[RestingPose, ...]:
-    """Return the faces on which a shape can rest, the likeliest first.
+    """Return the faces on which a shape can rest, the likeliest face first.
 
     Args:
-        shape: the shape; its frame's origin is the centre of mass.
-        least: least probability; rarer faces are omitted.
+        shape: shape whose centre of mass is the origin of the body frame.
+        least: smallest probability. Faces with a smaller probability are omitted.
     """
     from trimesh.poses import compute_stable_poses
 

@@ -1,4 +1,4 @@
-"""Bodies of convex parts given by their surfaces, as read from a mesh file. All lengths are in metres."""
+"""Bodies of convex parts with triangulated surfaces, as read from a mesh file. All lengths are in metres."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -15,11 +15,11 @@ _CENTRE = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """The surface of a convex part, in the frame of its body.
+    """The surface of a convex part in the body frame.
 
     Attributes:
-        vertices: ``(n, 3)`` [m].
-        triangles: indices of vertices ``(m, 3)``, counterclockwise seen from outside.
+        vertices: positions of the vertices [m], shape ``(n, 3)``.
+        triangles: indices of the vertices of each triangle, counterclockwise seen from outside, shape ``(m, 3)``.
     """
 
     position: ClassVar[tuple[float, float, float]] = _CENTRE
@@ -29,14 +29,14 @@ class Hull:
     triangles: NDArray[np.intp]
 
     def moved(self, offset: FloatArray) -> "Hull":
-        """Return the part moved by an offset ``(3,)`` [m]."""
+        """Return the part translated by an offset [m], shape ``(3,)``."""
         return Hull(self.vertices + offset, self.triangles)
 
     @property
     def integrals(self) -> tuple[float, FloatArray, FloatArray]:
-        """Volume [m^3], first moments ``(3,)`` [m^4] and second moments ``(3, 3)`` [m^5] about the frame's origin.
+        """Volume [m^3], first moments ``(3,)`` [m^4] and second moments ``(3, 3)`` [m^5] about the origin.
 
-        The part is the sum of the tetrahedra between its triangles and the origin, each with the sign of its volume.
+        The integrals are sums over the tetrahedra between the triangles and the origin, which have signed volumes.
         """
         corners = self.vertices[self.triangles]  # (m, 3 corners, 3)
         volumes = np.einsum("mi,mi->m", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
@@ -48,16 +48,18 @@ class Hull:
 
 @dataclass(frozen=True)
 class MeshShape:
-    """A rigid body of convex parts; its frame has the origin in the centre of mass and the axes of the file.
+    """A rigid body that consists of convex parts.
+
+    The origin of the body frame is the centre of mass. The axes are the axes of the mesh file.
 
     Attributes:
-        path: the mesh file.
+        path: path of the mesh file.
         scale: length of the file's unit [m].
-        digest: of the file's content, so that shapes of equal files are equal.
-        parts: the convex parts; they touch and do not overlap.
-        volume: [m^3].
-        moments: moments of inertia about the axes, divided by the mass, ``3`` [m^2].
-        skew: largest product of inertia over the largest moment; 0 if the axes are the principal ones.
+        digest: digest of the file's content. Shapes from equal files are equal.
+        parts: convex parts, which can touch but do not overlap.
+        volume: volume of the body [m^3].
+        moments: moments of inertia about the three axes, divided by the mass [m^2].
+        skew: ratio of the largest product of inertia to the largest moment of inertia. 0 for principal axes.
     """
 
     path: Path = field(compare=False)
@@ -70,7 +72,7 @@ class MeshShape:
 
     @classmethod
     def of(cls, path: Path, scale: float, digest: str, solids: Sequence[Hull]) -> "MeshShape":
-        """Return the shape of solids in any frame, moved so that their common centre of mass is the origin."""
+        """Return the shape of some solids, which are translated so that their common centre of mass is the origin."""
         volume, first, _ = _sum(solids)
         moved = tuple(each.moved(-first / volume) for each in solids)
         _, _, second = _sum(moved)
@@ -81,12 +83,12 @@ class MeshShape:
 
     @property
     def vertices(self) -> FloatArray:
-        """Every part's vertices ``(n, 3)`` [m]."""
+        """Vertices of all parts [m], shape ``(n, 3)``."""
         return np.concatenate([part.vertices for part in self.parts])
 
     @property
     def corners(self) -> FloatArray:
-        """Lower and upper corners ``(2, 3)`` [m] of the bounding box along the body's axes."""
+        """Lower and upper corner of the bounding box in the body frame [m], shape ``(2, 3)``."""
         vertices = self.vertices
         return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 
@@ -97,7 +99,7 @@ def _sum(solids: Sequence[Hull]) -> tuple[float, FloatArray, FloatArray]:
 
 
 def obj_text(solids: Sequence[Hull]) -> str:
-    """Return solids as the text of a Wavefront OBJ file, each as an object of its own."""
+    """Return the text of a Wavefront OBJ file that has a separate object for each solid."""
     lines: list[str] = []
     first = 1
     for number, solid in enumerate(solids, start=1):

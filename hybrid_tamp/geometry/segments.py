@@ -1,4 +1,4 @@
-"""Distances between points and segments."""
+"""Nearest points on line segments."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -7,15 +7,15 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 def nearest_on_segment(points: ArrayLike, begin: ArrayLike, end: ArrayLike) -> FloatArray:
-    """Return the nearest points on segments.
+    """Return the point of each line segment that is nearest to a given point.
 
     Args:
-        points: points [m], shape ``(..., 3)``.
-        begin: one end of each segment [m], shape ``(..., 3)``.
-        end: the other end [m], shape ``(..., 3)``; a segment may have length zero.
+        points: given points [m], shape ``(..., 3)``.
+        begin: first end of each segment [m], shape ``(..., 3)``.
+        end: second end of each segment [m], shape ``(..., 3)``. A segment can have length zero.
 
     Returns:
-        Points on the segments [m], broadcast shape ``(..., 3)``.
+        Nearest points on the segments [m], with the broadcast shape ``(..., 3)``.
     """
     begin = np.asarray(begin, dtype=np.float64)
     along = np.asarray(end, dtype=np.float64) - begin

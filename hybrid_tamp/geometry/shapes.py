@@ -1,4 +1,4 @@
-"""Shapes of tokens, for physics, pictures and geometric margins. All lengths are in metres."""
+"""Shapes of tokens for physics, pictures and geometric margins. All lengths are in metres."""
 
 from typing import Annotated, Literal
 
@@ -16,38 +16,38 @@ class _Shape(BaseModel):
 
 
 class Cylinder(_Shape):
-    """A solid cylinder about the z axis of the body frame, centred at its origin."""
+    """A solid cylinder about the z axis of the body frame, centred at the origin."""
 
-    kind: Literal["cylinder"] = Field(description="which shape")
+    kind: Literal["cylinder"] = Field(description="kind of the shape")
     radius: _Length = Field(description="radius", json_schema_extra={"unit": "m"})
-    length: _Length = Field(description="length along z", json_schema_extra={"unit": "m"})
+    length: _Length = Field(description="length along the z axis", json_schema_extra={"unit": "m"})
 
 
 class Box(_Shape):
-    """A solid box along the axes of the body frame, centred at its origin."""
+    """A solid box along the axes of the body frame, centred at the origin."""
 
-    kind: Literal["box"] = Field(description="which shape")
+    kind: Literal["box"] = Field(description="kind of the shape")
     half_extents: tuple[_Length, _Length, _Length] = Field(
-        description="half of the edge lengths along x, y, z", json_schema_extra={"unit": "m"}
+        description="half of the edge lengths along the x, y and z axes", json_schema_extra={"unit": "m"}
     )
 
 
 class Sphere(_Shape):
-    """A solid sphere centred at the body frame's origin."""
+    """A solid sphere, centred at the origin of the body frame."""
 
-    kind: Literal["sphere"] = Field(description="which shape")
+    kind: Literal["sphere"] = Field(description="kind of the shape")
     radius: _Length = Field(description="radius", json_schema_extra={"unit": "m"})
 
 
 class Placement(BaseModel):
-    """The pose of a part in the body; a part has the keys of its shape, too."""
+    """The pose of a part in a compound. A part also has the keys of its shape."""
 
     position: tuple[_Coordinate, _Coordinate, _Coordinate] = Field(
-        description="of the part's centre in the body frame", json_schema_extra={"unit": "m"}
+        description="position of the part's centre in the body frame", json_schema_extra={"unit": "m"}
     )
     rpy: tuple[_Angle, _Angle, _Angle] = Field(
         default=(0.0, 0.0, 0.0),
-        description="roll, pitch and yaw of the part about the body's axes x, y, z in this order",
+        description="roll, pitch and yaw of the part about the fixed x, y and z axes of the body, in this order",
         json_schema_extra={"unit": "rad"},
     )
 
@@ -68,30 +68,30 @@ Part = Annotated[CylinderPart | BoxPart | SpherePart, Field(discriminator="kind"
 
 
 def _not_empty(solids: tuple[Part, ...]) -> tuple[Part, ...]:
-    # pydantic's own bound on the length would also complain if a part is wrong.
+    # The length constraint of pydantic would report a second error if a part is invalid.
     if not solids:
-        raise ValueError("a compound needs at least one part")
+        raise ValueError("a compound must have at least one part")
     return solids
 
 
 class Compound(_Shape):
-    """Several solids joined in one rigid body, whose centre of mass is the body frame's origin."""
+    """A rigid body of several solids, whose centre of mass is the origin of the body frame."""
 
-    kind: Literal["compound"] = Field(description="which shape")
+    kind: Literal["compound"] = Field(description="kind of the shape")
     parts: Annotated[tuple[Part, ...], AfterValidator(_not_empty)] = Field(
-        description="what it is made of", json_schema_extra={"minItems": 1}
+        description="solids of the compound", json_schema_extra={"minItems": 1}
     )
 
 
 class MeshFile(_Shape):
-    """A solid whose surface is read from a Wavefront OBJ file, each of its objects a convex part.
+    """A solid whose surface is read from a Wavefront OBJ file. Each object in the file is a convex part.
 
-    The body frame's origin is its centre of mass, its axes are those of the file and taken for the principal ones.
+    The origin of the body frame is the centre of mass. The axes are the axes of the file and must be principal axes.
     """
 
-    kind: Literal["mesh"] = Field(description="which shape")
+    kind: Literal["mesh"] = Field(description="kind of the shape")
     file: Annotated[str, Strict(), Field(min_length=1)] = Field(
-        description="the OBJ file, relative to the task file; one object ('o' or 'g') a convex part"
+        description="path of the OBJ file, relative to the task file; each object ('o' or 'g') must be a convex part"
     )
     scale: Annotated[float, Strict(), Field(gt=0, le=1000, allow_inf_nan=False)] = Field(
         default=1.0, description="length of the file's unit", json_schema_extra={"unit": "m"}
@@ -99,16 +99,16 @@ class MeshFile(_Shape):
 
 
 Solid = Cylinder | Box | Sphere
-"""A convex shape; a compound consists of such shapes."""
+"""Convex shape that can be a part of a compound."""
 WrittenShape = Annotated[Solid | Compound | MeshFile, Field(discriminator="kind")]
-"""A shape as a task file gives it."""
+"""Shape as written in a task file."""
 Shape = Solid | Compound | MeshShape
 
 _CENTRE = (0.0, 0.0, 0.0)
 
 
 def solids_of(shape: Shape) -> tuple[CylinderPart | BoxPart | SpherePart | Hull, ...]:
-    """Return the convex solids of a shape; a box, cylinder or sphere is its own only solid, at the origin."""
+    """Return the convex solids of a shape. A box, cylinder or sphere is a single solid at the origin."""
     if isinstance(shape, Compound | MeshShape):
         return shape.parts
     if isinstance(shape, Box):

@@ -1,4 +1,4 @@
-"""The outer surface of a token's shape, as one mesh in its body frame."""
+"""Outer surfaces of shapes, as meshes in the body frame."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -15,27 +15,27 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 _OUTSIDE = 1e-5
-"""Distance outside a triangle at which another solid covers it [m]."""
+"""Distance of a test point from a triangle [m]. If another solid contains the test point, the triangle is covered."""
 
 
 def hulls_of(shape: Shape) -> list[Hull]:
-    """Return the convex solids of a shape as triangles in its body frame; round solids have many small faces."""
+    """Return the convex solids of a shape as triangle meshes in the body frame. Round solids are approximated."""
     meshes = [solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position) for part in solids_of(shape)]
     return [Hull(mesh.vertices, mesh.triangles) for mesh in meshes]
 
 
 def points_of(shape: Shape) -> FloatArray:
-    """Return points ``(n, 3)`` [m] whose convex hull is that of the shape."""
+    """Return points that have the same convex hull as the shape, in the body frame [m], shape ``(n, 3)``."""
     return np.concatenate([hull.vertices for hull in hulls_of(shape)])
 
 
 def volume_of(shape: Shape) -> float:
-    """Return the volume [m^3]; overlapping solids count twice where they overlap."""
+    """Return the sum of the volumes of a shape's solids [m^3]. Overlaps between solids are counted twice."""
     return sum(hull.integrals[0] for hull in hulls_of(shape))
 
 
 def outer_surface(shape: Shape) -> "Trimesh":
-    """Return the outer surface, without triangles inside or between solids."""
+    """Return the outer surface of a shape, without triangles that other solids of the shape cover."""
     from trimesh import Trimesh
 
     hulls = hulls_of(shape)
@@ -52,7 +52,7 @@ def outer_surface(shape: Shape) -> "Trimesh":
 
 
 def _uncovered(hull: Hull, others: Sequence[Hull]) -> FloatArray:
-    """Return for each triangle ``(m,)`` whether no other solid covers it."""
+    """Return whether each triangle is not covered by another solid, shape ``(m,)``."""
     corners, normals = _planes(hull)
     outside = corners.mean(axis=1) + normals * _OUTSIDE
     covered = np.zeros(len(outside), dtype=bool)

@@ -1,4 +1,4 @@
-"""Triangle meshes with a normal per vertex, so that edges look sharp and round sides smooth."""
+"""Triangle meshes with vertex normals, which make edges look sharp and curved surfaces look smooth."""
 
 from dataclasses import dataclass
 
@@ -16,12 +16,12 @@ _RINGS = 20
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles that are counterclockwise seen from outside.
+    """A triangle mesh with vertex normals.
 
     Attributes:
-        vertices: ``(n, 3)`` [m].
-        normals: outward unit vectors ``(n, 3)``.
-        triangles: indices of vertices ``(m, 3)``.
+        vertices: positions of the vertices [m], shape ``(n, 3)``.
+        normals: outward unit vectors at the vertices, shape ``(n, 3)``.
+        triangles: indices of the vertices of each triangle, counterclockwise seen from outside, shape ``(m, 3)``.
     """
 
     vertices: FloatArray
@@ -29,16 +29,16 @@ class Mesh:
     triangles: NDArray[np.intp]
 
     def moved(self, offset: ArrayLike) -> "Mesh":
-        """Return the mesh moved by an offset ``(3,)`` [m]."""
+        """Return the mesh translated by an offset [m], shape ``(3,)``."""
         return Mesh(self.vertices + np.asarray(offset), self.normals, self.triangles)
 
     def turned(self, quaternion: ArrayLike) -> "Mesh":
-        """Return the mesh turned about the origin by a unit quaternion ``(4,)``."""
+        """Return the mesh rotated about the origin by a unit quaternion, shape ``(4,)``."""
         return Mesh(rotate(quaternion, self.vertices), rotate(quaternion, self.normals), self.triangles)
 
 
 def joined(*meshes: Mesh) -> Mesh:
-    """Return one mesh of all the triangles."""
+    """Return one mesh that contains the triangles of all meshes."""
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     return Mesh(
         np.concatenate([mesh.vertices for mesh in meshes]),
@@ -48,7 +48,7 @@ def joined(*meshes: Mesh) -> Mesh:
 
 
 def solid(shape: Solid | Hull) -> Mesh:
-    """Return the surface of a convex shape, centred at the origin."""
+    """Return the surface of a convex shape. The centre of a cylinder, box or sphere is the origin."""
     if isinstance(shape, Hull):
         return faceted(shape)
     if isinstance(shape, Cylinder):
@@ -59,7 +59,7 @@ def solid(shape: Solid | Hull) -> Mesh:
 
 
 def faceted(hull: Hull) -> Mesh:
-    """Return a surface of flat triangles that share no corners."""
+    """Return the surface of a hull as flat triangles that do not share vertices."""
     corners = hull.vertices[hull.triangles]
     crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals = crossed / np.linalg.norm(crossed, axis=1, keepdims=True)
@@ -68,7 +68,7 @@ def faceted(hull: Hull) -> Mesh:
 
 
 def disc(radius: float) -> Mesh:
-    """Return a disc that faces up."""
+    """Return a horizontal disc at the origin, whose normal is the z axis."""
     angles = np.linspace(0, 2 * np.pi, _SIDES, endpoint=False)
     rim = np.stack([np.cos(angles), np.sin(angles), np.zeros(_SIDES)], axis=-1) * radius
     vertices = np.concatenate([np.zeros((1, 3)), rim])
@@ -78,7 +78,7 @@ def disc(radius: float) -> Mesh:
 
 
 def cylinder(radius: float, length: float) -> Mesh:
-    """Return a cylinder about z."""
+    """Return a cylinder about the z axis."""
     top = disc(radius).moved([0, 0, length / 2])
     bottom = Mesh(top.vertices * [1, -1, -1], top.normals * -1, top.triangles)
     angles = np.linspace(0, 2 * np.pi, _SIDES, endpoint=False)
@@ -93,11 +93,11 @@ def cylinder(radius: float, length: float) -> Mesh:
 
 
 def box(half_extents: ArrayLike) -> Mesh:
-    """Return a box along the axes."""
+    """Return an axis-aligned box."""
     corners = np.array([[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
     top = Mesh(corners, np.tile([0.0, 0.0, 1.0], (4, 1)), np.array([[0, 1, 2], [0, 2, 3]]))
     faces = []
-    # Cyclic permutations keep the orientation, and so does half a turn about an axis.
+    # Cyclic permutations of the axes and half turns about an axis keep the orientation of triangles.
     for order in ([0, 1, 2], [1, 2, 0], [2, 0, 1]):
         for turn in (np.ones(3), np.array([1.0, -1.0, -1.0])):
             faces.append(Mesh((top.vertices * turn)[:, order], (top.normals * turn)[:, order], top.triangles))
@@ -106,7 +106,7 @@ def box(half_extents: ArrayLike) -> Mesh:
 
 
 def sphere(radius: float) -> Mesh:
-    """Return a sphere of rings and sides."""
+    """Return a sphere that is divided into rings and sides."""
     polar = np.linspace(0, np.pi, _RINGS + 1)[:, None]
     around = np.linspace(0, 2 * np.pi, _SIDES, endpoint=False)[None, :]
     components = (np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar) + 0 * around)
@@ -119,12 +119,14 @@ def sphere(radius: float) -> Mesh:
 
 
 def tiles(lower: ArrayLike, upper: ArrayLike, size: float) -> tuple[Mesh, Mesh]:
-    """Return the tiles of either colour of a chequered floor at height zero, with lines at multiples of the size.
+    """Return one mesh for each colour of a chequered floor at height zero.
+
+    The edges of the tiles are at multiples of `size`. The floor covers the rectangle from `lower` to `upper`.
 
     Args:
-        lower: corner ``(2,)`` that the floor covers [m].
-        upper: the opposite corner ``(2,)`` [m].
-        size: edge of a tile [m].
+        lower: lower corner of the rectangle [m], shape ``(2,)``.
+        upper: upper corner of the rectangle [m], shape ``(2,)``.
+        size: edge length of a tile [m].
     """
     first = np.floor(np.asarray(lower) / size).astype(int)
     last = np.ceil(np.asarray(upper) / size).astype(int)

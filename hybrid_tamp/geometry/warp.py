@@ -1,8 +1,8 @@
-"""Warp the surface of a labelled object onto a new one, together with points on it.
+"""Warp of the surface of a labelled object onto a new object, which transfers points between the objects.
 
-Non-rigid registration by locally affine regularisation (Amberg, Romdhani and Vetter 2007, "Optimal Step Nonrigid ICP
-Algorithms for Surface Registration"), in trimesh's implementation. The paper's Sec. III-A transfers contact points to
-new objects by non-parametric shape warping (Hillenbrand 2010).
+The warp is a non-rigid registration with locally affine regularisation (Amberg, Romdhani and Vetter 2007, "Optimal Step
+Nonrigid ICP Algorithms for Surface Registration"), as implemented in trimesh. The paper (Sec. III-A) transfers contact
+points to new objects by another method, non-parametric shape warping (Hillenbrand 2010).
 """
 
 from dataclasses import dataclass
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 _SOURCE_EDGES = 8
-"""Number of edges into which the longest edge of the labelled surface is cut."""
+"""Approximate number of edges along the largest extent of the labelled surface after subdivision."""
 _TARGET_EDGES = 30
-"""Number of edges into which the longest extent of the new surface is cut; its corners are matched."""
+"""Number of edges along the largest extent of the new surface after subdivision. The warp matches their corners."""
 
 
 @dataclass(frozen=True, eq=False)
 class Warp:
-    """A surface before and after the warp.
+    """The surface of a labelled object before and after the warp.
 
     Attributes:
-        before: vertices of the labelled surface ``(n, 3)`` [m] in its own body frame.
-        after: the same vertices on the new surface, in its body frame.
-        triangles: indices of vertices ``(m, 3)``.
-        residual: mean distance of `after` from the new surface [m].
+        before: vertices of the labelled surface in the body frame of the labelled object [m], shape ``(n, 3)``.
+        after: warped vertices in the body frame of the new object [m], shape ``(n, 3)``.
+        triangles: indices of the vertices of each triangle, shape ``(m, 3)``.
+        residual: mean distance between the warped vertices and the new surface [m].
     """
 
     before: FloatArray
@@ -41,12 +41,12 @@ class Warp:
     residual: float
 
     def carry(self, points: FloatArray) -> FloatArray:
-        """Return the warped positions of points on the labelled surface ``(k, 3)`` [m]."""
+        """Return the warped positions of points on the labelled surface [m], shape ``(k, 3)``."""
         corners = self.before[self.triangles]
         return np.array([self._carried(point, corners) for point in np.asarray(points)])
 
     def _carried(self, point: FloatArray, corners: FloatArray) -> FloatArray:
-        """Return the warped position of a point, by its weights over the corners of its nearest triangle."""
+        """Return the warped position of a point, interpolated between the corners of the nearest triangle."""
         edges = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=-1)
         inner = np.einsum("mij,mi->mj", np.linalg.pinv(edges).transpose(0, 2, 1), point - corners[:, 0])
         weights = np.clip(np.column_stack([1.0 - inner.sum(axis=1), inner]), 0.0, 1.0)
@@ -60,10 +60,10 @@ def warp(labelled: Shape, new: Shape, rotation: FloatArray) -> Warp:
     """Warp a labelled shape onto a new one.
 
     Args:
-        labelled: the shape with known points.
-        new: the shape onto which the points are transferred.
-        rotation: initial rotation ``(3, 3)`` from the labelled shape's frame to the new one's. The labelled shape is
-            then scaled to the new one's bounding box, so that the registration finds only the form.
+        labelled: shape with known points.
+        new: shape onto which the points are transferred.
+        rotation: initial rotation from the frame of the labelled shape to the frame of the new shape, shape ``(3, 3)``.
+            The rotated shape is scaled to the bounding box of the new shape before the registration.
     """
     from scipy.spatial import cKDTree
     from trimesh import Trimesh
@@ -83,7 +83,7 @@ def warp(labelled: Shape, new: Shape, rotation: FloatArray) -> Warp:
 
 
 def _cut(surface: "Trimesh", edge: float) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Return the vertices and triangles of a surface after cutting all edges longer than `edge` [m]."""
+    """Return the vertices and triangles of a surface whose edges are subdivided to a length of at most `edge` [m]."""
     from trimesh.remesh import subdivide_to_size
 
     vertices, triangles = subdivide_to_size(surface.vertices, surface.faces, max_edge=edge, max_iter=20)
@@ -91,7 +91,7 @@ def _cut(surface: "Trimesh", edge: float) -> tuple[FloatArray, NDArray[np.intp]]
 
 
 def _subdivided(shape: Shape, edges: int) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Return the vertices and triangles of a surface, cut so that no edge is much longer than the others."""
+    """Return the vertices and triangles of a shape's surface. Long edges are subdivided and close vertices merged."""
     surface = outer_surface(shape)
     size = float(np.ptp(surface.vertices, axis=0).max())
     vertices, triangles = _cut(surface, 1.5 * size / edges)

@@ -1,4 +1,4 @@
-"""The nouns: what tasks, domains, plans and recordings are made of.
+"""Data structures of tasks, domains, plans and recordings.
 
-Nothing here plans, simulates, reads or writes files; every verb package builds on this one.
+This package does not plan, simulate, or read and write files. All other packages for these purposes build on it.
 """

@@ -1,4 +1,4 @@
-"""Commands as one flat row per control period, and their limits."""
+"""Commands as flat arrays with one row for each control period, and the limits of commands."""
 
 import math
 from dataclasses import dataclass
@@ -13,26 +13,27 @@ from hybrid_tamp.motion.arrays import FloatArray
 _ROUNDING = 1e-9
 
 Key = tuple[str, str]
-"""(token, basic action)."""
+"""Pair of (token, basic action)."""
 
 
 class CommandError(ValueError):
-    """An invalid command: unknown, of a wrong size, not finite or above its limit."""
+    """Error for a command that is unknown, of a wrong size, not finite or above its limit."""
 
 
 @dataclass(frozen=True)
 class CommandLayout(Layout):
-    """The positions of the tokens' basic actions in a row of commands.
+    """Layout of a row that stores the commands of all basic actions.
 
     Attributes:
-        limits: largest norm of each entry's command, in the unit of the action; infinite if it has no limit.
+        limits: largest norm of the command of each entry, in the unit of the action. Infinite for actions without a
+            limit.
     """
 
     limits: tuple[float, ...]
 
     @classmethod
     def of(cls, task: Task) -> "CommandLayout":
-        """Return the layout of all basic actions of the tokens of the task, in their order."""
+        """Return the layout for the basic actions of all tokens of the task, in the order of the tokens."""
         pairs = [(token, action) for token in task.tokens for action in token.basic_actions]
         return cls(
             tuple((token.name, action.name, action.size) for token, action in pairs),
@@ -40,32 +41,32 @@ class CommandLayout(Layout):
         )
 
     def commands(self, row: FloatArray) -> Commands:
-        """Return the commands in a row ``(size,)``."""
+        """Return the commands that a row of shape ``(size,)`` stores."""
         return {key: row[columns] for key, columns in self.slices.items()}
 
     def row(self, commands: Commands) -> FloatArray:
-        """Return the commands as one row ``(size,)``; missing commands are zero.
+        """Return the commands as a row of shape ``(size,)``. Missing commands are zero.
 
         Raises:
-            CommandError: a command has an unknown token or action, or a wrong size.
+            CommandError: if a command has an unknown token or action, or a wrong size.
         """
         row = np.zeros(self.size)
         for key, command in commands.items():
             columns = self.slices.get(key)
             if columns is None:
                 known = ", ".join(f"{action} on {token}" for token, action in self.slices)
-                raise CommandError(f"there is no {key[1]} on {key[0]} to command; there is {known or 'none'}")
+                raise CommandError(f"cannot command {key[1]} on {key[0]}; available: {known or 'none'}")
             if np.shape(command) != (columns.stop - columns.start,):
                 wanted = columns.stop - columns.start
-                raise CommandError(f"{key[1]} on {key[0]} has {wanted} components, got {np.shape(command)}")
+                raise CommandError(f"{key[1]} on {key[0]} must have shape ({wanted},), got {np.shape(command)}")
             row[columns] = command
         return row
 
     def limited(self, row: FloatArray) -> tuple[FloatArray, tuple[Key, ...]]:
-        """Scale commands above their limits down to them.
+        """Scale each command that exceeds its limit down to the limit.
 
         Returns:
-            The row, and the commands that were scaled.
+            The row with scaled commands, and the keys of the commands that were scaled.
         """
         cut: list[Key] = []
         for key, norm, limit in self._norms(row):
@@ -77,17 +78,17 @@ class CommandLayout(Layout):
         return row, tuple(cut)
 
     def checked(self, commands: Commands) -> FloatArray:
-        """Return the commands as a row for a backend, which checks them again.
+        """Return the commands as a row, after checking all of them.
 
         Raises:
-            CommandError: a command is unknown, of a wrong size, not finite or above its limit.
+            CommandError: if a command is unknown, of a wrong size, not finite or above its limit.
         """
         row = self.row(commands)
         for key, norm, limit in self._norms(row):
             if not math.isfinite(norm):
-                raise CommandError(f"{key[1]} on {key[0]} is not finite")
+                raise CommandError(f"{key[1]} on {key[0]} must be finite, got {norm:g}")
             if norm > limit * (1 + _ROUNDING):
-                raise CommandError(f"{key[1]} on {key[0]} is {norm:g}, above its limit of {limit:g}")
+                raise CommandError(f"{key[1]} on {key[0]} must not exceed its limit of {limit:g}, got {norm:g}")
         return row
 
     def _norms(self, row: FloatArray) -> list[tuple[Key, float, float]]:

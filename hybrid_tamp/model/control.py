@@ -1,4 +1,4 @@
-"""Policies with their parameters, and continuous systems: what drives tokens, and how they move (paper, Sec. II-B)."""
+"""Policies with their parameters, and continuous systems (paper, Sec. II-B)."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 
 CONTROL_PERIOD = 1 / 240
-"""Time between two commands and between two measurements of conditions [s]."""
+"""Period of the commands and of the measurements of conditions [s]."""
 
 Commands = dict[tuple[str, str], FloatArray]
-"""(token, basic action) to the command, shape ``(..., size)`` in the action's unit."""
+"""Maps each pair of (token, basic action) to a command in the unit of the action, shape ``(..., size)``."""
 
 Hyperparameters = Mapping[str, FloatArray]
-"""Hyperparameter to its value, shape ``(...)``, in its unit."""
+"""Maps each hyperparameter to its value in the unit of the hyperparameter, shape ``(...)``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +25,9 @@ class Parameters:
     """The parameters of the policy of one instance.
 
     Attributes:
-        hyperparameters: hyperparameter to its value ``(...)``.
-        path: configurations to pass in order, ``(..., n, d)``, or None. No block reads it yet.
-        phase: the phase to begin from, ``(...)``; 0 is the beginning. No block reads it yet.
+        hyperparameters: maps each hyperparameter to its value, shape ``(...)``.
+        path: sequence of n configurations to pass through, shape ``(..., n, d)``, or None. Not used by any block yet.
+        phase: initial phase, shape ``(...)``. 0 is the start of the movement. Not used by any block yet.
     """
 
     hyperparameters: Hyperparameters
@@ -37,16 +37,18 @@ class Parameters:
 
 @dataclass(frozen=True)
 class Hyperparameter:
-    """A bounded number with a unit that shapes a policy.
+    """A bounded scalar parameter of a policy.
 
     Attributes:
-        name: e.g. ``"speed"``.
+        name: name of the hyperparameter, e.g. ``"speed"``.
         unit: SI unit.
         lower: lower bound [unit].
         upper: upper bound [unit].
-        initial: ``initial(binding, state)``, the initial value ``(...)`` from the state at the block's beginning.
-        description: one line.
-        within: ``within(binding)``, narrower bounds from the tokens, e.g. from the length of a handle; or None.
+        initial: function ``initial(binding, state)`` that returns the initial value [unit], shape ``(...)``. `state` is
+            the state at the start of the instance.
+        description: description in one line.
+        within: function ``within(binding)`` that returns narrower bounds [unit], e.g. from the length of a handle. None
+            if the bounds do not depend on the tokens.
     """
 
     name: str
@@ -58,7 +60,7 @@ class Hyperparameter:
     within: Callable[[Binding], tuple[float, float]] | None = None
 
     def bounds(self, binding: Binding) -> tuple[float, float]:
-        """Return the lower and the upper bound [unit] for these tokens."""
+        """Return the lower and the upper bound [unit] for the tokens of a binding."""
         if self.within is None:
             return self.lower, self.upper
         low, high = self.within(binding)
@@ -70,23 +72,23 @@ class Hyperparameter:
 
 
 class Policy(Protocol):
-    """A feedback law: elapsed time and state to basic actions. It has no memory."""
+    """A feedback law that maps elapsed time and state to basic actions. A policy has no memory."""
 
     def __call__(self, elapsed: FloatArray, state: State) -> Commands:
-        """Return the commands at `elapsed` [s] since the instance began, shape ``(...)``, in a state ``(...)``."""
+        """Return the commands for a state and for the time since the start of the instance [s], shape ``(...)``."""
         ...
 
 
 class ContinuousSystem(Protocol):
-    """The motion of the tokens in the slots of one instance. It is pure and has no memory."""
+    """The motion of the tokens in the slots of one instance, as a pure function without memory."""
 
     def __call__(self, state: State, commands: Commands, dt: float) -> State:
-        """Return the state ``(...)`` after the time step `dt` [s] under the commands."""
+        """Return the state after a time step `dt` [s] under the commands."""
         ...
 
 
 PolicyMaker = Callable[[Binding, State, Parameters], Policy]
-"""``policy(binding, start, parameters)`` makes the policy of one instance from the state at its beginning."""
+"""Function ``policy(binding, start, parameters)`` that returns the policy of an instance, given its initial state."""
 
 SystemMaker = Callable[[Binding, State], ContinuousSystem]
-"""``system(binding, start)`` makes the continuous system of one instance; it computes constants once."""
+"""Function ``system(binding, start)`` that returns the continuous system of an instance, given its initial state."""

@@ -1,4 +1,4 @@
-"""Explanations: why a task has no plan, which changes give it one, and why each token is in a plan."""
+"""Explanations of why a task has no plan, which changes make the task solvable, and why each token is in a plan."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -24,18 +24,19 @@ ReasonKind = Literal[
 
 @dataclass(frozen=True)
 class Reason:
-    """One reason why goal atoms are unreachable.
+    """A reason why goal atoms are unreachable.
 
     Attributes:
-        goal: the goal atoms.
-        block: the block that would achieve them, or empty; the name of the action if several modes fail.
-        kind: the kind of the reason.
-        message: the reason in words.
-        atom: the failing condition, or None.
-        margin: its margin, or None.
+        goal: unreachable goal atoms.
+        block: name of the block that could achieve the goal atoms, or of the action if several modes fail, or empty.
+        kind: kind of the reason.
+        message: description of the reason.
+        atom: condition that fails, or None.
+        margin: margin of the condition that fails [unit], or None.
         unit: unit of the margin.
-        lacks: the class with too few tokens, or the slot to which no edge leads; or None.
-        probe: the task file or task, and the token, of a probe that would settle the reason; or None.
+        lacks: class with too few tokens, or slot to which no edge leads, or None.
+        probe: pair of (task, token) for a membership trial that would remove the uncertainty, or None. The task is a
+            path of a task file or a name.
     """
 
     goal: tuple[Atom, ...]
@@ -50,17 +51,17 @@ class Reason:
 
     @property
     def goal_text(self) -> str:
-        """The goal atoms as text."""
+        """Unreachable goal atoms as text."""
         return " and ".join(atom.text for atom in self.goal)
 
     @property
     def atom_text(self) -> str:
-        """The failing condition as text, empty if there is none."""
+        """Condition that fails as text, or empty."""
         return "" if self.atom is None else self.atom.text
 
     @property
     def lacks_text(self) -> str:
-        """The class with too few tokens, or the slot 'BLOCK.slot' to which no edge leads; or empty."""
+        """Name of the class with too few tokens, or the slot 'BLOCK.slot' to which no edge leads, or empty."""
         if isinstance(self.lacks, tuple):
             return slot_text(self.lacks)
         return "" if self.lacks is None else self.lacks.name
@@ -68,11 +69,11 @@ class Reason:
 
 @dataclass(frozen=True)
 class Suggestion:
-    """A single change that gives the task a plan; the changed task was planned.
+    """A single change of the task for which the planner found a plan.
 
     Attributes:
-        change: the change.
-        length: the number of actions of the plan that was found.
+        change: change of the task.
+        length: number of actions in the plan of the changed task.
     """
 
     change: Change
@@ -80,21 +81,21 @@ class Suggestion:
 
     @property
     def kind(self) -> ChangeKind:
-        """The kind of the change."""
+        """Kind of the change."""
         return self.change.kind
 
 
 @dataclass(frozen=True)
 class Explanation(Tabular):
-    """Why a task has no plan, and which changes give it one.
+    """The reasons why a task has no plan, and changes that make the task solvable.
 
     Attributes:
         kind: unsolvable, not_found, planner_crashed, plan_refused, class_unknown, not_refined, time or memory.
-        message: the same in a sentence.
-        reasons: the reasons; those that a suggestion removes come first.
-        suggestions: single changes that give the task a plan.
-        complete: whether every single change was examined, or the requested number of changes was found.
-        together: changes that give the task a plan only together; empty if a single one suffices.
+        message: sentence that describes the kind.
+        reasons: reasons why the task has no plan. Reasons that a suggestion removes come first.
+        suggestions: single changes that make the task solvable.
+        complete: whether every single change was examined or the requested number of suggestions was found.
+        together: changes that make the task solvable only in combination. Empty if a single change suffices.
     """
 
     kind: str
@@ -106,7 +107,7 @@ class Explanation(Tabular):
 
     @property
     def rows(self) -> Rows:
-        """The explanation as a table."""
+        """Rows of the table that shows the explanation."""
         return [
             ("no plan", self.message),
             ("reasons", [f"{each.goal_text}: {each.message}" for each in self.reasons]),
@@ -117,23 +118,23 @@ class Explanation(Tabular):
 
     @property
     def together_text(self) -> tuple[str, ...]:
-        """Changes that give the task a plan only together, in words; empty if a single one suffices."""
+        """Descriptions of changes that make the task solvable only together. Empty if a single change suffices."""
         return tuple(change.what for change in self.together)
 
     @property
     def text(self) -> str:
-        """The message and the reasons, one line each."""
+        """Message and reasons as text, with one line for each."""
         return "\n".join([self.message, *(f"  {each.goal_text}: {each.message}" for each in self.reasons)])
 
 
 @dataclass(frozen=True)
 class Link:
-    """One causal link of a plan: an effect and its consumer.
+    """A causal link of a plan, from an instance with an effect to an instance or goal that needs this effect.
 
     Attributes:
-        instance: the instance that has the effect.
-        atom: the effect.
-        needed_by: the instance that has the atom as an entry condition, or None if it is a goal atom.
+        instance: name of the instance that has the effect.
+        atom: effect of the instance.
+        needed_by: name of the instance that has the effect as an entry condition, or None if the effect is a goal atom.
     """
 
     instance: str
@@ -142,19 +143,19 @@ class Link:
 
     @property
     def needed_by_text(self) -> str:
-        """The instance that needs it, or 'the goal'."""
+        """Name of the instance that needs the effect, or 'the goal'."""
         return self.needed_by or "the goal"
 
 
 @dataclass(frozen=True)
 class Cause:
-    """Why a token is in a plan, or why it is not.
+    """The reason why a token is or is not in a plan.
 
     Attributes:
         token: name of the token.
-        used: whether it is in a slot or a target of an instance that the goal needs.
-        why: the reason in a sentence.
-        links: the links of its instances, those of the goal first.
+        used: whether the token is in a slot or target of an instance that the goal needs.
+        why: reason in a sentence.
+        links: causal links from the token's instances. Links to the goal come first.
     """
 
     token: str
@@ -165,13 +166,13 @@ class Cause:
 
 @dataclass(frozen=True)
 class TaskExplanation(Tabular):
-    """Why a task has its plan, or why it has none.
+    """The explanation of a task's plan, or of why the task has no plan.
 
     Attributes:
-        task: the task.
-        status: the status of planning it.
-        explanation: why there is no plan; None if there is one.
-        tokens: why each token is in the plan; empty if there is none.
+        task: task that was explained.
+        status: outcome of planning the task.
+        explanation: reasons why there is no plan. None if there is a plan.
+        tokens: reasons why each token is or is not in the plan. Empty if there is no plan.
     """
 
     task: Task
@@ -181,6 +182,6 @@ class TaskExplanation(Tabular):
 
     @property
     def rows(self) -> Rows:
-        """The explanation as a table."""
+        """Rows of the table that shows the explanation."""
         explained = [] if self.explanation is None else self.explanation.rows
         return [("task", self.task.name), ("status", self.status), *explained, *((c.token, c.why) for c in self.tokens)]

@@ -1,4 +1,4 @@
-"""Forward models: the continuous system of a block under its policy, for one initial state or a batch of them."""
+"""Forward models, which simulate the continuous system of a block under its policy for a batch of states."""
 
 from collections.abc import Iterable
 from math import isfinite
@@ -16,26 +16,26 @@ from hybrid_tamp.motion.arrays import FloatArray
 BoolArray = NDArray[np.bool_]
 
 _HUGE = 1e300
-"""Larger squares are treated as infinite."""
+"""Largest squared norm of a command that counts as finite."""
 
 
 class ForwardModel:
-    """The policy and the continuous system of one instance; its states have the batch shape ``(...)``."""
+    """The policy and the continuous system of one instance, for states of batch shape ``(...)``."""
 
     def __init__(self, block: Block, binding: Binding, start: State, parameters: Parameters) -> None:
-        """Make policy and system from the state at the beginning of the instance."""
+        """Create the policy and the continuous system from the state at the start of the instance."""
         self._policy = None if block.policy is None else block.policy(binding, start, parameters)
         self._system = block.system(binding, start)
         held = (binding[slot.name] for slot in block.slots)
         self._limits = _limits(token for token in held if isinstance(token, Token))
 
     def step(self, elapsed: FloatArray, state: State, dt: float = CONTROL_PERIOD) -> tuple[State, Commands, BoolArray]:
-        """Return the next state, the commands within their limits, and whether both are finite ``(...)``.
+        """Return the next state, the commands scaled to their limits, and whether both are finite, shape ``(...)``.
 
-        A state that would not be finite stays unchanged, so that later computations remain finite.
+        If the next state is not finite, the current state is returned, so that later computations remain finite.
 
         Args:
-            elapsed: time since the beginning [s], ``()`` or ``(...)``.
+            elapsed: time since the start of the instance [s], shape ``()`` or ``(...)``.
             state: current state.
             dt: time step [s].
         """
@@ -43,7 +43,7 @@ class ForwardModel:
         finite = np.ones(state.values.shape[:-1], dtype=bool)
         for key, command in commands.items():
             square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
-            # Infinities and NaNs fail this comparison, too.
+            # This comparison is also false for infinities and NaNs.
             if not np.maximum.reduce(square, axis=None) <= min(limit**2, _HUGE):
                 sound = np.asarray(np.isfinite(command).all(axis=-1))
                 finite &= sound
@@ -58,18 +58,18 @@ class ForwardModel:
 def roll_out(
     block: Block, binding: Binding, start: State, longest: float, dt: float = CONTROL_PERIOD, every: int = 1
 ) -> list[State]:
-    """Run a block, with the initial values of its hyperparameters, until its exit conditions hold.
+    """Simulate a block until its exit conditions hold. The hyperparameters have their initial values.
 
     Args:
-        block: the block.
-        binding: its roles.
-        start: a single state.
-        longest: longest duration [s].
+        block: block to simulate.
+        binding: maps each role of the block to its token or symbol.
+        start: initial state, without batch dimensions.
+        longest: largest simulated time [s].
         dt: time step [s].
-        every: number of steps between two measurements of its exit conditions.
+        every: number of steps between two checks of the exit conditions.
 
     Returns:
-        The state at the beginning and after every step.
+        The initial state and the state after each step.
     """
     model = ForwardModel(block, binding, start, Parameters(block.initial_values(binding, start)))
     states = [start]
@@ -85,13 +85,13 @@ def _done(block: Block, binding: Binding, state: State) -> bool:
 
 
 def _limited(command: FloatArray, limit: float) -> FloatArray:
-    """Scale a command down to the limit of its token, as execution does."""
+    """Return the command, scaled down if its norm exceeds the limit. Execution scales commands in the same way."""
     norm = np.sqrt(np.einsum("...i,...i->...", command, command))
     return np.asarray(command * np.minimum(1.0, limit / np.maximum(norm, limit))[..., None])
 
 
 def _limits(tokens: Iterable[Token]) -> dict[tuple[str, str], float]:
-    """Return (token, basic action) to the largest norm of its command, for actions with a limit."""
+    """Return a mapping from pairs of (token, basic action) to the limit on the command's norm, if there is a limit."""
     return {
         (token.name, action.name): float(token[action.limit])
         for token in tokens

@@ -1,41 +1,41 @@
-"""Grasping: which tokens grip, which can be gripped, and the constants of the fingers.
+"""Grasping: hands that can grip, objects that can be gripped, and constants of the fingers.
 
-A hand that grips has two virtual, massless fingers, one on either side of its centre. They close on a handle within
-reach and hold it by friction only.
+A hand that can grip has two virtual, massless fingers, one on either side of its centre. The fingers close on a handle
+within reach and hold the handle only by friction.
 """
 
 from hybrid_tamp.model.affordance import VaryingProperty
 from hybrid_tamp.model.token import Token
 
 GRIP = "grip"
-"""The basic action that closes the fingers with a force if positive [N], and opens them otherwise."""
+"""Name of the basic action of the fingers. A positive command is a closing force [N], and others open the fingers."""
 APERTURE = "aperture"
-"""The varying property for the gap between the fingers [m]."""
+"""Name of the varying property for the gap between the fingers [m]."""
 HANDLE = ("handle_from", "handle_to", "handle_width")
-"""The fixed properties of a handle: its ends in the body frame and its width [m]."""
+"""Names of the fixed properties of a handle, which are its ends in the body frame [m] and its width [m]."""
 FINGER_SPEED = 0.25
 """Speed at which the gap between the fingers changes [m/s]."""
 CAPTURE = 0.01
-"""Largest distance from the centre of the hand to the axis of a handle that it can grip [m]."""
+"""Largest distance between the centre of a hand and the axis of a handle at which the hand can grip [m]."""
 GRIP_FRICTION = 1.0
-"""Largest friction of both fingers together as a share of the grip force: two fingers of friction 0.5."""
+"""Ratio of the largest friction force of both fingers to the grip force. Each finger has a coefficient of 0.5."""
 
 
 def aperture_property(opened: float) -> VaryingProperty:
-    """Return the varying property `aperture` of a hand whose fingers start with this gap [m]."""
+    """Return the varying property `aperture` of a hand whose fingers have the initial gap `opened` [m]."""
     return VaryingProperty(APERTURE, 1, "m", (opened,), "gap between the two virtual fingers")
 
 
 def grips(token: Token) -> bool:
-    """Say whether the token is a hand with fingers."""
+    """Return whether the token is a hand with fingers."""
     return any(action.name == GRIP for action in token.basic_actions)
 
 
 def can_be_gripped(token: Token) -> bool:
-    """Say whether the token has a handle."""
+    """Return whether the token has a handle."""
     return all(name in token.properties for name in HANDLE)
 
 
 def pass_through(one: Token, other: Token) -> bool:
-    """Say whether two tokens do not collide, because open fingers pass round a handle."""
+    """Return whether one token is a hand with fingers and the other has a handle. Such tokens do not collide."""
     return (grips(one) and can_be_gripped(other)) or (grips(other) and can_be_gripped(one))

@@ -1,4 +1,4 @@
-"""Imitation: the observed plan of an agent, and the run of another agent that imitates it."""
+"""Results of imitation: the observed plan of one agent, and the run of another agent that imitates this plan."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ class Unexplained:
     """A movement that no block of the domain explains.
 
     Attributes:
-        token: the token that moved.
+        token: name of the token that moved.
         start: start of the movement [s].
         end: end of the movement [s].
     """
@@ -25,19 +25,19 @@ class Unexplained:
 
     @property
     def text(self) -> str:
-        """The movement in words."""
-        return f"{self.token} moves from {self.start:.2f} s to {self.end:.2f} s, which no block explains"
+        """Description of the movement."""
+        return f"no block explains the movement of {self.token} from {self.start:.2f} s to {self.end:.2f} s"
 
 
 @dataclass(frozen=True)
 class Segmentation:
-    """An observation as a timeline of block instances.
+    """An observation that was segmented into block instances.
 
     Attributes:
-        plan: the timeline; a token is in no instance during an unexplained movement.
-        unexplained: the movements that no block explains, by time.
-        violations: where the timeline breaks the law or misses the goal, judged by the observed margins.
-        cost: cost of the number of instances and of their misfit; less is better.
+        plan: timeline of the block instances. A token is in no instance during an unexplained movement.
+        unexplained: movements that no block explains, sorted by time.
+        violations: violations of the law by the timeline, including missed goal atoms, according to observed margins.
+        cost: cost of the segmentation, which grows with the number of instances and with their misfit.
     """
 
     plan: TaskPlan
@@ -51,7 +51,7 @@ class FittedPrimitive:
     """The fit of a motor primitive to a demonstration.
 
     Attributes:
-        rms: root mean square distance [unit].
+        rms: root mean square of the distance between primitive and demonstration [unit].
         unit: unit of the distance.
     """
 
@@ -65,10 +65,10 @@ class ImitationResult(Tabular):
 
     Attributes:
         shown: name of the folder or file of the demonstration.
-        segmentation: the observation as a timeline.
-        roles: observed token to the token that took its role.
+        segmentation: segmented observation.
+        roles: maps each observed token to the token that takes its role in the imitation.
         primitives: maps each taught block to the fit of its motor primitive.
-        run: the result of the imitator's run.
+        run: result of the run of the imitating agent.
     """
 
     shown: str
@@ -79,16 +79,16 @@ class ImitationResult(Tabular):
 
     @property
     def rows(self) -> Rows:
-        """The imitation as a table."""
+        """Rows of the table that shows the imitation."""
         seen = [each.text for each in self.instances]
         return [("seen", seen), ("roles", self.roles), ("taught", list(self.primitives)), *self.run.rows]
 
     @property
     def instances(self) -> tuple[BlockInstance, ...]:
-        """The observed instances, by time."""
+        """Observed instances, sorted by time."""
         return tuple(sorted(self.segmentation.plan.instances, key=lambda i: (i.start, i.end, i.name)))
 
     @property
     def success(self) -> bool:
-        """Whether the imitator reached the goal without breaking the law of assignment."""
+        """Whether the imitating agent reached the goal without a violation of the law of assignment."""
         return self.run.success and not self.run.law

@@ -1,16 +1,17 @@
-"""The law of assignment and its one checker.
+"""The law of assignment and its checker.
 
-1. At every instant each token is in exactly one slot of exactly one instance; places are exempt.
-2. A running instance has exactly one token in each slot, a member of the slot's class.
-3. A token passes from slot to slot only along an edge of the network.
-4. All tokens of an instance enter it at one instant and leave it at a later one.
-5. At each instant of reassignment, the exit conditions of ending blocks and the entry conditions of starting blocks
-   hold. No other instance changes a property that a running instance reads from its targets.
-6. The duration of each instance is within the bounds of its block; only a block with a hold waits.
-7. The plan starts in the initial state and assignment. At its end the goal holds and only blocks with a hold run.
+1. At every instant, each token is in exactly one slot of exactly one instance. Places are exempt.
+2. A running instance has exactly one token in each slot, and the token is a member of the slot's class.
+3. A token passes from one slot to another only along an edge of the network.
+4. All tokens of an instance enter the instance at the same instant and leave it together at a later instant.
+5. At each reassignment, the exit conditions of ending instances and the entry conditions of starting instances hold. No
+   other instance changes a property that a running instance reads from its targets.
+6. The duration of each instance is within the bounds of its block. Only a block with `hold` can wait.
+7. The plan starts with the initial state and assignment. At the end of the plan, the goal holds and only blocks with
+   `hold` run.
 
-The checker is independent of the planner. The effects of blocks (for a plan) or measured margins (for a recording)
-decide the conditions.
+The checker is independent of the planner. In a plan, the effects of blocks decide whether a condition holds. In a
+recording, the measured margins decide.
 """
 
 from collections import Counter
@@ -25,13 +26,13 @@ from hybrid_tamp.model.task import Task
 
 
 def check_law(task: Task, plan: TaskPlan, measured: Measured | None = None) -> list[Violation]:
-    """Return every breach of the law by the plan.
+    """Return every violation of the law by the plan.
 
     Args:
-        task: the task of the plan.
-        plan: the timeline; for a recording, with the measured instants of reassignment.
-        measured: returns the measured state at an instant, whose margins decide the conditions instead of the
-            declared effects.
+        task: task of the plan.
+        plan: timeline to check. The timeline of a recording has measured instants.
+        measured: function that returns the measured state at an instant. If None, the declared effects of blocks decide
+            whether conditions hold.
     """
     unknown = list(_names(task, plan))
     if unknown:
@@ -49,37 +50,38 @@ def check_law(task: Task, plan: TaskPlan, measured: Measured | None = None) -> l
 def _names(task: Task, plan: TaskPlan) -> Iterator[Violation]:
     for instance in plan.instances:
         if instance.block not in task.domain.block_by_name:
-            yield Violation(2, instance.start, instance.name, f"there is no block {instance.block}")
+            yield Violation(2, instance.start, instance.name, f"the domain has no block {instance.block}")
         for token in instance.slots.values():
             if token not in task.token_by_name:
-                yield Violation(1, instance.start, instance.name, f"there is no token {token}")
+                yield Violation(1, instance.start, instance.name, f"the task has no token {token}")
 
 
 def _instances(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Laws 2 and 4: each instance is complete and well-typed and has a duration and a unique name."""
+    """Check laws 2 and 4: each instance has well-typed tokens in all roles, a duration and a unique name."""
     names = Counter(instance.name for instance in plan.instances)
     for instance in plan.instances:
         block = task.domain.block_by_name[instance.block]
         yield from (Violation(2, instance.start, instance.name, said) for said in _typing(task, block, instance))
         if instance.end - instance.start <= TIME_TOLERANCE:
-            yield Violation(4, instance.start, instance.name, "the instance has length zero")
+            yield Violation(4, instance.start, instance.name, "the duration of the instance must not be zero")
         if names[instance.name] > 1:
-            yield Violation(4, instance.start, instance.name, "tokens of one instance do not enter and leave together")
+            yield Violation(4, instance.start, instance.name, "the name of the instance must be unique")
 
 
 def _typing(task: Task, block: Block, instance: BlockInstance) -> Iterator[str]:
     slots = {slot.name for slot in block.slots}
     if set(instance.slots) != slots:
-        yield f"needs one token in each of {sorted(slots)}, has {sorted(instance.slots)}"
+        yield f"the instance must have one token in each of the slots {sorted(slots)}, got {sorted(instance.slots)}"
     if set(instance.targets) != {target.name for target in block.targets}:
-        yield f"needs the targets {sorted(t.name for t in block.targets)}, has {sorted(instance.targets)}"
+        targets = sorted(target.name for target in block.targets)
+        yield f"the instance must have the targets {targets}, got {sorted(instance.targets)}"
     for role, name in instance.roles.items():
         sort = block.roles.get(role)
         if sort is not None and not _of_sort(task, name, sort):
-            yield f"{name} in {role} is not of {sort.name}"
+            yield f"{name} cannot have the role {role}, because {name} is not a member of {sort.name}"
     tokens = [name for name in instance.roles.values() if name in task.token_by_name]
     if len(set(tokens)) < len(tokens):
-        yield "one token has two roles"
+        yield "a token must not have two roles"
 
 
 def _of_sort(task: Task, name: str, sort: type[ObjectClass] | SymbolSort) -> bool:
@@ -89,14 +91,14 @@ def _of_sort(task: Task, name: str, sort: type[ObjectClass] | SymbolSort) -> boo
 
 
 def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Laws 1, 3 and the assignment part of 7: each token's instances cover the plan without overlap, along edges."""
+    """Check laws 1, 3 and 7: the instances of each token follow one another along edges, without gaps or overlaps."""
     for token in task.assigned:
         timeline = plan.timeline(token.name)
         clock = 0.0
         for index, (instance, slot) in enumerate(timeline):
             if not at(instance.start, clock):
-                fault = "in no slot" if instance.start > clock else "in two slots"
-                yield Violation(1, clock, token.name, f"{fault} before {instance.name}")
+                fault = "in no slot before" if instance.start > clock else "still in another slot at the start of"
+                yield Violation(1, clock, token.name, f"the token is {fault} {instance.name}")
             clock = instance.end
             if index:
                 before, slot_before = timeline[index - 1]
@@ -105,32 +107,35 @@ def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
                     edge = f"{'.'.join(source)} -> {'.'.join(target)}"
                     yield Violation(3, instance.start, token.name, f"the network has no edge {edge}")
         if not at(clock, plan.makespan):
-            fault = "in no slot" if clock < plan.makespan else "in a slot beyond the plan's end"
-            yield Violation(1, clock, token.name, fault)
+            fault = "in no slot" if clock < plan.makespan else "in a slot after the end of the plan"
+            yield Violation(1, clock, token.name, f"the token is {fault}")
         wanted = task.start_block(token.name).name
         if timeline and timeline[0][0].block != wanted:
-            yield Violation(7, 0.0, token.name, f"starts in {timeline[0][0].block}, assigned to {wanted}")
+            yield Violation(7, 0.0, token.name, f"the token must start in {wanted}, got {timeline[0][0].block}")
 
 
 def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Law 6; a holding instance that the end of the plan interrupts may be shorter than the minimum of its block."""
+    """Check law 6. If the plan ends, an instance of a block with `hold` and no exit conditions can be too short."""
     for instance in plan.instances:
         block = task.domain.block_by_name[instance.block]
         length = instance.end - instance.start
         cut = block.hold and at(instance.end, plan.makespan) and not block.exit
         if length < block.duration.minimum - TIME_TOLERANCE and not cut:
-            yield Violation(6, instance.start, instance.name, f"lasts {length:.3f} s < {block.duration.minimum} s")
+            said = f"the instance must last at least {block.duration.minimum} s, got {length:.3f} s"
+            yield Violation(6, instance.start, instance.name, said)
         if instance.reached is not None and instance.reached > instance.end + TIME_TOLERANCE:
             late = instance.reached - instance.end
-            yield Violation(6, instance.end, instance.name, f"ends {late:.3f} s before its exit conditions hold")
+            said = f"the instance ends {late:.3f} s before its exit conditions hold"
+            yield Violation(6, instance.end, instance.name, said)
         if not block.hold and length > block.duration.maximum + TIME_TOLERANCE:
-            yield Violation(6, instance.end, instance.name, f"lasts {length:.3f} s > {block.duration.maximum} s")
+            said = f"the instance must last at most {block.duration.maximum} s, got {length:.3f} s"
+            yield Violation(6, instance.end, instance.name, said)
 
 
 def _targets(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Law 5, last part: no other instance changes a property that a running instance reads from its targets.
+    """Check the second sentence of law 5, about properties that a running instance reads from its targets.
 
-    A block with a hold changes its tokens only until its exit conditions hold.
+    A block with `hold` changes its tokens only until its exit conditions hold.
     """
     for reader in plan.instances:
         for target in task.domain.block_by_name[reader.block].targets:
@@ -138,7 +143,7 @@ def _targets(task: Task, plan: TaskPlan) -> Iterator[Violation]:
             for writer, slot in plan.timeline(name) if name is not None else ():
                 written = task.domain.block_by_name[writer.block].writes.get(slot, ())
                 if set(written) & set(target.reads) and writer.name != reader.name and _meet(writer, reader):
-                    said = f"its target {name} is changed by {writer.name}"
+                    said = f"{writer.name} changes the target {name} of {reader.name}"
                     yield Violation(5, max(reader.start, writer.start), reader.name, said)
 
 
@@ -148,7 +153,7 @@ def _meet(writer: BlockInstance, reader: BlockInstance) -> bool:
 
 
 def _ends(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Law 7: only blocks with a hold run at the end."""
+    """Check the part of law 7 that only blocks with `hold` run at the end of the plan."""
     for instance in plan.instances:
         if at(instance.end, plan.makespan) and not task.domain.block_by_name[instance.block].hold:
-            yield Violation(7, plan.makespan, instance.name, "a block without a hold has not ended")
+            yield Violation(7, plan.makespan, instance.name, "only blocks with a hold can run at the end of the plan")

@@ -1,4 +1,4 @@
-"""The outcome of planning a task: the plan and its origin, or why there is none."""
+"""Outcomes of planning: the plan and how it was found, or the reason why there is no plan."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,30 +15,30 @@ from hybrid_tamp.model.task import Task
 Status = Literal["solved", "unsolvable", "unknown", "limit"]
 
 NOT_REFINED = "not_refined"
-"""The kind of failure if plans exist, but no hyperparameters satisfy any of them."""
+"""Kind of failure: plans exist, but no plan has hyperparameters that satisfy its conditions."""
 CLASS_UNKNOWN = "class_unknown"
-"""The kind of failure if the goal needs a class and it is unknown whether a token is a member of it."""
+"""Kind of failure: the goal requires a token to be a member of a class, but the membership is unknown."""
 
 MESSAGES: Mapping[str, str] = {
     "unsolvable": "No plan exists; the planner has proven it.",
-    "not_found": "The planner found no plan, but has not proven that there is none.",
+    "not_found": "The planner found no plan, but has not proven that no plan exists.",
     "planner_crashed": "The planner crashed.",
-    "plan_refused": "The planner returned a wrong plan, which was refused.",
-    CLASS_UNKNOWN: "It is unknown whether a plan exists: the goal names a token whose class has not been tried.",
-    NOT_REFINED: "Plans exist, but the forward models of the blocks cannot carry out any that was found.",
+    "plan_refused": "The planner returned an invalid plan, which was rejected.",
+    CLASS_UNKNOWN: "It is unknown whether a plan exists, because the class of a token in the goal is unknown.",
+    NOT_REFINED: "Plans exist, but every plan that was found fails in the forward models of the blocks.",
 }
-"""Kind of failure to the sentence that explains it."""
+"""Maps each kind of failure to a sentence for the user."""
 
 
 @dataclass(frozen=True)
 class PlannerFigures:
-    """The planning engine, its time, and how it found the plan.
+    """The planning engine, its run time, and how the plan was found.
 
     Attributes:
-        name: name of the engine.
-        seconds: time of all attempts together [s].
-        way: how the plan was found.
-        stages: stage of planning to the time it took [s].
+        name: name of the planning engine.
+        seconds: total time of all attempts [s].
+        way: description of how the plan was found.
+        stages: maps each stage of planning to its time [s].
     """
 
     name: str
@@ -49,11 +49,11 @@ class PlannerFigures:
 
 @dataclass(frozen=True)
 class PlanningFailure:
-    """Why planning gave no plan.
+    """The reason why planning found no plan.
 
     Attributes:
-        kind: a key of `MESSAGES`; ``time`` or ``memory`` if that limit was reached; or the kind that the planner gave.
-        detail: more detail, e.g. why a plan was refused; or empty.
+        kind: key of `MESSAGES`, or ``time`` or ``memory`` for an exceeded limit, or a kind that the planner reported.
+        detail: further details, e.g. why a plan was rejected, or empty.
     """
 
     kind: str
@@ -61,12 +61,12 @@ class PlanningFailure:
 
     @property
     def message(self) -> str:
-        """The failure in one or two sentences."""
+        """Description of the failure in one or two sentences."""
         return " ".join(filter(None, [MESSAGES.get(self.kind, ""), self.detail]))
 
     @property
     def status(self) -> Status:
-        """The status of the outcome."""
+        """Status of the outcome."""
         if self.kind == "unsolvable":
             return "unsolvable"
         return "limit" if self.kind in ("time", "memory") else "unknown"
@@ -74,11 +74,11 @@ class PlanningFailure:
 
 @dataclass(frozen=True)
 class Exclusion:
-    """A binding of a block that was excluded because no hyperparameters satisfy the plan that contains it.
+    """A binding of a block that was excluded because a plan with this binding fails for all hyperparameters.
 
     Attributes:
-        instance: the instance whose binding was excluded.
-        shortfall: the condition that no hyperparameters satisfy.
+        instance: block instance whose binding was excluded.
+        shortfall: condition that no hyperparameters satisfy.
     """
 
     instance: BlockInstance
@@ -86,7 +86,7 @@ class Exclusion:
 
     @property
     def text(self) -> str:
-        """The binding and by how much the condition fails."""
+        """Description of the binding and of the smallest amount by which the condition fails."""
         roles = ", ".join(f"{role}={name}" for role, name in self.instance.roles.items())
         short = self.shortfall
         unit = "" if short.unit == "1" else f" {short.unit}"
@@ -98,15 +98,15 @@ class PlanOutcome(Tabular):
     """The outcome of planning a task.
 
     Attributes:
-        task: the task; if its goal leaves a choice, `chosen` has the ground goal that the plan reaches.
+        task: task that was planned. Its goal can have a choice.
         planner: figures of the planner.
-        network: the network that was planned on.
-        plan: the plan, or None.
-        failure: why there is no plan, or None.
-        chosen: the task with the ground goal that the plan reaches; None if there is no plan.
-        explanation: why the task has no plan, or None if it was not explained.
-        refinement: how the hyperparameters of the plan were optimised, or None.
-        excluded: the bindings that were excluded before this plan, in order.
+        network: network that was used for planning.
+        plan: plan of the task, or None.
+        failure: reason why there is no plan, or None.
+        chosen: task with the ground goal that the plan achieves, or None if there is no plan.
+        explanation: explanation of why the task has no plan, or None.
+        refinement: plan with optimised hyperparameters, or None.
+        excluded: bindings that were excluded before this plan was found, in the order of exclusion.
     """
 
     task: Task
@@ -121,7 +121,7 @@ class PlanOutcome(Tabular):
 
     @property
     def rows(self) -> Rows:
-        """The outcome as a table: the steps of the plan, or why there is none."""
+        """Rows of the table that shows the plan, or the reasons why there is no plan."""
         found: Rows = [
             ("task", self.task.name),
             ("status", self.status),
@@ -136,7 +136,7 @@ class PlanOutcome(Tabular):
 
     @property
     def status(self) -> Status:
-        """Whether there is a plan, there provably is none, it is unknown, or a limit was reached."""
+        """Status of planning: a plan was found, no plan exists, the existence is unknown, or a limit was reached."""
         return "solved" if self.failure is None else self.failure.status
 
     @property
@@ -156,7 +156,7 @@ class PlanOutcome(Tabular):
 
     @property
     def error(self) -> HybridTampError | None:
-        """Why there is no plan, as an exception; None if there is one."""
+        """Exception that describes why there is no plan, or None if there is a plan."""
         if self.failure is None:
             return None
         if self.status == "limit":
@@ -172,8 +172,8 @@ class PlanOutcome(Tabular):
         """Return the plan.
 
         Raises:
-            NoPlan: there is none, or none was found.
-            LimitReached: the planner reached a limit.
+            NoPlan: if no plan exists or no plan was found.
+            LimitReached: if the planner reached a time or memory limit.
         """
         if self.plan is None:
             raise self.error or NoPlan("no plan", proven=False, kind="not_found")

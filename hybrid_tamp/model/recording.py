@@ -1,4 +1,4 @@
-"""A recording: the measurements and commands of a run, enough to evaluate and to replay it."""
+"""Recordings: the measurements and commands of a run, from which the run can be evaluated and replayed."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -15,12 +15,13 @@ from hybrid_tamp.motion.demonstration import ShownMovement
 
 @dataclass(frozen=True)
 class AtomMargin:
-    """One condition of an instance or of the goal, with its predicted and measured margins.
+    """A condition of an instance or of the goal, with predicted and measured margins.
 
     Attributes:
-        atom: the ground condition.
-        measured: its signed margin in the run, in the unit of the predicate; None if it was never measured.
-        predicted: its signed margin in the blocks' own forward models; None if not predicted.
+        atom: ground condition.
+        measured: signed margin measured in the run, in the unit of the predicate. None if not measured.
+        predicted: signed margin in the forward models of the blocks, in the unit of the predicate. None if not
+            predicted.
     """
 
     atom: Atom
@@ -35,7 +36,14 @@ class AtomMargin:
 
 @dataclass(frozen=True)
 class Failure:
-    """The reason why a run stopped before the end of its plan."""
+    """The reason why a run stopped before the end of its plan.
+
+    Attributes:
+        step: index of the control period in which the run stopped.
+        instance: name of the instance that failed.
+        reason: description of the failure.
+        margins: margins of conditions at the failure.
+    """
 
     step: int
     instance: str
@@ -45,13 +53,13 @@ class Failure:
 
 @dataclass(frozen=True)
 class Contact:
-    """The largest contact force between two tokens while they were in the same instances.
+    """The largest contact force between two tokens during a pair of instances.
 
     Attributes:
-        tokens: the two tokens.
-        instances: the instance of each token then; the same instance twice if they were in one.
+        tokens: names of the two tokens.
+        instances: names of the instances that contained the tokens. Equal if both tokens were in the same instance.
         force: largest normal force [N].
-        time: end of the control period with that force [s].
+        time: end of the control period with the largest force [s].
     """
 
     tokens: tuple[str, str]
@@ -61,7 +69,7 @@ class Contact:
 
     @property
     def between_instances(self) -> bool:
-        """Whether the tokens were in different instances, so that the contact was not intended."""
+        """Whether the tokens were in different instances. Such a contact is not intended."""
         return self.instances[0] != self.instances[1]
 
 
@@ -70,19 +78,19 @@ class Recording:
     """The measurements and commands of one run.
 
     Attributes:
-        layout: layout of a row of `states`.
-        commands_layout: (token, basic action, size) of a row of `commands`.
-        times: instant of each row of `states` [s], shape ``(t + 1,)``.
-        states: measured states, shape ``(t + 1, layout.size)``; the first row is the start.
-        commands: commands between consecutive rows, shape ``(t, c)``.
-        instances: the instances that ran, with their measured start and end and their hyperparameters.
-        exits: instance to its exit conditions at its end.
-        goal: the goal atoms at the end.
+        layout: layout of each row of `states`.
+        commands_layout: triples of (token, basic action, number of components), in the order of a row of `commands`.
+        times: instants of the rows of `states` [s], shape ``(t + 1,)``.
+        states: measured states, shape ``(t + 1, layout.size)``. The first row is the initial state.
+        commands: commands between consecutive rows of `states`, shape ``(t, c)``.
+        instances: instances that ran, with measured start and end and with hyperparameters.
+        exits: maps the name of each instance to the margins of its exit conditions at its end.
+        goal: margins of the goal atoms at the end.
         backend: name of the physics backend.
         timestep: control period [s].
-        failure: why the run stopped early, or None.
-        warnings: further remarks for the user.
-        contacts: contacts between tokens, without the floor; empty if the backend does not measure them.
+        failure: reason why the run stopped early, or None.
+        warnings: warnings for the user.
+        contacts: contacts between tokens, not with the floor. Empty if the backend does not measure contacts.
     """
 
     layout: StateLayout
@@ -111,42 +119,42 @@ class Recording:
 
     @property
     def plan(self) -> TaskPlan:
-        """The timeline of the run."""
+        """Timeline of the run."""
         return TaskPlan(self.instances, self.duration)
 
     def state(self, row: int) -> State:
-        """Return the state of one row."""
+        """Return the state in a row of `states`."""
         return State(self.layout, self.states[row])
 
     @property
     def trajectory(self) -> State:
-        """All states at once, batch shape ``(t + 1,)``."""
+        """All measured states as one batch, batch shape ``(t + 1,)``."""
         return State(self.layout, self.states)
 
     def commanded(self, token: str, action: str) -> FloatArray:
-        """Return the commands of a basic action of a token, shape ``(t, size)``, in the action's unit.
+        """Return the commands of a basic action of a token in the unit of the action, shape ``(t, size)``.
 
         Raises:
-            KeyError: the token has no such action.
+            KeyError: if the token does not have the basic action.
         """
         return self.commands[:, Layout(self.commands_layout).slices[token, action]]
 
     def at(self, time: float) -> State:
-        """Return the state measured nearest to an instant [s]."""
+        """Return the measured state nearest to an instant [s]."""
         return self.state(int(np.clip(round(time / self.timestep), 0, len(self.times) - 1)))
 
 
 def demonstrated_movements(
     source: str, times: FloatArray, trajectory: State, instances: Iterable[BlockInstance], movement: Movement
 ) -> Iterator[ShownMovement]:
-    """Yield the movement in each instance, from its start until its exit conditions hold.
+    """Yield the demonstrated movement of each instance, from its start until its exit conditions hold.
 
     Args:
-        source: name of the run or the observation, for messages.
-        times: instants [s], shape ``(t,)``.
+        source: name of the run or observation, for messages.
+        times: instants of the states [s], shape ``(t,)``.
         trajectory: states at the instants, batch shape ``(t,)``.
-        instances: the instances.
-        movement: which of their tokens moves.
+        instances: instances of the block that is demonstrated.
+        movement: movement of the block, which names the slot of the moving token.
     """
     for instance in instances:
         end = instance.active.end + TIME_TOLERANCE

@@ -1,4 +1,4 @@
-"""The refined plan: a task plan with jointly optimised hyperparameters (paper, Sec. II-D)."""
+"""Refined plans, which are task plans with jointly optimised hyperparameters (paper, Sec. II-D)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,28 +7,29 @@ from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 
 GOAL = "goal"
-"""Stands for the goal in place of the name of an instance."""
+"""Text that stands for the goal where the name of an instance is expected."""
 
 MeasureKey = tuple[str, str]
-"""(instance, performance measure)."""
+"""Pair of (instance, performance measure)."""
 
 
 @dataclass(frozen=True)
 class Tuned:
-    """One hyperparameter of one instance, after optimisation.
+    """A hyperparameter of an instance after optimisation.
 
     Attributes:
         instance: name of the instance.
         name: name of the hyperparameter.
-        unit: its unit.
+        unit: unit of the hyperparameter.
         lower: lower bound [unit].
         upper: upper bound [unit].
-        default: its default value [unit].
-        value: its value in the refined plan [unit].
-        status: ``optimised``; ``fixed`` by its bounds; ``free``: without effect within its bounds and left at its
-            default; or ``kept``: left at its default, because all conditions hold there and no measure can improve.
-        moves: the performance measures that it affects, e.g. ``("STRIKING-1", "hand_speed")``.
-        apart: its value if each action is optimised separately [unit], or None if that was not requested.
+        default: default value [unit].
+        value: value in the refined plan [unit].
+        status: ``optimised`` if the optimiser chose the value. ``fixed`` if the bounds are equal. ``free`` if the value
+            is the default because the hyperparameter has no effect. ``kept`` if the value is the default because all
+            conditions hold and no performance measure can improve.
+        moves: performance measures that the hyperparameter affects, e.g. ``("STRIKING-1", "hand_speed")``.
+        apart: value if each action is optimised separately [unit], or None if that optimisation was not requested.
     """
 
     instance: str
@@ -45,16 +46,16 @@ class Tuned:
 
 @dataclass(frozen=True)
 class Performance:
-    """One performance measure of one instance.
+    """A performance measure of an instance. Its value in a plan is ``weight * figure / scale``.
 
     Attributes:
         instance: name of the instance.
         measure: name of the measure.
-        unit: its unit.
-        weight: value of one `scale` of the figure in a plan.
-        scale: size of the figure that counts as one [unit].
+        unit: unit of the figure.
+        weight: weight of the measure in the value of the plan.
+        scale: size of the figure that counts as 1 [unit].
         figure: expected figure [unit].
-        measured: figure measured in a run [unit], or None.
+        measured: figure that was measured in a run [unit], or None.
     """
 
     instance: str
@@ -71,10 +72,10 @@ class Shortfall:
     """The first condition of a plan that fails in the forward models.
 
     Attributes:
-        where: name of the instance, or `GOAL`.
-        atom: the condition.
+        where: name of the instance whose condition fails, or `GOAL`.
+        atom: condition that fails.
         unit: unit of the margin.
-        margin: its signed margin [unit].
+        margin: signed margin of the condition [unit].
     """
 
     where: str
@@ -85,7 +86,10 @@ class Shortfall:
 
 @dataclass(frozen=True)
 class Value:
-    """The violation V (less is better) and then the value J (more is better) of hyperparameters."""
+    """The quality of hyperparameters: a violation V, which should be small, and a value J, which should be large.
+
+    A smaller violation is always better. The value decides only between equal violations.
+    """
 
     violation: float
     value: float
@@ -93,7 +97,7 @@ class Value:
 
 @dataclass(frozen=True)
 class Milestone:
-    """A point of the convergence curve: the best V and J after a number of evaluations."""
+    """A point of the convergence curve, with the best V and J after a number of evaluations."""
 
     evaluations: int
     violation: float
@@ -102,15 +106,15 @@ class Milestone:
 
 @dataclass(frozen=True)
 class Retuning:
-    """The result of further optimisation in physics, from the optimum of the forward models.
+    """The result of further optimisation in physics, which starts from the optimum of the forward models.
 
     Attributes:
-        before: V and J of that optimum in physics.
-        best: V and J of the final hyperparameters in physics, never worse.
+        before: V and J of the forward models' optimum in physics.
+        best: V and J of the final hyperparameters in physics, never worse than `before`.
         evaluations: number of runs in physics.
-        seconds: time for it [s].
-        stopped: why it ended.
-        history: the convergence curve.
+        seconds: duration of the optimisation [s].
+        stopped: reason why the optimisation stopped.
+        history: convergence curve of the optimisation.
     """
 
     before: Value
@@ -126,20 +130,20 @@ class RefinedPlan:
     """A task plan with optimised hyperparameters.
 
     Attributes:
-        plan: the plan, its instances with all their hyperparameters.
+        plan: plan whose instances have all their hyperparameters.
         hyperparameters: all hyperparameters, in the order of the plan.
-        performance: the expected performance measures.
-        best: V and J of the plan by the forward models.
-        defaults: V and J with the defaults.
-        apart: V and J with each action optimised separately, in the plan's order; None if that was not requested.
-        shortfall: the first condition that fails, in physics if the plan was optimised there; or None.
-        expected: (instance or `GOAL`, atom) to the expected margin.
-        optimiser: name of the optimiser; empty if there was nothing to optimise.
+        performance: expected performance measures.
+        best: V and J of the plan in the forward models.
+        defaults: V and J with the default values of all hyperparameters.
+        apart: V and J if each action is optimised separately, in the order of the plan. None if not requested.
+        shortfall: first condition that fails, or None. If the plan was optimised in physics, the condition fails there.
+        expected: maps pairs of (instance or `GOAL`, atom) to the expected margin.
+        optimiser: name of the optimiser. Empty if there was nothing to optimise.
         evaluations: number of rollouts.
-        seconds: time for it [s].
-        stopped: why the optimiser ended.
-        history: the convergence curve.
-        physics: the result of further optimisation in physics, or None if that was not requested.
+        seconds: duration of the optimisation [s].
+        stopped: reason why the optimiser stopped.
+        history: convergence curve of the optimisation.
+        physics: result of further optimisation in physics, or None if not requested.
     """
 
     plan: TaskPlan

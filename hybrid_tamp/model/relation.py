@@ -1,4 +1,4 @@
-"""Relations over symbols: their rows, the order of the rows, and the margin of a row."""
+"""Relations over symbols, which are declared by the rows of symbols for which they hold."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,17 +14,17 @@ Row = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Membership:
-    """The margin of a relation over symbols: 0 if the row is in it, else -1."""
+    """The margin of a relation over symbols, which is 0 for a row of the relation and -1 otherwise."""
 
     rows: frozenset[Row]
 
     def __call__(self, state: State, *symbols: object) -> FloatArray:
-        """Return the margin ``(...)``."""
+        """Return the margin for a row of symbols, shape ``(...)``."""
         return np.full(state.values.shape[:-1], 0.0 if symbols in self.rows else -1.0)
 
 
 def order_rows(rows: Iterable[Row], sorts: Sequence[Row]) -> tuple[Row, ...]:
-    """Return the distinct rows, in the order of the symbols of the sorts."""
+    """Return the rows without duplicates, sorted by the order of the symbols in each sort."""
     orders = [{symbol: index for index, symbol in enumerate(symbols)} for symbols in sorts]
 
     def place(row: Row) -> list[int]:
@@ -34,7 +34,7 @@ def order_rows(rows: Iterable[Row], sorts: Sequence[Row]) -> tuple[Row, ...]:
 
 
 def row_faults(name: str, rows: Iterable[Row], sorts: Sequence[Row]) -> Iterator[Issue]:
-    """Yield a fault for each row that does not have one symbol of each sort."""
+    """Yield a fault for each row that does not have exactly one symbol of each sort."""
     for row in rows:
         if len(row) != len(sorts) or any(symbol not in symbols for symbol, symbols in zip(row, sorts, strict=True)):
-            yield Issue(name, "a row of a relation has a symbol of each parameter's sort", repr(row))
+            yield Issue(name, "a row of a relation must have one symbol of each parameter's sort", repr(row))

@@ -1,4 +1,4 @@
-"""The results of a run (measured and predicted margins, breaches of the law, the domain's metrics) and of a replay."""
+"""Results of a run and of a replay."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,11 +14,11 @@ from hybrid_tamp.model.task import Task
 
 @dataclass(frozen=True)
 class ExecutedInstance:
-    """One block instance that ran.
+    """A block instance that ran.
 
     Attributes:
-        instance: the instance, with its measured start and end.
-        exits: its exit conditions at its end.
+        instance: block instance with measured start and end.
+        exits: margins of the exit conditions at the end of the instance.
     """
 
     instance: BlockInstance
@@ -30,13 +30,13 @@ class RunResult(Tabular):
     """The result of one run.
 
     Attributes:
-        outcome: the outcome of planning, with the plan that was run.
-        recording: the recording, with measured and predicted margins.
-        metrics: the domain's metrics and those of every run, name (with unit) to value.
-        wall_seconds: time for all the work [s].
-        versions: versions of the software that the result depends on.
-        performance: performance measures, predicted and measured.
-        law: breaches of the law of assignment by the recording.
+        outcome: outcome of planning, with the plan that was run.
+        recording: recording of the run, with measured and predicted margins.
+        metrics: maps each metric (name with unit) to its value. Includes metrics of the domain and general metrics.
+        wall_seconds: wall-clock time for planning and running [s].
+        versions: maps each software package on which the result depends to its version.
+        performance: predicted and measured performance measures.
+        law: violations of the law of assignment by the recording.
     """
 
     outcome: PlanOutcome
@@ -49,7 +49,7 @@ class RunResult(Tabular):
 
     @property
     def task(self) -> Task:
-        """The task that was run."""
+        """Task that was run."""
         return self.outcome.task
 
     @property
@@ -64,13 +64,13 @@ class RunResult(Tabular):
 
     @property
     def blocks(self) -> tuple[ExecutedInstance, ...]:
-        """The block instances that ran."""
+        """Block instances that ran."""
         exits = self.recording.exits
         return tuple(ExecutedInstance(each, exits.get(each.name, ())) for each in self.recording.instances)
 
     @property
     def rows(self) -> Rows:
-        """The result as a table."""
+        """Rows of the table that shows the result."""
         return [
             ("task", self.task.name),
             ("success", self.success),
@@ -91,10 +91,10 @@ class StateDifference:
     """The first difference between two runs.
 
     Attributes:
-        time: first instant at which a state differs [s].
-        token: a token that differs there.
-        property: its property that differs most.
-        size: largest absolute difference of its components, in the property's unit.
+        time: first instant at which the states differ [s].
+        token: name of the token with the largest difference.
+        property: property of the token with the largest difference.
+        size: largest absolute difference of the property's components, in the unit of the property.
     """
 
     time: float
@@ -110,8 +110,8 @@ class ReplayResult(Tabular):
     Attributes:
         identical: whether all states are bit-identical.
         steps: number of simulated control periods.
-        first_difference: the first difference of a state, or None.
-        refusal: why the backend refused a logged command; empty if it did not.
+        first_difference: first difference between the states, or None.
+        refusal: reason why the backend rejected a recorded command, or empty.
     """
 
     identical: bool
@@ -121,7 +121,7 @@ class ReplayResult(Tabular):
 
     @property
     def rows(self) -> Rows:
-        """The comparison as a table."""
+        """Rows of the table that shows the comparison."""
         first = self.first_difference
         where = first and f"{first.property} of {first.token} by {first.size:.3g} at {first.time:.3f} s"
         return [

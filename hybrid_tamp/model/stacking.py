@@ -1,7 +1,8 @@
-"""Stacks: many bindings of a predicate's arguments as one batch of states.
+"""Stacks, which evaluate many bindings of a predicate's arguments as one batch of states.
 
-A margin depends on the fixed properties and the states of its arguments and accepts batches of states. So one call
-evaluates all bindings whose tokens have the same fixed properties, as a batch of states of the first binding's tokens.
+A margin accepts batches of states and depends only on the fixed properties and the states of its arguments. So a single
+call can evaluate all bindings whose tokens have the same fixed properties. The call takes the tokens of the first
+binding and a batch with the states of the tokens of all bindings.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,12 +18,12 @@ Values = tuple[Token | str, ...]
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """Bindings that one call evaluates.
+    """A group of k bindings that one call evaluates.
 
     Attributes:
-        places: indices of its k bindings among all bindings.
-        state: the states of their tokens, batch shape ``(k, ...)``, in the layout of the first binding's tokens.
-        values: the first binding.
+        places: indices of the k bindings in the sequence of all bindings.
+        state: states of the tokens of the bindings, batch shape ``(k, ...)``, in the layout of the first binding.
+        values: arguments of the first binding.
     """
 
     places: list[int]
@@ -31,16 +32,16 @@ class Stack:
 
 
 def stack(state: State, bindings: Sequence[Values], *, apart: bool = False) -> Iterator[Stack]:
-    """Yield all bindings in as few stacks as possible.
+    """Yield stacks that together contain all bindings. The number of stacks is as small as possible.
 
     Args:
-        state: the state of all tokens, batch shape ``(...)``.
-        bindings: tokens or symbols for each argument.
-        apart: whether tokens with equal properties are in different stacks.
+        state: state of all tokens, batch shape ``(...)``.
+        bindings: tuples with a token or symbol for each argument.
+        apart: whether bindings of different tokens must be in different stacks, even if the properties are equal.
     """
     groups: dict[object, list[int]] = {}
     for place, values in enumerate(bindings):
-        first = [values.index(value) for value in values]  # one token may be two arguments
+        first = [values.index(value) for value in values]  # A token can be bound to two arguments.
         known = (value if isinstance(value, str) else value.name if apart else value.fixed for value in values)
         groups.setdefault((*first, *known), []).append(place)
     for places in groups.values():
@@ -55,6 +56,6 @@ def _tokens(values: Values) -> list[Token]:
 
 
 def _columns(state: State, values: Values) -> list[int]:
-    """Return the columns of the varying properties of the tokens in the state."""
+    """Return the columns of the state array that store the varying properties of the tokens."""
     slices = (state.layout.slices[token.name, varying.name] for token in _tokens(values) for varying in token.varying)
     return [column for each in slices for column in range(each.start, each.stop)]

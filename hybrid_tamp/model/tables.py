@@ -1,4 +1,4 @@
-"""Results as tables: plain text for terminals, HTML for notebooks."""
+"""Tables of results, as plain text for terminals and as HTML for notebooks."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
@@ -6,15 +6,15 @@ from html import escape
 from typing import Any
 
 Rows = Sequence[tuple[str, Any]]
-"""Label and value of each line of a table."""
+"""Sequence of (label, value) pairs, one for each row of a table."""
 
 
 class Tabular:
-    """A dataclass that prints as a table; `rows` are its fields unless a subclass overrides them."""
+    """Base class of dataclasses that print as a table. By default, each field of the dataclass is a row."""
 
     @property
     def rows(self) -> Rows:
-        """The label and the value of each line."""
+        """Rows of the table, as pairs of (label, value)."""
         return [(field.name.replace("_", " "), getattr(self, field.name)) for field in fields(self)]  # type: ignore[arg-type]
 
     def __str__(self) -> str:
@@ -25,7 +25,7 @@ class Tabular:
 
 
 def text_table(rows: Rows) -> str:
-    """Return a table of two columns as plain text; a label is beside the first line of its value."""
+    """Return a table of two columns as plain text. Each label is in the first line of its value."""
     width = max((len(label) for label, _ in rows), default=0)
     lines = []
     for label, value in rows:
@@ -35,7 +35,7 @@ def text_table(rows: Rows) -> str:
 
 
 def html_table(rows: Rows) -> str:
-    """Return a table of two columns as HTML, with labels and values escaped."""
+    """Return a table of two columns as HTML. Labels and values are escaped."""
     body = "".join(
         f"<tr><th>{escape(label)}</th><td>{'<br>'.join(map(escape, lines_of(value) or ['none']))}</td></tr>"
         for label, value in rows
@@ -44,7 +44,7 @@ def html_table(rows: Rows) -> str:
 
 
 def lines_of(value: Any) -> list[str]:
-    """Return a value as lines of text; a sequence or mapping gives the lines of each entry."""
+    """Return a value as lines of text. A sequence or mapping has at least one line for each entry."""
     if isinstance(value, Mapping):
         return [f"{cell(key)}: {cell(each)}" for key, each in value.items()]
     if isinstance(value, Iterable) and not isinstance(value, str):
@@ -53,7 +53,7 @@ def lines_of(value: Any) -> list[str]:
 
 
 def cell(value: Any) -> str:
-    """Return a single value as text: its `text` or `name` if it has one; numbers have four digits."""
+    """Return a single value as text. Use its attribute `text` or `name` if available. Floats have 4 digits."""
     if value is None:
         return "none"
     if isinstance(value, bool):

@@ -1,7 +1,7 @@
-"""A domain's recipes for testing whether a token is a member of a class (paper, Sec. II-B).
+"""Recipes of a domain for trials of whether a token is a member of a class (paper, Sec. II-B).
 
-`hybrid_tamp.questions.probe` ranks classes, warps shapes and counts successes for all domains. A recipe estimates the
-properties of a new token from a labelled member, and makes the task of a trial.
+`hybrid_tamp.questions.probe` ranks classes, warps shapes and counts successes in all domains. A recipe estimates the
+properties of a new token from a known member of the class, and creates the task of a trial.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,19 +15,22 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
 TaskType = TypeVar("TaskType")
-"""The class of tasks; a type variable, because `Task` imports the domain and its recipes."""
+"""Type variable for `Task`, which cannot be imported here because `Task` imports the domain and its recipes."""
 
 Carry = Callable[[FloatArray], FloatArray]
-"""Warps points ``(n, 3)`` [m] on a labelled token to the new token, both in body frames."""
+"""Function that maps points on a labelled token to points on the new token.
+
+The points are in the body frame of each token [m], shape ``(n, 3)``.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """The estimate for a new token from a labelled one.
+    """The estimated properties and contact points of a new token.
 
     Attributes:
-        properties: the new token's properties as a member of the class.
-        contacts: maps each name to the point ``(3,)`` [m] where a hand should touch, in the body frame.
+        properties: maps each property that the new token has as a member of the class to its value.
+        contacts: maps the name of each contact point to its position in the body frame [m], shape ``(3,)``.
     """
 
     properties: Mapping[str, Any]
@@ -39,13 +42,14 @@ class TrialRecipe(Generic[TaskType]):
     """A recipe for trials of membership of one class.
 
     Attributes:
-        object_class: the class.
-        align: ``align(task, token, labelled)``, the initial rotation ``(3, 3)`` of the warp from the body frame of the
-            labelled token to that of the new one.
-        estimate: ``estimate(task, token, labelled, carry)`` returns the estimate; both tokens must have a shape.
-        task: ``task(task, member, rng)`` makes a task that tests the token as a member. `rng` draws the start;
-            without it the start is exact. One plan must serve all starts.
-        bounds: maps each metric of the domain (its name without the instance) to its bounds.
+        object_class: class of the recipe.
+        align: function ``align(task, token, labelled)`` that returns the initial rotation of the warp, shape
+            ``(3, 3)``, from the body frame of the labelled token to the body frame of the new token.
+        estimate: function ``estimate(task, token, labelled, carry)`` that returns the estimate. Both tokens must have a
+            shape.
+        task: function ``task(task, member, rng)`` that returns the task of a trial. `rng` randomises the initial state.
+            If `rng` is None, the initial state is exact. The same plan must be valid for all initial states.
+        bounds: maps each metric of the domain (name without the instance) to its lower and upper bound.
     """
 
     object_class: type[ObjectClass]

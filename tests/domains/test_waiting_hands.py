@@ -47,7 +47,7 @@ def test_a_hand_cannot_stand_by_at_a_face_while_others_turn_the_box(plan: TaskPl
     rest, stands = reach(plan, plan.makespan)
     found = check_law(TASK, occupied(plan, rest, stands))
     assert {(v.law, v.where) for v in found} >= {(5, stands.name)}
-    assert any("its target box 1 is changed by TIPPING" in v.message for v in found)
+    assert any("TIPPING" in v.message and "changes the target box 1 of" in v.message for v in found)
 
 
 def test_what_a_hand_knew_of_a_box_is_gone_once_it_steps_aside(plan: TaskPlan) -> None:

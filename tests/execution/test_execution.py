@@ -243,8 +243,8 @@ def test_commands_are_cut_to_their_limit_once_for_all_and_it_is_said(toys: Any, 
 @pytest.mark.parametrize(
     ("policy", "said"),
     [
-        (commanding(np.zeros(2)), "force on pusher has 3 components"),
-        (commanding(np.zeros(3), action="torque"), "no torque on pusher"),
+        (commanding(np.zeros(2)), r"force on pusher must have shape \(3,\)"),
+        (commanding(np.zeros(3), action="torque"), "cannot command torque on pusher"),
         (commanding(np.zeros(3), token="spot"), "only the tokens in its block's slots; got force on spot"),
     ],
 )

@@ -54,7 +54,7 @@ def test_a_relation_holds_for_its_rows_and_keeps_them_in_the_order_of_the_sorts(
 
 @pytest.mark.parametrize("row", [("red",), ("red", "no colour"), ("red", "red", "red")])
 def test_a_row_has_a_symbol_of_each_sort(row: tuple[str, ...]) -> None:
-    with pytest.raises(DomainError, match="a symbol of each parameter's sort"):
+    with pytest.raises(DomainError, match="one symbol of each parameter's sort"):
         Predicate.relation("follows", (OLD, NEW), [row])
 
 

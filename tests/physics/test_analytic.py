@@ -57,5 +57,5 @@ def test_commands_that_are_not_given_are_zero_and_bad_ones_refused(toys: Any) ->
         start = backend.reset(task, task.state)
         backend.assign([toys.move("MOVING-1", 0.0, 1.0)])
         assert np.array_equal(backend.step({}).values, start.values)
-        with pytest.raises(CommandError, match="above its limit"):
+        with pytest.raises(CommandError, match="must not exceed its limit"):
             backend.step({("pusher", "force"): np.array([101.0, 0, 0])})

@@ -186,12 +186,12 @@ def test_tokens_that_cannot_be_simulated_are_refused_all_at_once(toys: Any) -> N
 @pytest.mark.parametrize(
     ("commands", "said"),
     [
-        ({("pusher", "force"): np.array([math.nan, 0, 0])}, "not finite"),
-        ({("pusher", "force"): np.array([math.inf, 0, 0])}, "not finite"),
-        ({("pusher", "force"): np.array([80.0, 80.0, 0])}, "above its limit of 100"),
-        ({("pusher", "force"): np.array([1.0])}, "has 3 components"),
-        ({("pusher", "torque"): np.zeros(3)}, "no torque on pusher"),
-        ({("spot", "force"): np.zeros(3)}, "no force on spot"),
+        ({("pusher", "force"): np.array([math.nan, 0, 0])}, "must be finite"),
+        ({("pusher", "force"): np.array([math.inf, 0, 0])}, "must be finite"),
+        ({("pusher", "force"): np.array([80.0, 80.0, 0])}, "must not exceed its limit of 100"),
+        ({("pusher", "force"): np.array([1.0])}, r"must have shape \(3,\)"),
+        ({("pusher", "torque"): np.zeros(3)}, "cannot command torque on pusher"),
+        ({("spot", "force"): np.zeros(3)}, "cannot command force on spot"),
     ],
 )
 def test_backend_checks_commands_itself(toys: Any, commands: Any, said: str) -> None:

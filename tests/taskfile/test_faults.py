@@ -60,7 +60,7 @@ FAULTS = [
     fault("shape without a kind", "{kind: cylinder, ", "«{", "shape of token 'drum' needs the key 'kind'"),
     fault("shape without a length", "    shape: {kind: cylinder, radius: 0.1, length: 0.3}",
           "    «shape: {kind: cylinder, radius: 0.1}", "missing key 'length' [m] in shape of token 'drum'"),
-    fault("compound without parts", CYLINDER, "{kind: compound, parts: «[]}", "a compound needs at least one part"),
+    fault("compound without parts", CYLINDER, "{kind: compound, parts: «[]}", "a compound must have at least one part"),
     fault("part without a place", CYLINDER, "{kind: compound, parts: [«{kind: sphere, radius: 1}]}",
           "missing key 'position' [m] in shape.parts[0] of token 'drum'"),
     fault("part of a flat box", CYLINDER,
