@@ -65,7 +65,7 @@ class Cuts:
         return locked, frozenset(link.roles[slot] for slot in slots)
 
     def _comes_to_stay(self, series: Series) -> bool:
-        """Return whether tokens may stay at the end of the series, or may not stay in any of its blocks."""
+        """Return whether tokens may stay at the end of the series, or may stay in none of its blocks."""
         if series.last.block.hold or not any(link.block.hold for link in series.links):
             return True
         _, changed = self._footprint(series.last)

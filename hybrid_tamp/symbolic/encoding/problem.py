@@ -24,7 +24,7 @@ class Compilation:
     Attributes:
         task: Task that is compiled, with a ground goal.
         encoded: Encoded domain of the task.
-        words: PDDL names of the task's tokens and symbols, in both directions.
+        words: Translation between the user's names and PDDL names.
         counts: Largest number of instances that can read one token at the same time.
         goal: Facts that must hold at the end of a plan.
         feasible: Feasibility facts of the task, or of a larger task that contains the task.

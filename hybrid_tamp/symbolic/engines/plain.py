@@ -80,7 +80,7 @@ class _Fixed:
             self._rows.get(fact[0], []).append(fact)
 
     def settle(self, fact: Fact) -> bool:
-        """Return whether the truth value of a fact is the same in all states."""
+        """Return whether a fact over constants has the same truth value in all states."""
         return fact[0] in self._rows and all(argument in self._constants for argument in fact[1:])
 
     def allow(self, operator: Operator) -> bool:

@@ -177,7 +177,7 @@ class _Groups:
         return None
 
     def _pose(self, share: Share, places: Sequence[str]) -> "_Posed":
-        """Return the planning problem of a group with some places."""
+        """Return the planning problem of a group with the given helpers and places."""
         whole = self._search.compilation
         with self._search.stage("compiling"):
             part = compile_task(own_task(self._task, share.group, share.helpers, places), whole)

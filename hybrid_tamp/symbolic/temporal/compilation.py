@@ -23,7 +23,7 @@ class TemporalCompilation:
     Attributes:
         task: Task that is compiled, with a ground goal.
         encoding: Encoded domain of the task.
-        words: PDDL names of the task's tokens and symbols, in both directions.
+        words: Translation between the user's names and PDDL names.
         problem: Temporal planning problem.
     """
 

@@ -20,8 +20,8 @@ fluent's parameters. A maintained predicate becomes a fluent of one token (`assi
 one instance at a time. If the token of a slot may come together with the anchor or separately, there is an action for
 each case.
 
-The encoding is weaker than the law in two points. Tokens may leave an instance slightly later than its anchor. Tokens
-may also leave a block without a hold after the block has ended.
+The encoding is weaker than the law in two points. Tokens may leave an instance slightly later than its anchor. If a
+block has no hold, its tokens may stay in the block after its end.
 """
 
 from collections.abc import Iterator

@@ -118,7 +118,7 @@ class _Reaching:
         return Estimates(task).of([OrderedInstance("", block.name, slots, targets, 0)])[0]
 
     def _bindings(self, block: Block) -> Iterator[dict[str, str]]:
-        """Yield every binding of the block with reachable entry conditions."""
+        """Yield every binding with which all entry conditions of the block are reachable."""
         ranges = {f"?{r}": dict.fromkeys(map(name_of, self.task.values_of(sort))) for r, sort in block.roles.items()}
         conditions = [
             (literal.predicate.name, *(f"?{a}" if a in block.roles else a for a in literal.arguments))

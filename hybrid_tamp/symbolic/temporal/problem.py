@@ -36,7 +36,7 @@ class Fluent:
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition that a fluent has a value at a given time of the action."""
+    """The condition that a fluent has a value at a given time of the action."""
 
     when: When
     fact: Fact

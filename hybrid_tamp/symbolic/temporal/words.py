@@ -1,4 +1,4 @@
-"""PDDL names of the temporal encoder's own fluents and constants, and the form of predicates as fluents."""
+"""PDDL names of the temporal encoder's own fluents and constants, and conversion of predicates to fluents."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -83,7 +83,7 @@ class Words:
         return Conditions(self.vocabulary)
 
     def key(self, predicate: Predicate) -> tuple[int, ...]:
-        """Return the indices of a predicate's arguments that are parameters of its fluent. The others are its value."""
+        """Return the indices of a predicate's arguments that are parameters, and not the value, of its fluent."""
         everything = tuple(range(len(predicate.parameters)))
         if predicate.maintained:
             kept = {
