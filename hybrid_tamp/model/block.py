@@ -90,7 +90,7 @@ class Measure:
         name: name of the measure, e.g. ``"contact"``.
         unit: SI unit of the figure.
         weight: weight of the term in the value of a plan, negative for a cost. A task can change the weight.
-        scale: size of the figure that counts as 1 [unit].
+        scale: divisor of the figure [unit].
         end: function ``end(binding, before, after, hyperparameters)`` of the states at the start and at the end.
         peak: function ``peak(binding, state)`` whose maximum over the duration is the figure.
         rate: function ``rate(binding, state, commands)`` [unit/s] whose integral over the duration is the figure.

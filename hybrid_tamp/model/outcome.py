@@ -151,7 +151,7 @@ class PlanOutcome(Tabular):
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """The steps of the plan; empty if there is no plan."""
+        """Steps of the plan. Empty if there is no plan."""
         return () if self.plan is None else tuple(self.plan.steps)
 
     @property

@@ -68,7 +68,7 @@ class Predicate:
         parameters: parameters of the predicate.
         margin: function ``margin(state, *values)`` that returns the margin, shape ``(...)``.
         unit: unit of the margin.
-        scale: size of a negative margin that counts as a violation of 1 [unit].
+        scale: unit of violation [unit]. A margin of ``-scale`` is a violation of 1.
         reads: maps each parameter to the varying properties that the margin reads from its value.
         kind: kind of the predicate.
         value_of: name of the parameter that has at most one value. None unless the predicate is functional.

@@ -53,7 +53,7 @@ class Performance:
         measure: name of the measure.
         unit: unit of the figure.
         weight: weight of the measure in the value of the plan.
-        scale: size of the figure that counts as 1 [unit].
+        scale: divisor of the figure [unit].
         figure: expected figure [unit].
         measured: figure that was measured in a run [unit], or None.
     """

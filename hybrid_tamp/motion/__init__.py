@@ -1,39 +1,39 @@
-"""The mathematics of policies: poses, profiles and movement primitives, on numpy only.
+"""Poses, motion profiles and movement primitives for policies. This package depends only on numpy.
 
 Conventions
 ===========
 
 Frames
-    Right-handed, z up: gravity points along -z. A vector is given in the world frame unless its name says
-    otherwise.
+    All frames are right-handed. The z axis of the world frame points up, so gravity points along -z. A vector is
+    given in the world frame unless its name says otherwise.
 
 Units
-    SI: metre, second, radian, kilogram, newton. Degrees are not used.
+    All units are SI units: metre, second, radian, kilogram and newton. Degrees are not used.
 
 Quaternions
-    Unit quaternions in the order ``(x, y, z, w)``, as in PyBullet; the identity is ``(0, 0, 0, 1)``. The
-    product is Hamilton's: ``quaternion_multiply(a, b)`` turns by ``b`` first, then by ``a``. ``q`` and ``-q``
-    are the same rotation; functions that return an angle take the shortest way.
+    Unit quaternions have the order ``(x, y, z, w)``, as in PyBullet. The identity is ``(0, 0, 0, 1)``. The product
+    is Hamilton's product: ``quaternion_multiply(a, b)`` rotates first by ``b`` and then by ``a``. The quaternions
+    ``q`` and ``-q`` are the same rotation. Functions that return an angle choose the smaller of the two angles.
 
 Names of rotations
-    ``target_from_source`` takes the coordinates of a vector in the source frame to its coordinates in the
-    target frame, so that neighbouring names cancel::
+    ``target_from_source`` transforms the coordinates of a vector from the source frame to the target frame. In a
+    product, equal neighbouring names cancel::
 
         world_from_hand = quaternion_multiply(world_from_object, object_from_hand)
         grip_in_world = rotate(world_from_object, grip_in_object)
 
-    A body's orientation, as a simulator gives it, is ``world_from_body``.
+    The orientation of a body in a simulator is ``world_from_body``.
 
 Batches
-    Batch dimensions lead: a vector is ``(..., 3)``, a quaternion ``(..., 4)``, a scalar quantity ``(...)``,
-    and ``...`` broadcasts between the arguments of a call. One call thus evaluates a whole population of
-    policies, or a single one with ``...`` empty. A series in time has time in front of the batch: ``(t, ..., 3)``.
+    Batch dimensions come first. A vector has shape ``(..., 3)``, a quaternion has shape ``(..., 4)`` and a scalar
+    has shape ``(...)``. The batch dimensions of all arguments of a function are broadcast. So one call can evaluate
+    a single policy or a whole population. In a time series, time comes before the batch: ``(t, ..., 3)``.
 
 Purity
-    No function changes its arguments or keeps a state; the same arguments give the same bits.
+    Functions do not change their arguments and keep no state. Equal arguments give bit-identical results.
 
 Normalised time
-    Profiles and primitives use normalised time, elapsed time over duration: 0 at the beginning of a
-    movement, 1 at its end. Divide a first derivative in normalised time by the duration for a velocity, and a
-    second derivative by its square for an acceleration.
+    Profiles and primitives use normalised time, which is the elapsed time divided by the duration. Normalised time is
+    0 at the start of a movement and 1 at its end. To get a velocity, divide the first derivative in normalised time
+    by the duration. To get an acceleration, divide the second derivative by the squared duration.
 """

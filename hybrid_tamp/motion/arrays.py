@@ -1,7 +1,7 @@
-"""The common type of numeric arrays."""
+"""Type of numeric arrays."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
-"""An array of floats; docstrings give its shape."""
+"""Array of floats. The docstrings of functions state the shapes."""

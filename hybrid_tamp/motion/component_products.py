@@ -1,4 +1,4 @@
-"""Batched sums of products of components, such as products of quaternions, in few calls of numpy."""
+"""Batched sums of products of components, e.g. products of quaternions, with few calls of numpy."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +9,15 @@ IntArray = NDArray[np.intp]
 
 
 def sums(*rows: dict[tuple[int, int], float]) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return the table for `products`: the component of either factor in each product, and weights, a column per sum.
+    """Return the table that `products` needs to compute some sums of products.
 
     Args:
-        rows: for each sum, (component of one factor, component of the other) to the weight of their product.
+        rows: one mapping for each sum, from pairs of (component of first factor, component of second factor) to the
+            weight of their product.
+
+    Returns:
+        The component of the first factor in each product, the component of the second factor in each product, and the
+        weights of the products with one column for each sum.
     """
     pairs = sorted({pair for row in rows for pair in row})
     weights = np.array([[row.get(pair, 0.0) for row in rows] for pair in pairs])
@@ -36,12 +41,12 @@ TURN = sums(
     {(1, 2): 2.0, (0, 3): 2.0},
     {(0, 0): -2.0, (1, 1): -2.0},
 )
-"""The matrix of a rotation minus the identity, row by row, from products of the quaternion with itself."""
+"""Table of the rotation matrix minus the identity, in row-major order. Both factors are the quaternion."""
 EACH_ROW, ROW_SUMS = np.tile(np.arange(3), 3), np.kron(np.eye(3), np.ones((3, 1)))
-"""Multiplication of that matrix by a vector: the vector's component at each element, and the sum of each row."""
+"""Index of the vector component for each matrix element, and the matrix that sums each row. Both are for `TURN`."""
 
 
 def products(a: FloatArray, b: FloatArray, table: tuple[IntArray, IntArray, FloatArray]) -> FloatArray:
-    """Return sums of products of components, by one multiplication and one matrix product for a whole batch."""
+    """Return sums of products of components for a batch, with one multiplication and one matrix product."""
     one, other, weights = table
     return np.asarray((a.take(one, -1) * b.take(other, -1)) @ weights)

@@ -1,4 +1,4 @@
-"""Constants of nature."""
+"""Physical constants."""
 
 GRAVITY = 9.81
-"""Acceleration of free fall, along the world's negative z axis [m/s^2]."""
+"""Gravitational acceleration along the negative z axis of the world frame [m/s^2]."""

@@ -1,4 +1,4 @@
-"""Demonstrated movements, and the primitive that is learnt from them."""
+"""Demonstrated movements, and learning of a movement primitive from demonstrations."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ _SHARE = 1
 
 @dataclass(frozen=True, eq=False)
 class ShownMovement:
-    """One measured movement from rest to rest.
+    """A measured movement that starts and ends at rest.
 
     Attributes:
         source: name of the movement in messages.
-        time: times of the samples [s], shape ``(t,)``, increasing.
-        positions: positions [m], shape ``(t, n)``.
-        orientations: unit quaternions, shape ``(t, 4)``, or None if only positions were measured.
+        time: increasing times of the samples [s], shape ``(t,)``.
+        positions: measured positions [m], shape ``(t, n)``.
+        orientations: measured orientations as unit quaternions, shape ``(t, 4)``. None if only positions were measured.
     """
 
     source: str
@@ -31,58 +31,59 @@ class ShownMovement:
     orientations: FloatArray | None = None
 
     def way(self, moves: str, dimensions: int) -> tuple[FloatArray, float]:
-        """Return the samples for a primitive, and their scale.
+        """Return the samples from which a primitive is learnt, and their scale.
 
         Args:
             moves: ``position`` or ``orientation``.
-            dimensions: dimensions of the primitive: 1 for the travelled share of the path's length or of the angle;
-                otherwise the samples are the positions.
+            dimensions: number of dimensions of the primitive. A primitive with 1 dimension learns the travelled
+                fraction of the path or angle. Other primitives learn the positions.
 
         Returns:
-            The samples ``(t, dimensions)`` and, for a share, the length [m] or angle [rad] of the movement, else 1.
+            The samples, shape ``(t, dimensions)``, and the scale. For fractions, the scale is the length [m] or the
+            angle [rad] of the movement. For positions, the scale is 1.
 
         Raises:
-            ValueError: the movement lacks the required data; the message says which.
+            ValueError: if the movement lacks the required data or is too short.
         """
         if dimensions != _SHARE:
             if self.positions.shape[1] != dimensions:
-                raise ValueError(f"{dimensions} columns of positions are needed, it has {self.positions.shape[1]}")
+                raise ValueError(f"positions must have {dimensions} columns, got {self.positions.shape[1]}")
             return self.positions, 1.0
         travelled = self._turned() if moves == "orientation" else self._travelled()
         if travelled[-1] < _SMALLEST_WAY:
             unit = "rad" if moves == "orientation" else "m"
             raise ValueError(
-                f"it must move by at least {_SMALLEST_WAY:g} {unit}, it moves by {travelled[-1]:.3g} {unit}"
+                f"the movement must cover at least {_SMALLEST_WAY:g} {unit}, got {travelled[-1]:.3g} {unit}"
             )
         return (travelled / travelled[-1])[:, None], float(travelled[-1])
 
     def _travelled(self) -> FloatArray:
-        """Return the path's length up to each sample ``(t,)`` [m]."""
+        """Return the length of the path up to each sample [m], shape ``(t,)``."""
         steps = np.linalg.norm(np.diff(self.positions, axis=0), axis=-1)
         return np.concatenate([[0.0], np.cumsum(steps)])
 
     def _turned(self) -> FloatArray:
-        """Return the angle between each orientation and the first ``(t,)`` [rad]."""
+        """Return the angle between each orientation and the first orientation [rad], shape ``(t,)``."""
         if self.orientations is None:
-            raise ValueError("orientations are needed (columns qx, qy, qz, qw), it has positions only")
+            raise ValueError("orientations (columns qx, qy, qz, qw) are required, got only positions")
         turns = quaternion_multiply(self.orientations, quaternion_conjugate(self.orientations[0]))
         return np.asarray(2.0 * np.arctan2(np.linalg.norm(turns[:, :3], axis=-1), np.abs(turns[:, 3])))
 
 
 def learnt(movements: Sequence[ShownMovement], moves: str, dimensions: int, n_weights: int) -> tuple[DMP, float]:
-    """Return the primitive that imitates all movements, and its distance from them.
+    """Return the primitive that imitates all movements, and its error.
 
     Args:
-        movements: one or more.
-        moves: as in `ShownMovement.way`.
-        dimensions: as in `ShownMovement.way`.
+        movements: demonstrated movements, at least one.
+        moves: ``position`` or ``orientation``, see `ShownMovement.way`.
+        dimensions: number of dimensions of the primitive, see `ShownMovement.way`.
         n_weights: number of basis functions.
 
     Returns:
-        The primitive and the root mean square of its distance from the samples [m, or rad of an angle].
+        The primitive, and the root mean square of its distance from the samples [m, or rad for an orientation].
 
     Raises:
-        ValueError: a movement cannot be imitated.
+        ValueError: if a movement cannot be imitated.
     """
     ways = [movement.way(moves, dimensions) for movement in movements]
     times = [movement.time for movement in movements]

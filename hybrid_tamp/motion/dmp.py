@@ -1,16 +1,16 @@
-"""Discrete dynamic movement primitives: a spring to the goal with a learnt forcing term.
+"""Discrete dynamic movement primitives (DMPs), in which a spring pulls to the goal and a learnt forcing term is added.
 
-The primitive is that of Ijspeert, Nakanishi and Schaal (NIPS 2003; reviewed in Ijspeert et al. 2013, Neural
-Computation 25:328-373), in the form of Pastor, Hoffmann, Asfour and Schaal and of Hoffmann, Pastor, Park and
-Schaal (both ICRA 2009), whose forcing term is not scaled by ``goal - start``: start and goal may be equal, in
-one axis or in all. In normalised time ``p = t / duration``::
+DMPs are from Ijspeert, Nakanishi and Schaal (NIPS 2003; reviewed in Ijspeert et al. 2013, Neural Computation
+25:328-373). This module implements the form of Pastor, Hoffmann, Asfour and Schaal and of Hoffmann, Pastor, Park and
+Schaal (both ICRA 2009). In this form, the forcing term is not scaled by ``goal - start``, so start and goal can be
+equal along some or all axes. The equations in normalised time ``p = t / duration`` are::
 
     y'' = alpha beta (goal - y - soft_start s (goal - start) + f(s)) - alpha y',   y(0) = start,  y'(0) = 0
     s'  = -alpha_phase s,                                                          s(0) = 1
     f(s) = s sum_i psi_i(s) w_i / sum_i psi_i(s),   psi_i(s) = exp(-widths_i (s - centres_i)^2)
 
-``alpha = 4 beta`` damps the spring critically. The forcing term f and the weights are in metres: f displaces
-the point to which the spring pulls.
+The spring is critically damped if ``alpha = 4 beta``. The forcing term f displaces the attractor, which is the point to
+which the spring pulls. So f and the weights are in metres.
 """
 
 from collections.abc import Sequence
@@ -28,17 +28,16 @@ from hybrid_tamp.motion.transformation_system import TransformationSystem, settl
 
 @dataclass(frozen=True, eq=False)
 class DMP:
-    """A discrete dynamic movement primitive; the docstring of the module has its equations.
+    """A discrete dynamic movement primitive. See the docstring of the module for the equations.
 
     Attributes:
-        weights: displacements of the attractor [m], shape ``(k, d)`` or, for a population that explores
-            weights, ``(..., k, d)``.
+        weights: displacements of the attractor [m], shape ``(k, d)``, or ``(..., k, d)`` for a batch of primitives.
         alpha: damping of the spring, per normalised time.
-        beta: stiffness over damping, per normalised time; a quarter of ``alpha`` damps critically.
-        alpha_phase: decay of the phase s, per normalised time; at 10, s ends at 4.5e-5.
-        soft_start: whether the pull to the goal grows from 0 as s decays (Hoffmann et al. 2009). If not, the
-            acceleration jumps at the beginning by ``alpha beta (goal - start) / duration^2`` (Ijspeert et al.
-            2003), and zero weights give the plain spring.
+        beta: ratio of stiffness to damping, per normalised time. ``alpha / 4`` is critical damping.
+        alpha_phase: decay rate of the phase s, per normalised time. With a rate of 10, s decays from 1 to 4.5e-5.
+        soft_start: whether the pull to the goal grows from 0 while s decays (Hoffmann et al. 2009). If False, the
+            acceleration starts at ``alpha beta (goal - start) / duration^2`` (Ijspeert et al. 2003), and a primitive
+            with zero weights is a plain spring.
     """
 
     weights: FloatArray
@@ -48,7 +47,7 @@ class DMP:
     soft_start: bool = False
 
     def __post_init__(self) -> None:
-        """Raise a ``ValueError`` if a field is wrong."""
+        """Raise a ``ValueError`` if an attribute is invalid."""
         if self.weights.ndim < 2 or 0 in self.weights.shape or not np.all(np.isfinite(self.weights)):
             raise ValueError(f"weights must be finite and of shape (..., k, d), got {self.weights.shape}")
         for name in ("alpha", "beta", "alpha_phase"):
@@ -57,7 +56,7 @@ class DMP:
 
     @property
     def system(self) -> TransformationSystem:
-        """The spring and the basis, without the weights."""
+        """Spring and basis functions of the primitive, without the weights."""
         n_weights = self.weights.shape[-2]
         return TransformationSystem(n_weights, self.alpha, self.beta, self.alpha_phase, self.soft_start)
 
@@ -70,25 +69,25 @@ class DMP:
         *,
         soft_start: bool = True,
     ) -> "DMP":
-        """Learn the weights from one or more demonstrations that begin and end at rest.
+        """Return a primitive whose weights are learnt from one or more demonstrations that start and end at rest.
 
-        The weights are the least-squares solution for the positions, see
-        :func:`~hybrid_tamp.motion.imitation.fitted_weights`. Each demonstration has its own start, goal and
-        duration.
+        The weights are a least-squares fit to the positions, see
+        :func:`~hybrid_tamp.motion.imitation.fitted_weights`. The demonstrations can have different starts, goals and
+        durations.
 
         Args:
-            time: times of the samples [s], shape ``(t,)``; or one such array per demonstration.
-            positions: positions [m], shape ``(t, d)``; or one such array per demonstration.
+            time: times of the samples [s], shape ``(t,)``, or a sequence with one array for each demonstration.
+            positions: positions [m], shape ``(t, d)``, or a sequence with one array for each demonstration.
             n_weights: number k of basis functions.
-            soft_start: as the attribute; on by default, because it better keeps the shape of the beginning,
-                such as lifting before travelling, for another goal.
+            soft_start: value of the attribute `soft_start`. With True, the start of the movement, e.g. lifting before
+                travelling, keeps its shape better for other goals.
 
         Returns:
-            The primitive, with the default spring.
+            The learnt primitive, with the default spring.
 
         Raises:
-            ValueError: a demonstration has fewer than 5 samples, its time does not increase, a value is not
-                finite or the shapes do not match; or ``n_weights`` is not positive.
+            ValueError: if a demonstration has fewer than 5 samples, if its times do not increase, if a value is not
+                finite, if the shapes do not match, or if ``n_weights`` is not positive.
         """
         if n_weights < 1:
             raise ValueError(f"n_weights must be at least 1, got {n_weights}")
@@ -105,28 +104,28 @@ class DMP:
         n_steps: int = 300,
         settle: float = SETTLE,
     ) -> Trajectory:
-        """Return the movement as a reference for a policy.
+        """Return the movement of the primitive as a reference for a policy.
 
         Args:
-            start: initial positions, at rest [m], shape ``(..., d)``.
+            start: initial positions [m], shape ``(..., d)``. The initial velocity is zero.
             goal: final positions [m], shape ``(..., d)``.
-            duration: durations without settling [s], shape ``(...)``.
-            n_steps: steps from 0 to the duration. Interpolating between them errs by at most the largest
-                acceleration times ``(duration / n_steps)^2 / 8``.
-            settle: settling time after the duration, as a part of the duration.
+            duration: durations without the settling time [s], shape ``(...)``.
+            n_steps: number of time steps in the duration. The interpolation error is at most the largest acceleration
+                times ``(duration / n_steps)^2 / 8``.
+            settle: settling time after the movement, as a fraction of the duration.
 
         Returns:
-            The movement, of broadcast batch shape ``(...)``.
+            Sampled movement, with the broadcast batch shape ``(...)``.
 
         Raises:
-            ValueError: a duration or ``n_steps`` is not positive, ``settle`` is negative, or shapes do not
+            ValueError: if a duration or ``n_steps`` is not positive, if ``settle`` is negative, or if the shapes do not
                 match.
         """
         begin, end, tau = (np.asarray(values, dtype=np.float64) for values in (start, goal, duration))
         if not np.all((tau > 0.0) & np.isfinite(tau)):
             raise ValueError(f"duration must be positive and finite, got {tau}")
         if n_steps < 1 or not 0.0 <= settle < np.inf:
-            raise ValueError(f"need n_steps of at least 1 and settle of at least 0, got {n_steps}, {settle}")
+            raise ValueError(f"n_steps must be at least 1 and settle at least 0, got {n_steps} and {settle}")
         d = self.weights.shape[-1]
         if {begin.shape[-1:], end.shape[-1:]} != {(d,)}:
             raise ValueError(f"start and goal must have shape (..., {d}), got {begin.shape} and {end.shape}")
@@ -134,7 +133,7 @@ class DMP:
         return Trajectory(tau, end, 1.0 / n_steps, self._samples(begin, end, responses))
 
     def _samples(self, start: FloatArray, goal: FloatArray, responses: FloatArray) -> FloatArray:
-        """Return the sum of the responses ``(t, 3, 1 + k)``, weighted: ``(t, ..., 3, d)``."""
+        """Return the weighted sum, shape ``(t, ..., 3, d)``, of the responses, shape ``(t, 3, 1 + k)``."""
         n_weights, d = self.weights.shape[-2:]
         weight_batch = self.weights.shape[:-2]
         batch = np.broadcast_shapes(start.shape[:-1], goal.shape[:-1], weight_batch)
@@ -149,24 +148,24 @@ class DMP:
     def rollout(
         self, start: ArrayLike, goal: ArrayLike, duration: ArrayLike, dt: float, settle: float = SETTLE
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the movement as series in time.
+        """Return the movement of the primitive as time series.
 
-        All members of a batch have the same number of samples, on one grid in normalised time; ``dt`` is the
-        step of the longest, shortened so that it divides the duration.
+        All movements of a batch have the same grid in normalised time. The time step of the longest movement is at most
+        ``dt`` and divides its duration.
 
         Args:
-            start: initial positions, at rest [m], shape ``(..., d)``.
+            start: initial positions [m], shape ``(..., d)``. The initial velocity is zero.
             goal: final positions [m], shape ``(..., d)``.
-            duration: durations without settling [s], shape ``(...)``.
-            dt: largest step [s].
-            settle: settling time after the duration, as a part of the duration.
+            duration: durations without the settling time [s], shape ``(...)``.
+            dt: largest time step [s].
+            settle: settling time after the movement, as a fraction of the duration.
 
         Returns:
-            Time [s], shape ``(t,)`` or, for a batch of durations, ``(t, ...)``; positions [m] and velocities
-            [m/s], each of broadcast shape ``(t, ..., d)``.
+            Times [s], shape ``(t,)`` or ``(t, ...)`` for a batch of durations, and positions [m] and velocities [m/s],
+            each with the broadcast shape ``(t, ..., d)``.
 
         Raises:
-            ValueError: a duration or ``dt`` is not positive, ``settle`` is negative, or shapes do not match.
+            ValueError: if a duration or ``dt`` is not positive, ``settle`` is negative, or the shapes do not match.
         """
         if not 0.0 < dt < np.inf:
             raise ValueError(f"dt must be positive and finite, got {dt}")
@@ -182,5 +181,5 @@ class DMP:
 
 
 def _steps(amount: float) -> int:
-    # Rounding must not turn 100.00000000000001 into 101.
+    # The tolerance prevents that a rounding error turns 100.00000000000001 into 101.
     return ceil(amount - 1e-9)

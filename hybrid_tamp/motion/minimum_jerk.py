@@ -11,13 +11,13 @@ def _clipped(phase: ArrayLike) -> FloatArray:
 
 
 def minimum_jerk(phase: ArrayLike) -> FloatArray:
-    """Return the travelled share of the way, ``10 p^3 - 15 p^4 + 6 p^5`` (Flash and Hogan 1985).
+    """Return the travelled fraction of the distance, ``10 p^3 - 15 p^4 + 6 p^5`` (Flash and Hogan 1985).
 
     Args:
-        phase: elapsed time over duration, shape ``(...)``; clipped to [0, 1].
+        phase: elapsed time divided by duration, shape ``(...)``. Values are clipped to [0, 1].
 
     Returns:
-        Share of the way, from 0 to 1, shape ``(...)``.
+        Fraction of the distance from 0 to 1, shape ``(...)``.
     """
     p = _clipped(phase)
     return np.asarray(p**3 * (10.0 + p * (6.0 * p - 15.0)))
@@ -26,13 +26,13 @@ def minimum_jerk(phase: ArrayLike) -> FloatArray:
 def minimum_jerk_rate(phase: ArrayLike) -> FloatArray:
     """Return the first derivative of the profile, ``30 p^2 (1 - p)^2`` (Flash and Hogan 1985).
 
-    Times distance over duration it is the speed [m/s]; its peak is 15/8, half-way.
+    The product with distance / duration is the speed [m/s]. The maximum of the derivative is 15/8, at p = 0.5.
 
     Args:
-        phase: elapsed time over duration, shape ``(...)``.
+        phase: elapsed time divided by duration, shape ``(...)``.
 
     Returns:
-        Derivative by phase, shape ``(...)``; 0 outside [0, 1].
+        Derivative with respect to the phase, shape ``(...)``. The derivative is 0 outside [0, 1].
     """
     p = _clipped(phase)
     return np.asarray(30.0 * (p * (1.0 - p)) ** 2)
@@ -41,13 +41,13 @@ def minimum_jerk_rate(phase: ArrayLike) -> FloatArray:
 def minimum_jerk_acceleration(phase: ArrayLike) -> FloatArray:
     """Return the second derivative of the profile, ``60 p (1 - p) (1 - 2 p)`` (Flash and Hogan 1985).
 
-    Times distance over squared duration it is the acceleration [m/s^2].
+    The product with distance / duration^2 is the acceleration [m/s^2].
 
     Args:
-        phase: elapsed time over duration, shape ``(...)``.
+        phase: elapsed time divided by duration, shape ``(...)``.
 
     Returns:
-        Second derivative by phase, shape ``(...)``; 0 outside [0, 1].
+        Second derivative with respect to the phase, shape ``(...)``. The derivative is 0 outside [0, 1].
     """
     p = _clipped(phase)
     return np.asarray(60.0 * p * (1.0 - p) * (1.0 - 2.0 * p))

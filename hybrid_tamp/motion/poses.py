@@ -1,7 +1,7 @@
-"""Rotations as unit quaternions ``(x, y, z, w)``, batched.
+"""Batched rotations as unit quaternions ``(x, y, z, w)``.
 
-The equations are those of Sola 2017, "Quaternion kinematics for the error-state Kalman filter"
-(arXiv:1711.02508), with the scalar part moved to the end.
+The equations are from Sola 2017, "Quaternion kinematics for the error-state Kalman filter" (arXiv:1711.02508). In
+contrast to Sola, the scalar part of a quaternion comes last.
 """
 
 import numpy as np
@@ -22,9 +22,9 @@ def _array(values: ArrayLike, size: int, name: str) -> FloatArray:
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return vector products, of broadcast shape ``(..., 3)``.
+    """Return the cross products of vectors, with the broadcast shape ``(..., 3)``.
 
-    It is several times as fast as `numpy.cross` for a small batch.
+    For small batches, this function is several times as fast as `numpy.cross`.
     """
     return np.asarray(a.take(_NEXT, -1) * b.take(_LAST, -1) - a.take(_LAST, -1) * b.take(_NEXT, -1))
 
@@ -36,13 +36,13 @@ def normalized(vectors: ArrayLike) -> FloatArray:
         vectors: vectors of any dimension and unit, shape ``(..., d)``.
 
     Returns:
-        Unit vectors of the same directions, shape ``(..., d)``.
+        Unit vectors with the same directions, shape ``(..., d)``.
 
     Raises:
-        ValueError: a vector is zero or not finite and has no direction.
+        ValueError: if a vector is zero or not finite.
     """
     array = np.asarray(vectors, dtype=np.float64)
-    # Dividing by the largest component first keeps the squares from under- and overflowing.
+    # The division by the largest component prevents underflow and overflow of the squares.
     largest = np.max(np.abs(array), axis=-1, keepdims=True)
     if not np.all((largest > 0.0) & np.isfinite(largest)):
         raise ValueError("cannot normalise a vector that is zero or not finite")
@@ -51,49 +51,49 @@ def normalized(vectors: ArrayLike) -> FloatArray:
 
 
 def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
-    """Return Hamilton's product: the rotation by ``b`` followed by the one by ``a`` (Sola 2017, Sec. 1.2.2).
+    """Return Hamilton's product: the rotation by ``b`` followed by the rotation by ``a`` (Sola 2017, Sec. 1.2.2).
 
     Args:
-        a: quaternions, shape ``(..., 4)``; as a name, ``target_from_middle``.
-        b: quaternions, shape ``(..., 4)``; as a name, ``middle_from_source``.
+        a: quaternions ``target_from_middle``, shape ``(..., 4)``.
+        b: quaternions ``middle_from_source``, shape ``(..., 4)``.
 
     Returns:
-        Products, ``target_from_source``, broadcast shape ``(..., 4)``.
+        Products ``target_from_source``, with the broadcast shape ``(..., 4)``.
 
     Raises:
-        ValueError: a last dimension is not 4.
+        ValueError: if a last dimension is not 4.
     """
     left, right = _array(a, 4, "a"), _array(b, 4, "b")
     return products(left, right, HAMILTON)
 
 
 def quaternion_conjugate(quaternion: ArrayLike) -> FloatArray:
-    """Return the conjugate, for a unit quaternion the inverse rotation (Sola 2017, Sec. 1.2.4).
+    """Return the conjugate. The conjugate of a unit quaternion is the inverse rotation (Sola 2017, Sec. 1.2.4).
 
     Args:
-        quaternion: quaternions, ``target_from_source``, shape ``(..., 4)``.
+        quaternion: quaternions ``target_from_source``, shape ``(..., 4)``.
 
     Returns:
-        Conjugates, ``source_from_target``, shape ``(..., 4)``.
+        Conjugates ``source_from_target``, shape ``(..., 4)``.
 
     Raises:
-        ValueError: the last dimension is not 4.
+        ValueError: if the last dimension is not 4.
     """
     return np.asarray(_array(quaternion, 4, "quaternion") * _CONJUGATION)
 
 
 def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
-    """Turn vectors actively, ``q v q*`` (Sola 2017, Sec. 2.4).
+    """Rotate vectors by unit quaternions, ``q v q*`` (Sola 2017, Sec. 2.4).
 
     Args:
-        quaternion: unit quaternions, ``target_from_source``, shape ``(..., 4)``.
-        vectors: vectors in the source frame, any unit, shape ``(..., 3)``.
+        quaternion: unit quaternions ``target_from_source``, shape ``(..., 4)``.
+        vectors: vectors in the source frame, in any unit, shape ``(..., 3)``.
 
     Returns:
-        Vectors in the target frame, broadcast shape ``(..., 3)``.
+        Vectors in the target frame, with the broadcast shape ``(..., 3)``.
 
     Raises:
-        ValueError: a last dimension is not 4 or not 3.
+        ValueError: if the last dimension of the quaternions is not 4 or that of the vectors is not 3.
     """
     unit, source = _array(quaternion, 4, "quaternion"), _array(vectors, 3, "vectors")
     terms = products(unit, unit, TURN) * source.take(EACH_ROW, -1)
@@ -101,7 +101,7 @@ def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
 
 
 def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
-    """Return the rotations about the vectors by their lengths, the exponential map (Sola 2017, Eq. 101).
+    """Return the rotations for rotation vectors, which is the exponential map (Sola 2017, Eq. 101).
 
     Args:
         vector: rotation vectors [rad], shape ``(..., 3)``.
@@ -110,26 +110,26 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
         Unit quaternions, shape ``(..., 4)``.
 
     Raises:
-        ValueError: the last dimension is not 3.
+        ValueError: if the last dimension is not 3.
     """
     half = 0.5 * _array(vector, 3, "vector")
-    # The addend is lost in rounding except at 0, where it gives sin(x) / x its limit.
+    # At 0, the constant gives sin(x) / x its limit. At all other values, the constant is lost in rounding.
     half_angle = np.sqrt(np.einsum("...i,...i->...", half, half) + 1e-60)[..., None]
     return np.concatenate([np.sin(half_angle) / half_angle * half, np.cos(half_angle)], axis=-1)
 
 
 def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
-    """Return the rotations about axes by angles (Sola 2017, Eq. 101).
+    """Return the rotations about given axes by given angles (Sola 2017, Eq. 101).
 
     Args:
-        axis: axes of any length but zero, shape ``(..., 3)``.
-        angle: angles [rad], shape ``(...)``.
+        axis: rotation axes of any non-zero length, shape ``(..., 3)``.
+        angle: rotation angles [rad], shape ``(...)``.
 
     Returns:
-        Unit quaternions, broadcast shape ``(..., 4)``.
+        Unit quaternions, with the broadcast shape ``(..., 4)``.
 
     Raises:
-        ValueError: an axis is zero or not finite, or its last dimension is not 3.
+        ValueError: if an axis is zero or not finite, or if the last dimension of the axes is not 3.
     """
     unit_axis = normalized(_array(axis, 3, "axis"))
     half_angle = 0.5 * np.asarray(angle, dtype=np.float64)[..., None]
@@ -139,30 +139,30 @@ def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
 
 
 def quaternion_from_rpy(rpy: ArrayLike) -> FloatArray:
-    """Return ``Rz(yaw) Ry(pitch) Rx(roll)``, the convention of PyBullet's ``getQuaternionFromEuler``.
+    """Return the rotation ``Rz(yaw) Ry(pitch) Rx(roll)``, as PyBullet's ``getQuaternionFromEuler`` does.
 
     Args:
-        rpy: roll, pitch and yaw [rad] about the fixed axes x, y and z in this order, shape ``(..., 3)``.
+        rpy: roll, pitch and yaw about the fixed x, y and z axes, in this order [rad], shape ``(..., 3)``.
 
     Returns:
         Unit quaternions, shape ``(..., 4)``.
 
     Raises:
-        ValueError: the last dimension is not 3.
+        ValueError: if the last dimension is not 3.
     """
     angles = _array(rpy, 3, "rpy")
     half = 0.5 * angles
     (cr, cp, cy), (sr, sp, sy) = np.moveaxis(np.cos(half), -1, 0), np.moveaxis(np.sin(half), -1, 0)
-    # The product of the three rotations, multiplied out.
+    # These are the components of the product of the three rotations.
     x, y = sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy
     z, w = cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy
     return np.stack([x, y, z, w], axis=-1)
 
 
 def quaternion_of_rotation(matrix: ArrayLike) -> FloatArray:
-    """Return the unit quaternion ``(4,)`` of the rotation matrix nearest to a matrix ``(3, 3)``.
+    """Return the unit quaternion, shape ``(4,)``, of the rotation that is nearest to a matrix of shape ``(3, 3)``.
 
-    (Bar-Itzhack 2000, "New method for extracting the quaternion from a rotation matrix".)
+    The method is from Bar-Itzhack 2000, "New method for extracting the quaternion from a rotation matrix".
     """
     r = np.asarray(matrix, dtype=float)
     symmetric, skew = r + r.T, r - r.T
@@ -175,69 +175,69 @@ def quaternion_of_rotation(matrix: ArrayLike) -> FloatArray:
 
 
 def rotation_vector(quaternion: ArrayLike) -> FloatArray:
-    """Return axis times angle, the logarithmic map, the shortest way (Sola 2017, Sec. 2.4).
+    """Return the shortest rotation vectors, which is the logarithmic map (Sola 2017, Sec. 2.4).
 
     Args:
         quaternion: unit quaternions, shape ``(..., 4)``.
 
     Returns:
-        Rotation vectors [rad] of length at most pi, shape ``(..., 3)``. For exactly half a turn both
-        directions are equally short; the sign of the quaternion then selects one.
+        Rotation vectors of length at most pi [rad], shape ``(..., 3)``. A half turn has two shortest rotation vectors,
+        and the sign of the quaternion decides which one is returned.
 
     Raises:
-        ValueError: the last dimension is not 4.
+        ValueError: if the last dimension is not 4.
     """
     unit = _array(quaternion, 4, "quaternion")
-    # q and -q are the same rotation; the one with w >= 0 has an angle of at most pi.
+    # q and -q are the same rotation. The quaternion with w >= 0 has an angle of at most pi.
     unit = np.where(unit[..., 3:] < 0.0, -unit, unit)
     vector, scalar = unit[..., :3], unit[..., 3:]
     sine = np.sqrt(np.sum(vector * vector, axis=-1, keepdims=True))
-    # angle / sin(angle / 2) tends to 2; below the threshold its next term is lost in rounding.
+    # For small angles, angle / sin(angle / 2) tends to 2. Below the threshold, the next term is lost in rounding.
     small = sine < 1e-9
     factor = np.where(small, 2.0, 2.0 * np.arctan2(sine, scalar) / np.where(small, 1.0, sine))
     return np.asarray(factor * vector)
 
 
 def integrate(quaternion: ArrayLike, angular_velocity: ArrayLike, dt: ArrayLike) -> FloatArray:
-    """Turn orientations for a time at a constant angular velocity, exactly (Sola 2017, Sec. 4.6).
+    """Return the exact orientations after a time step with constant angular velocity (Sola 2017, Sec. 4.6).
 
     Args:
-        quaternion: orientations, ``world_from_body``, shape ``(..., 4)``.
+        quaternion: initial orientations ``world_from_body``, shape ``(..., 4)``.
         angular_velocity: angular velocities in the world frame [rad/s], shape ``(..., 3)``.
-        dt: time [s], shape ``(...)``.
+        dt: time steps [s], shape ``(...)``.
 
     Returns:
-        Orientations ``dt`` later, unit quaternions, broadcast shape ``(..., 4)``.
+        Final orientations as unit quaternions, with the broadcast shape ``(..., 4)``.
 
     Raises:
-        ValueError: a last dimension is wrong, or a quaternion is zero.
+        ValueError: if a last dimension is wrong or a quaternion is zero.
     """
     turn = _array(angular_velocity, 3, "angular_velocity") * np.asarray(dt, dtype=np.float64)[..., None]
-    # Without normalisation, the length would drift over thousands of steps.
+    # Without normalisation, the length of the quaternion would drift over thousands of steps.
     return normalized(quaternion_multiply(quaternion_from_rotation_vector(turn), quaternion))
 
 
 def angle_about(axis: ArrayLike, quaternions: ArrayLike) -> FloatArray:
-    """Return the accumulated angle about an axis fixed in the body, without wrapping.
+    """Return the accumulated rotation angle about an axis that is fixed in the body. The angle is not wrapped.
 
-    It is the integral of the angular velocity's component along the axis: the sum of the rotations from
-    sample to sample, projected on the axis in the body's frame. Compared with the distance travelled, it
-    distinguishes rolling from sliding. The body must turn less than half a turn between two samples.
+    The angle is the integral of the angular velocity's component along the axis. It is computed as the sum of the
+    rotations between consecutive samples, projected on the axis. A comparison with the travelled distance distinguishes
+    rolling from sliding. Between two samples, the body must rotate by less than half a turn.
 
     Args:
-        axis: axis in the body's frame, any length but zero, shape ``(..., 3)``.
-        quaternions: orientations in time, ``world_from_body``, shape ``(t, ..., 4)``.
+        axis: axis in the body frame, of any non-zero length, shape ``(..., 3)``.
+        quaternions: time series of orientations ``world_from_body``, shape ``(t, ..., 4)``.
 
     Returns:
-        Angles [rad], right-handed about the axis, 0 at the first sample, shape ``(t, ...)``.
+        Right-handed angles about the axis [rad], shape ``(t, ...)``. The first angle is 0.
 
     Raises:
-        ValueError: the axis is zero, a last dimension is wrong, or there is no time dimension.
+        ValueError: if the axis is zero, if a last dimension is wrong, or if there is no time dimension.
     """
     series, unit_axis = _array(quaternions, 4, "quaternions"), normalized(_array(axis, 3, "axis"))
     if series.ndim < 2 or len(series) == 0:
         raise ValueError(f"quaternions must have shape (t, ..., 4) with t at least 1, got {series.shape}")
-    # Batch dimensions that only the axis has are inserted after time.
+    # Batch dimensions that only the axis has are inserted after the time dimension.
     missing = max(0, unit_axis.ndim + 1 - series.ndim)
     series = series.reshape(len(series), *(1,) * missing, *series.shape[1:])
     before_from_after = quaternion_multiply(quaternion_conjugate(series[:-1]), series[1:])

@@ -1,6 +1,6 @@
-"""A profile: the progress of a movement along a given path or about a given axis.
+"""Profiles, which describe the progress of a movement along a given path or about a given axis.
 
-It is the movement of a one-dimensional primitive from 0 to 1, evaluated once and read by interpolation.
+A profile is the movement of a one-dimensional primitive from 0 to 1, which is sampled once and then interpolated.
 """
 
 from dataclasses import dataclass
@@ -16,63 +16,63 @@ from hybrid_tamp.motion.trajectory import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """The travelled share of the way over normalised time, from rest to rest.
+    """The travelled fraction of a movement as a function of normalised time. The movement starts and ends at rest.
 
     Attributes:
-        primitive: a one-dimensional primitive, which moves from 0 to 1; weights of shape ``(k, 1)``.
+        primitive: one-dimensional primitive that moves from 0 to 1, with weights of shape ``(k, 1)``.
     """
 
     primitive: DMP
 
     def __post_init__(self) -> None:
-        """Raise a ``ValueError`` if the primitive's weights have another shape."""
+        """Raise a ``ValueError`` if the primitive's weights do not have shape ``(k, 1)``."""
         if self.primitive.weights.ndim != 2 or self.primitive.weights.shape[1] != 1:
-            raise ValueError(f"a profile needs weights of shape (k, 1), got {self.primitive.weights.shape}")
+            raise ValueError(f"the weights of a profile must have shape (k, 1), got {self.primitive.weights.shape}")
 
     @cached_property
     def trajectory(self) -> Trajectory:
-        """The movement in normalised time; after its end, settling included, the share is 1."""
+        """Movement in normalised time. After the movement and the settling time, the fraction is 1."""
         return self.primitive.trajectory([0.0], [1.0], 1.0)
 
     @cached_property
     def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Normalised time, share and rate of every sample ``(t,)``; the last one is at rest on the goal."""
+        """Normalised times, fractions and rates of the samples, each of shape ``(t,)``. The last sample is at rest."""
         samples = self.trajectory.samples[:, :, 0].copy()
         samples[-1] = (1.0, 0.0, 0.0)
         time = np.asarray(np.arange(len(samples)) * self.trajectory.spacing, dtype=np.float64)
         return time, samples[:, 0], samples[:, 1]
 
     def share(self, phase: ArrayLike) -> FloatArray:
-        """Return the travelled share of the way, from 0 to 1.
+        """Return the travelled fraction of the movement from 0 to 1, shape ``(...)``.
 
         Args:
-            phase: elapsed time over duration, shape ``(...)``; settling ends a little after 1.
+            phase: elapsed time divided by duration, shape ``(...)``. Settling ends at a phase greater than 1.
         """
-        # One table for a whole batch makes this ten times as fast as `Trajectory.at`.
+        # A single table for the whole batch makes this function ten times as fast as `Trajectory.at`.
         time, share, _ = self._table
         return np.asarray(np.interp(np.asarray(phase, dtype=np.float64), time, share))
 
     def rate(self, phase: ArrayLike) -> FloatArray:
-        """Return the derivative of the share by the phase, shape ``(...)``; 0 before the beginning and after the end.
+        """Return the derivative of the fraction with respect to the phase, shape ``(...)``.
 
         Args:
-            phase: elapsed time over duration, shape ``(...)``.
+            phase: elapsed time divided by duration, shape ``(...)``. The derivative is 0 before and after the movement.
         """
         time, _, rate = self._table
         return np.asarray(np.interp(np.asarray(phase, dtype=np.float64), time, rate, left=0.0))
 
     def arrival(self, amount: ArrayLike, duration: ArrayLike, near: float, slow: float) -> FloatArray:
-        """Return the time from which a movement stays near its end and slow, as exit conditions require, ``(...)`` [s].
+        """Return the time from which a movement stays close to its end and slow [s], shape ``(...)``.
 
         Args:
-            amount: length of the movement, ``(...)`` [m or rad].
-            duration: duration without settling, ``(...)`` [s].
+            amount: length of the movement [m or rad], shape ``(...)``.
+            duration: duration without the settling time [s], shape ``(...)``.
             near: largest distance from the end [m or rad].
             slow: largest speed [m/s or rad/s].
         """
         phase, share, rate = self._table
         far, time = np.abs(np.asarray(amount))[..., None], np.asarray(duration)[..., None]
         not_yet = (far * np.abs(1.0 - share) > near) | (far * np.abs(rate) / time > slow)
-        # The sample after the last one that is too far or too fast.
+        # The first sample after all samples that are too far from the end or too fast.
         after = np.minimum(np.max(np.where(not_yet, np.arange(1, len(phase) + 1), 0), axis=-1), len(phase) - 1)
         return np.asarray(phase[after] * duration)

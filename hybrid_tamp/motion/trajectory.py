@@ -1,4 +1,4 @@
-"""A movement sampled in normalised time, the reference of a policy."""
+"""Trajectories, which are movements sampled in normalised time and used as references of policies."""
 
 from dataclasses import dataclass
 
@@ -10,13 +10,13 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """A movement from rest to rest and the position it holds afterwards.
+    """A sampled movement that starts at rest and stays at the goal after its end.
 
     Attributes:
-        duration: duration of the movement without settling [s], shape ``(...)``.
-        goal: position held after the last sample [m], shape ``(..., d)``.
+        duration: duration of the movement without the settling time [s], shape ``(...)``.
+        goal: position after the last sample [m], shape ``(..., d)``.
         spacing: normalised time between two samples.
-        samples: position [m] and its first and second derivatives in normalised time [m], shape
+        samples: positions [m] and their first and second derivatives in normalised time [m], shape
             ``(t, ..., 3, d)``.
     """
 
@@ -27,18 +27,18 @@ class Trajectory:
 
     @property
     def end(self) -> FloatArray:
-        """Time from which the goal is held, settling included [s], shape ``(...)``."""
+        """Duration of the movement including the settling time [s], shape ``(...)``."""
         return np.asarray(self.duration * (self.spacing * (len(self.samples) - 1)))
 
     def at(self, elapsed: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Read the reference, each quantity by linear interpolation of its own exact samples.
+        """Return the position, velocity and acceleration at a time, each linearly interpolated between its own samples.
 
         Args:
-            elapsed: time since the beginning [s], shape ``(...)``; before 0 it counts as 0.
+            elapsed: time since the start of the movement [s], shape ``(...)``. Negative times are treated as 0.
 
         Returns:
-            Position [m], velocity [m/s] and acceleration [m/s^2], each of broadcast shape ``(..., d)``; from
-            :attr:`end` on, the goal, 0 and 0.
+            Position [m], velocity [m/s] and acceleration [m/s^2], each with the broadcast shape ``(..., d)``. After
+            :attr:`end`, the position is the goal, and the velocity and acceleration are 0.
         """
         batch = self.samples.shape[1:-2]
         now = np.asarray(elapsed, dtype=np.float64) / (self.duration * self.spacing)
@@ -46,7 +46,7 @@ class Trajectory:
         last = len(self.samples) - 1
         place = np.clip(now, 0.0, last)
         below = np.minimum(place.astype(np.intp), last - 1)
-        # An open grid over the batch lets each member read its own samples.
+        # With an open grid of indices over the batch, each member of the batch reads its own samples.
         members = np.indices(batch, sparse=True)
         at_lower, at_upper = (below, *members), (below + 1, *members)
         lower, upper = self.samples[at_lower], self.samples[at_upper]

@@ -1,8 +1,8 @@
-"""The transformation system of a movement primitive, a damped spring, and its response to the basis.
+"""The transformation system of a movement primitive, which is a damped spring, and its responses to inputs.
 
-The spring is linear, so the movement is linear in start, goal and weights: it is a sum of the spring's
-responses to a few inputs. The responses are integrated once per grid and cached; the rollout of a whole batch
-is then one matrix product. The equations are in :mod:`hybrid_tamp.motion.dmp`.
+The spring is linear, so a movement is a weighted sum of the spring's responses to a few inputs. The responses are
+computed once for each time grid and cached. The rollout of a whole batch is then a single matrix product. See
+:mod:`hybrid_tamp.motion.dmp` for the equations.
 """
 
 from functools import lru_cache
@@ -16,14 +16,14 @@ from hybrid_tamp.motion.minimum_jerk import minimum_jerk, minimum_jerk_accelerat
 
 
 class TransformationSystem(NamedTuple):
-    """The spring, the canonical system and the basis, without start, goal and weights.
+    """The spring, the canonical system and the basis functions, without start, goal and weights.
 
     Attributes:
         n_weights: number k of basis functions.
         alpha: damping, per normalised time.
-        beta: stiffness over damping, per normalised time.
-        alpha_phase: decay of the phase s, per normalised time.
-        soft_start: whether the pull to the goal grows as s decays.
+        beta: ratio of stiffness to damping, per normalised time.
+        alpha_phase: decay rate of the phase s, per normalised time.
+        soft_start: whether the pull towards the goal grows while s decays.
     """
 
     n_weights: int
@@ -33,44 +33,45 @@ class TransformationSystem(NamedTuple):
     soft_start: bool
 
     def centres(self) -> FloatArray:
-        """Return the basis functions' centres in s, shape ``(k,)`` (Ijspeert et al. 2013, Sec. 2.1.2)."""
-        # Equally spaced in time, hence geometrically in s.
+        """Return the centres of the basis functions in s, shape ``(k,)`` (Ijspeert et al. 2013, Sec. 2.1.2)."""
+        # The centres are equally spaced in time, so they form a geometric series in s.
         return np.asarray(np.exp(-self.alpha_phase * np.linspace(0.0, 1.0, self.n_weights)))
 
     def widths(self) -> FloatArray:
-        """Return the factors of ``(s - centre)^2`` in the basis functions' exponents, shape ``(k,)``."""
-        # At the neighbouring centre, a basis function has fallen to 1 / e.
+        """Return the factor of ``(s - centre)^2`` in the exponent of each basis function, shape ``(k,)``."""
+        # The value of a basis function at the neighbouring centre is 1 / e.
         gaps = -np.diff(self.centres()) if self.n_weights > 1 else np.ones(1)
         return np.asarray(np.append(gaps, gaps[-1])[: self.n_weights] ** -2.0)
 
     def inputs(self, times: FloatArray) -> FloatArray:
-        """Return the inputs 1, s and ``s psi_i / sum psi`` (Ijspeert et al. 2013, Eq. 2.3).
+        """Return the inputs 1, s and ``s psi_i / sum psi`` of the spring (Ijspeert et al. 2013, Eq. 2.3).
 
         Args:
             times: normalised times, shape ``(...)``.
 
         Returns:
-            Displacements of the attractor for unit weight, shape ``(..., 2 + k)``.
+            Displacements of the attractor for unit weights, shape ``(..., 2 + k)``.
         """
         s = np.exp(-self.alpha_phase * times)[..., None]
         exponents = -self.widths() * (s - self.centres()) ** 2
-        # Relative to the largest, so that the sum is not 0 when s has passed all centres.
+        # The exponents are relative to the largest exponent, so that the sum does not vanish beyond the last centre.
         psi = np.exp(exponents - np.max(exponents, axis=-1, keepdims=True))
         psi *= s / np.sum(psi, axis=-1, keepdims=True)
         return np.concatenate([np.ones_like(s), s, psi], axis=-1)
 
     def transition(self, steps: FloatArray) -> FloatArray:
-        """Return the matrices that advance ``(y, y')`` by steps without input, the spring's matrix exponential.
+        """Return the transition matrices of the state ``(y, y')`` without input, which are matrix exponentials.
 
         Args:
-            steps: normalised times, shape ``(...)``.
+            steps: lengths of the steps in normalised time, shape ``(...)``.
 
         Returns:
             Transition matrices, shape ``(..., 2, 2)``.
         """
         stiffness = self.alpha * self.beta
-        # Without the mean decay, the square of the matrix is a multiple of the identity. Its exponential is then
-        # cosh and sinh of a root that is 0 for critical and imaginary for weak damping.
+        # After the mean decay is factored out, the square of the system matrix is a multiple of the identity. So the
+        # exponential consists of cosh and sinh of a root. The root is 0 for critical damping and imaginary for weak
+        # damping.
         rest = np.array([[0.5 * self.alpha, 1.0], [-stiffness, -0.5 * self.alpha]])
         root = np.sqrt(complex(0.25 * self.alpha**2 - stiffness))
         even = np.cosh(root * steps).real
@@ -79,16 +80,16 @@ class TransformationSystem(NamedTuple):
         return np.asarray((decay * even)[..., None, None] * np.eye(2) + (decay * odd)[..., None, None] * rest)
 
     def driven(self, begins: FloatArray, steps: FloatArray) -> FloatArray:
-        """Return the states of a spring after short steps from rest under each input.
+        """Return the states of the spring after short steps that start at rest, for each input.
 
         Args:
-            begins: normalised times at which the steps begin, shape ``(n,)``.
+            begins: normalised times at which the steps start, shape ``(n,)``.
             steps: lengths of the steps in normalised time, shape ``(n,)``.
 
         Returns:
-            Values and first derivatives at the ends of the steps, for each input, shape ``(n, 2, 2 + k)``.
+            Positions and first derivatives at the end of each step, for each input, shape ``(n, 2, 2 + k)``.
         """
-        # Gauss-Legendre quadrature of order 8 of the exact response to an impulse.
+        # The exact impulse response is integrated by Gauss-Legendre quadrature of order 8.
         abscissas, weights = np.polynomial.legendre.leggauss(4)
         offsets = steps[:, None] * (0.5 * abscissas + 0.5)
         impulses = self.alpha * self.beta * self.transition(steps[:, None] - offsets)[..., 1]
@@ -96,16 +97,16 @@ class TransformationSystem(NamedTuple):
         return np.asarray(np.swapaxes(weighted, 1, 2) @ self.inputs(begins[:, None] + offsets))
 
     def responses_to_inputs(self, times: FloatArray) -> FloatArray:
-        """Return the spring's responses to each of the inputs, from rest at 0.
+        """Return the spring's response to each input. The spring starts at rest at position 0.
 
         Args:
-            times: normalised times from 0 on, shape ``(t,)``.
+            times: normalised times, not negative, shape ``(t,)``.
 
         Returns:
-            Values and first and second derivatives, shape ``(t, 3, 2 + k)``.
+            Positions and their first and second derivatives, shape ``(t, 3, 2 + k)``.
         """
-        # The nodes are dense compared with the basis functions and time constants and do not depend on `times`.
-        # Each time is one more step from the node before it, so that all grids agree.
+        # The nodes are dense compared with the basis functions and the time constants. The nodes do not depend on
+        # `times`. Each response is one step from the previous node, so the responses agree on all time grids.
         density = max(8 * self.n_weights, ceil(4.0 * max(self.alpha, self.beta, self.alpha_phase)))
         nodes = np.arange(ceil(density * np.max(times)) + 1) / density
         steps = np.full(len(nodes), 1.0 / density)
@@ -121,13 +122,13 @@ class TransformationSystem(NamedTuple):
         return np.concatenate([states, accelerations[:, None]], axis=1)
 
     def combined(self, responses: FloatArray) -> FloatArray:
-        """Return the responses to ``goal - start`` and to the weights, given the responses to the inputs.
+        """Return the responses to ``goal - start`` and to the weights, computed from the responses to the inputs.
 
         Args:
             responses: responses to the inputs 1, s and ``s psi_i / sum psi``, shape ``(..., 2 + k)``.
 
         Returns:
-            Responses to ``goal - start``, first, and to the k weights, shape ``(..., 1 + k)``.
+            Response to ``goal - start``, followed by the responses to the k weights, shape ``(..., 1 + k)``.
         """
         pull = responses[..., :1] - self.soft_start * responses[..., 1:2]
         return np.concatenate([pull, responses[..., 2:]], axis=-1)
@@ -135,21 +136,20 @@ class TransformationSystem(NamedTuple):
 
 @lru_cache(maxsize=16)
 def settling_responses(system: TransformationSystem, n_steps: int, n_settle: int) -> FloatArray:
-    """Return the responses on a uniform grid that continues beyond the end, where they settle.
+    """Return the responses on a uniform time grid that includes the settling time after the movement.
 
-    After the duration the spring continues for the settling time. A minimum-jerk profile fades out the remaining
-    displacement by the inputs that decay with s, so that the movement ends on the goal for all weights. The
-    response to the goal itself is not faded; with the default constants its distance from the limit is
-    ``(1 + 12.5 p) exp(-12.5 p)``, 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
+    During the settling time, a minimum-jerk profile fades out the displacement by all inputs that decay with s. So the
+    movement ends on the goal for all weights. The response to the goal itself is not faded out. With the default
+    constants, its distance from the limit is ``(1 + 12.5 p) exp(-12.5 p)``, e.g. 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
 
     Args:
-        system: the spring and its inputs.
-        n_steps: steps in normalised time from 0 to 1.
-        n_settle: steps of the same size beyond 1.
+        system: spring and its inputs.
+        n_steps: number of steps in normalised time from 0 to 1.
+        n_settle: number of further steps of the same size after 1.
 
     Returns:
-        Values and first and second derivatives of the responses to ``goal - start`` and to the weights, shape
-        ``(n_steps + n_settle + 1, 3, 1 + k)``; read-only, because it is cached.
+        Responses to ``goal - start`` and to the weights, with their first and second derivatives, shape
+        ``(n_steps + n_settle + 1, 3, 1 + k)``. The array is read-only, because it is cached.
     """
     times = np.arange(n_steps + n_settle + 1) / n_steps
     responses = system.responses_to_inputs(times)

@@ -209,7 +209,7 @@ def test_bad_weights_are_refused(shape: tuple[int, ...], value: float) -> None:
         (np.inf, 0.1, 0.1, "duration must be positive"),
         (1.0, 0.0, 0.1, "dt must be positive"),
         (1.0, np.nan, 0.1, "dt must be positive"),
-        (1.0, 0.1, -0.1, "settle of at least 0"),
+        (1.0, 0.1, -0.1, "settle at least 0"),
     ],
 )
 def test_bad_times_are_refused(duration: float, dt: float, settle: float, message: str) -> None:
@@ -220,7 +220,7 @@ def test_bad_times_are_refused(duration: float, dt: float, settle: float, messag
 def test_bad_shapes_are_refused() -> None:
     with pytest.raises(ValueError, match=r"must have shape \(\.\.\., 1\), got \(2,\) and \(1,\)"):
         PLAIN.rollout([0.0, 0.0], [1.0], 1.0, 0.1)
-    with pytest.raises(ValueError, match="n_steps of at least 1"):
+    with pytest.raises(ValueError, match="n_steps must be at least 1"):
         PLAIN.trajectory([0.0], [1.0], 1.0, n_steps=0)
 
 

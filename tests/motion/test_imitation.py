@@ -121,9 +121,9 @@ def with_value(array: FloatArray, index: int, value: float) -> FloatArray:
         (TIME[:-1], POSITIONS, r"got \(240,\) and \(241, 3\)"),
         (TIME, POSITIONS[:, 0], r"got \(241,\) and \(241,\)"),
         (TIME, POSITIONS[:, :0], r"got \(241,\) and \(241, 0\)"),
-        ([TIME, TIME], [POSITIONS], "2 arrays of times, but 1 arrays of positions"),
-        ([TIME, TIME], [POSITIONS, POSITIONS[:, :2]], r"number of dimensions: \[2, 3\]"),
-        ([TIME, TIME[:4]], [POSITIONS, POSITIONS[:4]], "demonstration 2: need at least 5"),
+        ([TIME, TIME], [POSITIONS], "equal numbers of arrays, got 2 and 1"),
+        ([TIME, TIME], [POSITIONS, POSITIONS[:, :2]], r"number of dimensions, got \[2, 3\]"),
+        ([TIME, TIME[:4]], [POSITIONS, POSITIONS[:4]], "demonstration 2: must have at least 5"),
     ],
 )
 def test_bad_demonstrations_are_refused(time: FloatArray, positions: FloatArray, message: str) -> None:

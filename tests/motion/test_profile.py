@@ -53,5 +53,5 @@ def test_arrival_of_what_is_never_near_enough_is_the_end() -> None:
 
 @pytest.mark.parametrize("shape", [(5, 3), (4, 5, 1)])
 def test_another_shape_of_weights_is_refused(shape: tuple[int, ...]) -> None:
-    with pytest.raises(ValueError, match=r"weights of shape \(k, 1\)"):
+    with pytest.raises(ValueError, match=r"must have shape \(k, 1\)"):
         Profile(DMP(np.zeros(shape)))
