@@ -15,7 +15,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 _POINTS = 61
 _SWEEPS = 2
 _NARROWER = 0.05
-"""Half-width of the second sweep, as a fraction of the variable's range: three grid steps of the first sweep."""
+"""Half-width of the second sweep, as a fraction of the variable's range. It equals three steps of the first sweep."""
 _EQUAL = 1e-6
 """Largest difference between values that count as equal, as a fraction of the spread over a scan."""
 

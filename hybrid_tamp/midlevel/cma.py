@@ -1,9 +1,9 @@
 """CMA-ES with restarts (Hansen and Ostermeier 2001, Evolutionary Computation 9:159-195), using the package cmaes.
 
 The search starts at the default point. It runs in the unit cube of the variables, so that metres and seconds have the
-same weight. cmaes uses only the order of scores within a generation. It gets ranks, because no single number orders
-(V, J) across generations without loss. If all scores of a generation are equal up to rounding, all ranks are 0, so that
-cmaes recognises a flat objective.
+same weight. cmaes uses only the order of scores within a generation. The scores are passed as ranks, because no single
+number represents the order of pairs (V, J). If all scores of a generation are equal up to rounding, all ranks are 0, so
+that cmaes recognises a flat objective.
 
 The first generations are about as wide as the cube. In these generations, cmaes samples points outside the cube again.
 Later points outside the cube are mirrored at its faces. Resampling them would push the distribution away from a face,

@@ -82,7 +82,7 @@ class Objective:
     def keep_reserves(self, rollout: Rollout) -> "Objective":
         """Return the objective with reserves for the goal atoms, taken from the margins of the first candidate.
 
-        Without reserves, the search would trade the whole margin of a goal atom for value, and a run would miss it.
+        Without reserves, the search would give up the whole margin of a goal atom for value, and physics would miss it.
         """
         goal = set(self.task.goal)
         found = [condition for condition in rollout.conditions if condition.atom in goal and condition.margin[0] > 0]
@@ -107,7 +107,7 @@ class Objective:
 
 @dataclass
 class Evaluator:
-    """A scoring function for a search that stores all rollouts.
+    """A scoring function that stores the rollouts of all scored candidates.
 
     Attributes:
         objective: the objective. If its reserves are unknown, the first candidate determines them.

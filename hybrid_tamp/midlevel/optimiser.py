@@ -1,9 +1,9 @@
 """Common interface of the optimisers. An optimiser takes a scoring function, a space and a budget.
 
 The best candidate has the smallest violation and, at equal violations, the largest value (`Scores`). The default point
-is always the first candidate. Candidates whose scores differ by less than 1e-12 (relative) are tied. Every optimiser
-breaks ties in favour of the candidate nearest to the default, by Euclidean distance in the unit cube, then of the
-earliest candidate. So no hyperparameter changes without a gain.
+is always the first candidate. Candidates are tied if the relative difference between their scores is below 1e-12. Of
+tied candidates, the candidate nearest to the default wins, by Euclidean distance in the unit cube. If distances are
+equal, the earliest candidate wins. So no hyperparameter changes without a gain.
 """
 
 import time
@@ -59,7 +59,7 @@ class Optimum:
         violation: violation V of the best candidate. If it is positive, no candidate met all conditions.
         value: value J of the best candidate.
         evaluations: number of evaluated candidates.
-        history: milestones after each batch.
+        history: one milestone per batch.
         stopped: reason why the search ended: ``converged``, ``evaluations``, ``seconds`` or ``all sampled``.
     """
 

@@ -1,8 +1,8 @@
 """Refinement in physics: a search near the optimum of the forward models by runs in a physics simulation.
 
 The forward models omit effects that shift the optimum slightly. The search stays within a fraction of each variable's
-range around their optimum, where they predict no further violation. Their optimum is the first candidate, and it wins
-ties.
+range around the models' optimum, and only where the models predict no additional violation. The models' optimum is the
+first candidate and wins ties.
 """
 
 import logging
@@ -50,7 +50,7 @@ def refine_in_physics(
     """Search near a point by runs in physics.
 
     Args:
-        settings: optimiser and budgets. Runs in physics get a share of the evaluations, and the full time again.
+        settings: optimiser and budgets. Physics gets a share of the evaluations and the full time budget again.
         searched: result of the search on the forward models.
         point: optimum of this search. Shape ``(d,)``.
         measured: objective that scores runs in physics. Repeated runs give bit-identical scores, so there is no noise.

@@ -1,9 +1,9 @@
-"""Entry point of the mid-level planner, which optimises the hyperparameters of all actions together (Sec. II-D).
+"""Entry point of the mid-level planner, which optimises all hyperparameters of a plan together (paper, Sec. II-D).
 
 The planner tries the defaults first. If they meet every condition and the plan has no performance measure, the planner
 keeps them. Otherwise it screens the hyperparameters and searches over the relevant ones. If the task requests it, the
 optimum is then refined in physics. On the forward models, the optimum is never worse than the defaults, nor worse than
-each action optimised on its own.
+the point with each action optimised on its own.
 """
 
 import time

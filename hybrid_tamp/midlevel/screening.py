@@ -23,7 +23,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 LEVELS = (0.0, 0.5, 1.0)
 FEW = 4
-"""Minimum number of lines with two points that meet all conditions. With fewer lines, other points count as well."""
+"""Minimum number of lines with two points that meet all conditions. With fewer such lines, all points count."""
 
 
 class Effect(NamedTuple):

@@ -18,9 +18,9 @@ class Variable:
     Attributes:
         name: unique name in the space, for example ``"GRASPING(hand).grasp"``.
         unit: SI unit of the values.
-        lower: lower bound.
-        upper: upper bound. A variable with equal bounds is constant.
-        default: value without optimisation.
+        lower: lower bound, in the unit of the variable.
+        upper: upper bound, in the unit of the variable. A variable with equal bounds is constant.
+        default: value without optimisation, in the unit of the variable.
 
     Raises:
         InputError: if a bound is not finite, if the bounds are in the wrong order, or if the default is out of bounds.

@@ -39,9 +39,9 @@ class Simulation(InstanceModel):
         return self._known[key].rows(inverse)
 
     def hold(self, start: FloatArray, chosen: Mapping[str, FloatArray], begun: Stretch, until: IntArray) -> FloatArray:
-        """Return the states after the instance has held until a given number of steps after its start.
+        """Return the states of the instance's tokens at the end of its hold. Shape ``(n, m)``.
 
-        The states have shape ``(n, m)``, and ``until`` has shape ``(n,)``.
+        ``until`` is the number of control steps from the start of the instance to the end of its hold. Shape ``(n,)``.
         """
         more: IntArray = until - begun.steps
         if not self.block.moves or not more.max() > 0:

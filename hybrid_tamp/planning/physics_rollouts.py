@@ -40,7 +40,7 @@ class PhysicsRollouts:
             chosen: maps (instance, hyperparameter) to the values of all candidates. Shape ``(n,)``. Other
                 hyperparameters keep their value in the plan or, without one, their initial value.
             count: size n of the population.
-            until: name of the instance after which the runs end. If None, they cover the whole plan.
+            until: name of the instance after which the runs end. If None, the runs cover the whole plan.
 
         Raises:
             InputError: if the backend cannot simulate the task.

@@ -90,7 +90,7 @@ class _TailoredNetwork:
 
     @property
     def unreachable(self) -> str:
-        """Sentence that names the goal atoms that no block of the network achieves, or an empty string."""
+        """Message about the goal atoms that no block of the network achieves, empty if there are none."""
         atoms = " and ".join(atom.text for atom in find_unreachable(self.reduction.task))
         return f"no block achieves {atoms} in the network without this object" if atoms else ""
 
@@ -102,7 +102,7 @@ class _TailoredNetwork:
     def widen(self, why: str) -> None:
         """Add the next objects to the network for the reason ``why``.
 
-        Every call doubles the number of objects to add. A single object is added if it may suffice.
+        The number of objects doubles with every call, unless a single object may suffice.
         """
         for name in self._widening.choose_next(self.reduction, self._step):
             blocks = self._widening.find_newly_fillable(self.reduction, name)
@@ -125,7 +125,7 @@ class _TailoredNetwork:
 
 
 def _attempt(tailored: _TailoredNetwork, planner: Planner, share: float = 1.0) -> SearchResult | None:
-    """Plan on the network within a share of the remaining time. Return None if only this share is used up.
+    """Plan on the network within a share of the remaining time. Return None if the share is used up but time remains.
 
     Raises:
         LimitReached: if no time remains, or if the planner exceeds its memory limit.

@@ -28,7 +28,7 @@ class Reduction:
         brought: names of the tokens that were added as tools.
         tokens: names of the tokens of the reduced task.
         blocks: blocks of the reduced network.
-        fillable: all blocks that the tokens can fill by their classes, including blocks without a path of edges.
+        fillable: blocks that the tokens can fill by their classes, whether or not edges lead to the blocks.
     """
 
     whole: Task
@@ -54,7 +54,7 @@ class Reduction:
         return tuple(sorted(self.whole.token_by_name.keys() - self.tokens))
 
     def restore(self, plan: TaskPlan) -> TaskPlan:
-        """Extend a plan of the reduced task to the whole task. All tokens left out, except places, rest throughout."""
+        """Extend a plan of the reduced task to the whole task. Tokens that were left out rest for the whole plan."""
         whole, resting = self.whole, self.whole.domain.resting_block
         left_out = [token for name in self.tokens_left_out if not (token := whole.token_by_name[name]).place]
         number = sum(instance.block == resting.name for instance in plan.instances)
@@ -73,7 +73,7 @@ def _resting(task: Task, block: Block, token: Token, name: str, end: float) -> B
 
 
 class Reducer:
-    """A reducer of one task. Each call to `reduce` may add more tokens as tools."""
+    """Reduction of one task with different sets of added tools."""
 
     def __init__(self, task: Task) -> None:
         self._task = task
@@ -121,7 +121,7 @@ class Reducer:
         return Reduction(self._task, tuple(brought), names, tuple(kept), tuple(fillable))
 
     def _relate(self, able: Mapping[str, Set[str]]) -> list[str]:
-        """Return the blocks that chains of shared tokens connect to the needed tokens. Places do not form chains."""
+        """Return the names of the blocks connected to the needed tokens by chains of shared tokens, except places."""
         tokens, related = set(self.needed - self._places), list[str]()
         waiting = dict(able)
         while found := [name for name, fit in waiting.items() if not tokens.isdisjoint(fit)]:
@@ -135,7 +135,7 @@ class Reducer:
 
 
 def _keep_passable(domain: Domain, blocks: list[Block], started: Collection[str]) -> list[Block]:
-    """Return the blocks that tokens can reach from their initial blocks, and that tokens can leave unless they hold."""
+    """Return the blocks that tokens can reach from their initial blocks. A block without a hold needs a way out."""
     kept = {block.name: block for block in blocks} | {name: domain.block_by_name[name] for name in started}
     size = -1
     while len(kept) != size:
@@ -150,7 +150,7 @@ def _keep_passable(domain: Domain, blocks: list[Block], started: Collection[str]
 
 
 def _enterable_blocks(domain: Domain, blocks: Mapping[str, Block], started: Collection[str]) -> set[str]:
-    """Return the names of the blocks that edges connect to the initial blocks. An edge must lead into every slot."""
+    """Return the names of the initial blocks and of all blocks that tokens can enter, with an edge into every slot."""
     entered, size = set(started), -1
     while len(entered) != size:
         size = len(entered)

@@ -18,7 +18,7 @@ from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 from hybrid_tamp.workers.processes import count_processors
 
 FindPlan = Callable[[Task], PlanOutcome]
-"""Function that plans a task, for example by a task planner or by transfer of a demonstrated plan."""
+"""Function that plans a task, for example a task planner or the transfer of a demonstrated plan."""
 Progress = Callable[[float, str], None]
 """Progress callback. Its arguments are the finished share of the work (0 to 1) and a description."""
 

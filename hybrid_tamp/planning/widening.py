@@ -23,11 +23,11 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.planning.reduction import Reducer, Reduction
 
 MOST_EXAMINED = 16
-"""Number of nearest objects that are tested individually for whether they alone make the goal reachable."""
+"""Number of nearest objects for which to test whether a single object makes the goal reachable."""
 
 
 class Widening:
-    """Selection of the objects by which a reduced task is widened.
+    """Selection of the objects to add to a reduced task.
 
     Attributes:
         task: the whole task.
@@ -53,7 +53,7 @@ class Widening:
         """Return the names of the objects to add next, in order. The list is empty if no objects remain.
 
         If one of the nearest objects alone may make the goal reachable, return only this object. Otherwise return the
-        `most` nearest objects, or all objects if even these do not make the goal reachable.
+        `most` nearest objects, or all objects if not even all of them make the goal reachable.
         """
         order = self._order_by_distance(reduction)
         for name in order[:MOST_EXAMINED]:
@@ -91,7 +91,10 @@ class Widening:
         return found
 
     def _distances(self, reduction: Reduction) -> Mapping[str, float]:
-        """Return a dict that maps each block to its number of edges from the nearest block in use, avoiding resting."""
+        """Return a dict that maps each block to its number of edges from the nearest block in use.
+
+        Paths through the resting block do not count.
+        """
         graph: nx.Graph[str] = nx.Graph()
         graph.add_nodes_from(self.all.names)
         edges = ((one, other) for (one, _), (other, _) in self.task.domain.network.graph.edges)
@@ -141,7 +144,7 @@ def find_unreachable(task: Task) -> list[Atom]:
 
 
 def is_within_reach(task: Task) -> bool:
-    """Say whether the backward search can reach the goal without a planner (see `backward_search`)."""
+    """Say whether the goal may be reachable according to the backward search (see `backward_search`)."""
     if find_unreachable(task):
         return False
     search = BackwardSearch(task)

@@ -1,1 +1,1 @@
-"""Questions about a task: results of planning and runs go in, answers come out."""
+"""Questions about a task, answered from the results of planning and of runs."""

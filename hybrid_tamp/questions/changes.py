@@ -52,7 +52,7 @@ def apply_together(task: Task, changes: Collection[Change]) -> Task:
 
 
 def propose_copies(task: Task, like: Token) -> Iterator[CopyToken]:
-    """Yield changes that copy a token: one beside the original, then one across each object.
+    """Yield changes that copy a token: one beside the original, then one on the other side of each object.
 
     The first copy is placed one object length beside the original, so that the two do not overlap.
     """
@@ -81,7 +81,7 @@ def task_root(task: Task) -> type[ObjectClass]:
 
 
 def with_copy(task: Task, like: Token, position: FloatArray) -> Task:
-    """Return the task with a copy of a token at a position in metres. The copy belongs to the original's agent."""
+    """Return the task with a copy of a token at a given position in metres. The copy belongs to the same agent."""
     copy = replace(like, name=_free_name(task, like.name))
     state = {(copy.name, varying.name): task.state[like, varying.name] for varying in like.varying}
     agents = {agent: (*names, copy.name) if like.name in names else names for agent, names in task.agents.items()}
@@ -89,7 +89,7 @@ def with_copy(task: Task, like: Token, position: FloatArray) -> Task:
 
 
 def with_ideal(task: Task, object_class: type[ObjectClass]) -> Task:
-    """Return the task with a first member of a class. Every feasibility fact about the new token holds."""
+    """Return the task with a new token as the first member of a class. All feasibility facts about the token hold."""
     classes = tuple(sorted({object_class, task_root(task)}, key=lambda each: each.name))
     ideal = Token(_free_name(task, object_class.name.lower()), classes, {})
     more = _add_token(task, ideal, {}, None, task.agents)
@@ -144,8 +144,8 @@ def with_token(task: Task, token: Token) -> Task:
 def with_class(task: Task, token: Token, object_class: type[ObjectClass]) -> Task:
     """Return the task with a token as a member of one more class.
 
-    The token copies the class properties that it lacks from the first member. If the class has no members and the token
-    lacks a property, every feasibility fact about the token as a member holds.
+    The token copies missing class properties from the first member. If the class has no members to copy from, every
+    feasibility fact that involves the token as a member holds.
     """
     members = [each for each in task.values_of(object_class) if isinstance(each, Token)]
     classes = tuple(sorted({*token.classes, object_class}, key=lambda each: each.name))

@@ -2,8 +2,8 @@
 
 An object affords a block if the object can fill one of the block's slots. In the *environment's* perspective only the
 object's classes count. In an *agent's* perspective the agent's capability tokens must fill the other slots. Every
-feasibility fact of this binding must hold, and edges must lead every token to its slot. The binding is the witness.
-Conditions that depend on the state are ignored.
+feasibility fact of this binding must hold, and edges must lead every token to its slot. The binding is the affordance's
+witness. Conditions that depend on the state are ignored.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -71,7 +71,7 @@ def observer(task: Task) -> tuple[list[Affordance], list[Implication]]:
 
 
 def team(task: Task) -> list[Affordance]:
-    """Return the affordances that need a whole group of agents, so that no smaller part of the group suffices."""
+    """Return the affordances that a group of agents has but no smaller part of the group has."""
     found: list[Affordance] = []
     known: dict[tuple[object, ...], list[frozenset[str]]] = {}
     for size in range(1, len(task.agents) + 1):

@@ -36,9 +36,8 @@ def change_task(task: Task, question: str, find: FindAffordances) -> Task:
     """Return the changed task of a question (see `answer_what_if`).
 
     ``+CLASS`` copies a member of the class, preferably a member that belongs to an agent. The copy belongs to the same
-    agent. Of the positions beside the original and across an object, the copy gets the position with the most
-    affordances. If the class has no members, the new token belongs to no agent, and every feasibility fact about the
-    new token holds.
+    agent. It is placed beside the original or on the other side of an object, wherever the most affordances result. If
+    the class has no members, the new token belongs to no agent, and every feasibility fact about the new token holds.
 
     Raises:
         InputError: if the question has another form, or if the class or the token is unknown.

@@ -98,7 +98,7 @@ class _Space:
                 yield JoinClass(token, each)
 
     def edges(self, towards: SlotName | None = None) -> Iterator[Change]:
-        """Yield new edges that leave slots which tokens can reach.
+        """Yield new edges from slots that tokens can reach.
 
         Edges to unreachable slots come first, then likely edges. An edge is likely if the network already has an edge
         between the same two actions that leaves the same slot or enters the same slot.
@@ -126,7 +126,7 @@ class _Space:
         return GrantFact(atom, with_unit(-self.task.margin(atom), predicate.unit))
 
     def failing(self) -> list[Atom]:
-        """Return each feasibility fact that is the only obstacle to some binding, smallest violation first."""
+        """Return the facts that are the only failing feasibility fact of some binding, smallest violation first."""
         found: dict[Atom, float] = {}
         for block in self.task.domain.blocks:
             for failure in self._single_failures(block):
@@ -134,7 +134,7 @@ class _Space:
         return sorted(found, key=lambda atom: (-found[atom], atom))
 
     def _single_failures(self, block: Block) -> Iterator[dict[Atom, float]]:
-        """Yield the failing facts of the bindings of a block in which at most one fact fails."""
+        """Yield the failing fact, if any, of each binding of a block in which at most one fact fails."""
         conditions = order_conditions(block)
         roles = {argument for literal in conditions for argument in literal.arguments if argument in block.roles}
         choices = {role: values for role, values in self.task.choices(block).items() if role in roles}

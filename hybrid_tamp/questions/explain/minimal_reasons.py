@@ -1,7 +1,7 @@
-"""Reduction of the reasons why a task has no plan to a minimal set.
+"""Selection of a minimal set of reasons why a task has no plan.
 
-If a single change makes the task solvable, a reason is dropped if its removal does not. If no single change does, the
-kept reasons are those that must be removed together.
+If single changes make the task solvable, a reason is dropped if removing its cause leaves the task unsolvable. If no
+single change makes the task solvable, the selected reasons are those whose causes must be removed together.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,13 +17,13 @@ from hybrid_tamp.questions.explain.candidates import find_answers
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_ANSWERS = 4
-"""Largest number of ways to remove a reason that are tried before the reason is dropped."""
+"""Maximum number of changes to try to remove the cause of a reason."""
 
 
 def keep_necessary(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> list[Reason]:
     """Return the reasons whose removal may make the task solvable.
 
-    Once a reason is dropped, the remaining reasons are examined in the task without the cause of this reason.
+    After a reason is dropped, the other reasons are tested in a task without the cause of the dropped reason.
 
     Args:
         task: a task that has no plan.
@@ -44,7 +44,7 @@ def _tasks_without(task: Task, reason: Reason) -> Iterator[Task]:
     for change in islice(find_answers(task, reason), MOST_ANSWERS):
         yield apply_change(task, change)
     if reason.atom is not None:
-        # The reason may also hold for other symbols than the one it names, for example for other faces of a box.
+        # The reason names one symbol, for example one face of a box, but may also hold for other symbols.
         parameters = task.domain.predicate_by_name[reason.atom.predicate].parameters
         choices = [
             parameter.sort.symbols if isinstance(parameter.sort, SymbolSort) else (name,)

@@ -26,15 +26,15 @@ from hybrid_tamp.questions.explain.repairs import Repairs, find_counterfactual_r
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_EXPLAINED = 5
-"""Largest number of alternatives to explain if the goal leaves a choice."""
+"""Maximum number of alternatives to explain if the goal allows a choice."""
 
 
 def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -> Explanation:
     """Explain why planning found no plan.
 
     Args:
-        outcome: the outcome of planning, which must be a failure. A failure with a detail gets no other reasons.
-        seconds: time limit of the search for single changes, in seconds. The search needs a proof that no plan exists.
+        outcome: the outcome of planning, which must be a failure. If the failure has a detail, no reasons are searched.
+        seconds: time limit of the search for single changes, in seconds. Only proven failures are searched for changes.
         most: number of changes after which the search stops.
     """
     task, failure = outcome.task, outcome.failure
@@ -60,7 +60,7 @@ def _excluded(task: Task, exclusion: Exclusion) -> Reason:
 def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
     """Explain why an unsolvable task has no plan, and suggest single changes that make it solvable.
 
-    Each suggestion proves a reason too, because the task has no plan without the change.
+    Each suggested change also yields a reason, because the task has no plan without the change.
 
     Args:
         task: a task that is proven to have no plan.
@@ -98,7 +98,7 @@ def explain(task: Task, proven: bool = False) -> list[Reason]:
     """
     search = BackwardSearch(task)
     open_atoms = [atom for atom in task.goal if not search.holds(atom)]
-    # Blocks that achieve the goal directly come first, because the search further back is bounded.
+    # Blocks that achieve the goal directly are examined first, because the search further back is bounded.
     direct = {atom: search.explain_directly(atom) for atom in open_atoms}
     reasons = {atom: told or _reasons(search, atom) for atom, told in direct.items()}
     found = [reason for atom in open_atoms for reason in merge_reasons(atom, reasons[atom])]
@@ -157,7 +157,7 @@ class _Walk:
     def reasons(self, atom: Atom) -> list[Reason]:
         """Return why the blocks that achieve an atom cannot run.
 
-        A block that only waits for other atoms is explained by the failing condition that is nearest to holding.
+        If a block only lacks preconditions, the reason is the failing condition that is closest to being satisfied.
         """
         if atom not in self._known:
             # The empty list ends the recursion if an atom depends on itself.

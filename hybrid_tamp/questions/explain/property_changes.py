@@ -20,7 +20,7 @@ _DIGITS = 3
 
 
 def find_property_changes(task: Task, atom: Atom) -> Iterator[SetProperty]:
-    """Yield the smallest single property changes that make a feasibility fact hold."""
+    """Yield the smallest change of each token property that makes a feasibility fact hold."""
     for name in atom.arguments:
         token = task.token_by_name.get(name)
         for key in sorted(token.properties) if token else ():
@@ -64,7 +64,7 @@ def _value(token: Token, key: str, component: int | None) -> float:
 
 
 def _least(task: Task, token: Token, key: str, component: int | None, atom: Atom) -> Token | None:
-    """Return the token with the smallest change of a number that makes the fact hold, or None if no step does."""
+    """Return the token with the smallest change of a number that makes the fact hold, or None if there is none."""
     value = _value(token, key, component)
     size = abs(value) or 1.0
     for step in _STEPS:

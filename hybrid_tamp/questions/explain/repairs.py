@@ -1,9 +1,9 @@
 """Search for single changes that make a task solvable.
 
-The delete relaxation of a changed task takes a few hundredths of a second and may prove that the change is useless. The
-planner tries the remaining changes. Its plans must obey the law of assignment. If only deleted atoms make the task
-unsolvable, the relaxation proves nothing. The planner then tries many edges or facts at once. If the task is unsolvable
-with all of them, each of them is useless.
+Solving the delete relaxation of a changed task takes a few hundredths of a second and may prove that the change is
+useless. The planner tries the remaining changes. Its plans must obey the law of assignment. If the task is unsolvable
+only because blocks delete atoms, the relaxation proves nothing. The planner then tries many edges or facts at once. If
+the task is unsolvable with all of them, each of them is useless.
 """
 
 from collections import Counter
@@ -79,14 +79,14 @@ class _Sieve:
         self._relaxed_unsolvable = any(reason.kind != "together" for reason in reasons) or not self._possible([])
 
     def promising(self, changes: Iterable[Change]) -> Iterator[Change | None]:
-        """Yield the changes that may be useful, and None for other tests so that the caller can check the deadline."""
+        """Yield the changes that may be useful. Yield None after other tests, so that the caller can check the time."""
         for kind, group in groupby(changes, key=lambda change: change.kind):
             if kind not in ("edge", "fact"):
                 yield from (change if self._possible([change]) else None for change in group)
             elif self._relaxed_unsolvable:
                 yield from self._split(list(group), self._possible)
             else:
-                # Planning takes longer than the relaxation. So the size of the groups doubles, starting from one.
+                # Planning takes longer. So the first change is tried alone, and each further group is twice as large.
                 rest, size = list(group), 1
                 while rest:
                     yield from self._split(rest[:size], self._may_be_planned)

@@ -19,7 +19,7 @@ PROVING = 10.0
 
 
 class TrialPlanner(ExitStack):
-    """A planner for changed tasks with a deadline on the monotonic clock, in seconds."""
+    """A planner for changed tasks with a deadline. The deadline is in seconds on the monotonic clock."""
 
     def __init__(self, deadline: float) -> None:
         super().__init__()

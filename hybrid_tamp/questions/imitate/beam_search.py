@@ -55,7 +55,7 @@ class Interpretation:
 
 @dataclass(frozen=True)
 class _Reassignment:
-    """A partial reassignment: instances that end, (block, slots, targets) that start, and tokens without a slot."""
+    """A partial reassignment of tokens. The ``leaving`` tokens still need a slot in a starting instance."""
 
     ending: tuple[Hypothesis, ...]
     starting: tuple[tuple[str, Roles, Roles], ...]
@@ -113,7 +113,7 @@ class _Search:
         return found or [self._unexplained(interpretation, due)]
 
     def _reassignments(self, interpretation: Interpretation, reassignment: _Reassignment) -> Iterator[_Reassignment]:
-        """Yield every complete reassignment that extends a partial one."""
+        """Yield every complete reassignment that extends a partial reassignment."""
         if not reassignment.leaving:
             yield reassignment
             return
@@ -212,7 +212,7 @@ class _Search:
         return allowed
 
     def _unexplained(self, interpretation: Interpretation, due: Hypothesis) -> Interpretation:
-        """End an instance if no block explains its next movement. The first token to move is left unexplained."""
+        """End an instance if no block explains its next movement. Only the first moving token is left unexplained."""
         row = min(max(due.reached, due.due), self.seen.last)
         resting = self.task.domain.resting
         anchor = self.hypotheses.block(resting).anchor

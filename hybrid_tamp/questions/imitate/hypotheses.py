@@ -34,7 +34,7 @@ MISFIT_SCALE = 0.05
 PAUSE_COST = 4.0
 """Cost of a pause that the rollout of the block's policy does not show. One block instance costs 1."""
 _MISFIT_BOUND = (0.08, 0.25)
-"""Pair of (largest misfit of a token that does not move, in metres, and its increase per metre moved)."""
+"""Pair of (offset in metres, factor). The largest misfit is the offset plus the factor times the distance moved."""
 _OPEN = 0.2
 """Longest time for which noise may switch exit conditions on and off, in seconds."""
 _PAUSE = 0.2
@@ -111,7 +111,7 @@ class Hypotheses:
         return self.truth(self.block(name).measured_entries, roles, strict)
 
     def find(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Hypothesis, ...]:
-        """Return the hypotheses that may begin in a row. Noise may leave several. A contradiction leaves none."""
+        """Return the hypotheses that may begin in a row and agree with the observation. Noise may allow several."""
         key = (name, slots, targets, start)
         if key not in self._found:
             rows = self._reached(self.block(name), slots + targets, start)
@@ -120,7 +120,7 @@ class Hypotheses:
         return self._found[key]
 
     def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
-        """Return candidates for the first row at which the exit conditions hold. Noise may leave several."""
+        """Return candidates for the first row at which the exit conditions hold. Noise may allow several."""
         seen = self.observation
         earliest = seen.times[start] + block.duration.minimum
         if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:
@@ -212,7 +212,7 @@ class Hypotheses:
         return found
 
     def _disturbed(self, block: Block, targets: Roles, start: int, reached: int) -> bool:
-        """Say whether a target whose pose the block reads moves before the exit conditions hold."""
+        """Say whether the block reads the pose of a target that moves before the exit conditions hold."""
         named = dict(targets)
         return any(
             self.observation.departure(named[target.name], start) < reached
@@ -221,7 +221,7 @@ class Hypotheses:
         )
 
     def _misfit(self, block: Block, slots: Roles, targets: Roles, start: int, reached: int) -> float | None:
-        """Return the summed distance of the tokens from their predicted positions in metres, or None if too large."""
+        """Return the summed distance of the tokens from their predicted positions in metres, or None if it is large."""
         seen = self.observation
         tokens = [token for _, token in slots]
         before = seen.likely(start)

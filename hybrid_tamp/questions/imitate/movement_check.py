@@ -1,4 +1,4 @@
-"""Comparison of an observed movement with a rollout of a block's policy on its forward model from the same state.
+"""Comparison of an observed movement with a rollout of a block's policy on the block's forward model.
 
 If the movement has more pauses than the rollout, several blocks produced it. If its path is much longer than in the
 rollout, the block did not produce it.
@@ -20,9 +20,9 @@ _SLOW = 0.03
 _SHORTEST = 0.12
 """Minimum duration of a pause, in seconds."""
 _SPAN = 0.05
-"""Time between the samples of a path whose length is measured, in seconds."""
+"""Sampling period for measuring the length of a path, in seconds."""
 _LONGER = (1.5, 0.1)
-"""Pair of (factor, offset in metres). The longest allowed path is the expected length times factor plus offset."""
+"""Pair of (factor, offset in metres). The longest allowed path is factor times expected length plus offset."""
 _CHECK_EVERY = 12
 """Number of control periods between two tests of a block's exit conditions in a rollout."""
 _PATIENCE = 2.0

@@ -24,7 +24,7 @@ SURE = 3.0
 _MEDIAN = 0.6745
 """Median of the absolute value of a standard normal variable."""
 _LEAST = 1e-4
-"""Smallest noise of positions in metres. Smaller estimates reflect the movement itself and are ignored."""
+"""Smallest estimate of position noise that is used, in metres. Smaller estimates reflect the movement itself."""
 _DRAWS = 16
 """Number of states drawn to represent a noisy state."""
 STILL = (0.01, 0.04)
@@ -100,8 +100,8 @@ class Observation:
     def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE) -> Truth:
         """Return a mask of the rows in which the measured states satisfy a condition.
 
-        Unless `strict`, the mask includes rows whose smoothed margin falls short by no more than the allowance plus
-        `sure` standard deviations of the margin's noise.
+        Unless `strict`, rows are included if the smoothed margin is above minus the allowance minus `sure` standard
+        deviations of its noise.
         """
         key = (literal.ground(binding), strict, sure)
         if key not in self._truths:
@@ -119,7 +119,7 @@ class Observation:
         return row + int(moved[0]) if len(moved) else self.last + 1
 
     def onset(self, token: str, row: int) -> int:
-        """Return the row in which the token begins the movement that takes it away from its pose in `row`."""
+        """Return the row in which the token begins to leave its pose in `row`."""
         left = self.departure(token, row)
         return row + int(np.flatnonzero(~self._moved(token, row, _ONSET)[row:left])[-1])
 
@@ -129,7 +129,7 @@ class Observation:
 
     @cached_property
     def _shaken(self) -> State:
-        """The smoothed states plus random noise of the estimated size. They show how noise affects a margin."""
+        """Smoothed states plus random noise of the estimated size, used to measure how noise affects a margin."""
         draws = np.random.default_rng(0).standard_normal(self.trajectory.values.shape)
         return State(self.trajectory.layout, self.trajectory.values + draws * self.deviation.values)
 

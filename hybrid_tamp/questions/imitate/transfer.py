@@ -1,8 +1,8 @@
 """Transfer of a demonstrated plan to another agent with the same capability classes (paper, Sec. II-E).
 
 The goals determine the roles of the tokens that they name. All other tokens take roles that their classes allow.
-Assignments of roles are tried in turn, and the first assignment with a lawful plan is used. Assignments that arrange
-the tokens as in the demonstration are tried first.
+Assignments of roles are tried in turn, and the first assignment with a lawful plan is used. Assignments whose tokens
+are arranged most like the demonstration come first.
 """
 
 from collections.abc import Iterator, Mapping
@@ -77,7 +77,7 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
         if isinstance(found_or_why, Transfer):
             return found_or_why
         why = why or found_or_why
-    raise _refused(f"the demonstrated plan breaks the law of assignment for {task.name}: {why}")
+    raise _refused(f"the demonstrated plan is not a lawful plan of {task.name}: {why}")
 
 
 def _refused(said: str) -> NoPlan:
@@ -101,7 +101,7 @@ def _acting(shown: Task, plan: TaskPlan) -> list[BlockInstance]:
             if last is not None and not at(last.end, instance.start):
                 if {last.block, instance.block} != {resting}:
                     gap = f"from {last.end:.2f} s to {instance.start:.2f} s"
-                    raise _refused(f"no block explains the movement of {token} {gap}, next to a block that acts")
+                    raise _refused(f"no block explains the movement of {token} {gap}")
                 del found[instance.name]
                 instance = replace(last, end=instance.end)
                 found[instance.name] = instance
@@ -160,7 +160,7 @@ def _alike(
 
 
 def _assignments(able: Mapping[str, list[str]], fixed: dict[str, str]) -> Iterator[dict[str, str]]:
-    """Yield every dict that extends ``fixed`` and maps each demonstrated token to a different able token."""
+    """Yield every dict that extends ``fixed`` and maps each token to a different token from its ``able`` list."""
     free = [token for token in able if token not in fixed]
     if not free:
         yield {token: fixed[token] for token in able}

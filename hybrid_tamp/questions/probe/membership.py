@@ -2,7 +2,7 @@
 
 Features of the token's shape rank the classes. For each class, the surface of a labelled member is warped onto the new
 token, and the properties of the labelled member are transferred. The domain's trial tasks assume that the token is a
-member with these properties. They are planned and run from several starts. The measurements decide the verdict.
+member with these properties. The tasks are planned and run from several starts. The measurements decide the verdict.
 """
 
 import logging
@@ -30,7 +30,7 @@ from hybrid_tamp.physics.protocol import Backend
 STARTS = 4
 """Minimum number of trials for a class. If all or none of four trials succeed, the interval excludes 1/2."""
 MOST_STARTS = 16
-"""Maximum number of trials for a class. It suffices to distinguish a success rate of 9/10 from 1/2."""
+"""Maximum number of trials for a class. This many trials distinguish a success rate of 9/10 from 1/2."""
 BLOCK_SECONDS = 8.0
 """Upper bound on the time limit of each block in a trial, in seconds."""
 MOST_SECONDS = 60.0
@@ -115,7 +115,7 @@ class Prober:
     def run_trials(
         self, known: Verdict, recipe: TrialRecipe[Task], task: Task, member: Token, plan: TaskPlan, seed: int
     ) -> Verdict:
-        """Run trials until the verdict is sure or the maximum number is reached, and add them to the verdict.
+        """Run trials until the verdict is sure or their maximum number is reached. Return the verdict with the trials.
 
         Raises:
             LimitReached: if the deadline passes.
@@ -154,7 +154,7 @@ class _NeverSettles(Exception):
 
 
 def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]]) -> Token:
-    """Return the token as a member of more classes. ``learnt`` maps each class to the token's properties in it."""
+    """Return the token as a member of more classes. ``learnt`` maps each class to the properties of its members."""
     classes = (*token.classes, *learnt)
     unknown = tuple(each for each in token.unknown if each not in classes)
     properties = {**token.properties}
@@ -186,7 +186,7 @@ def _classes(task: Task, token: Token, names: Sequence[str]) -> tuple[type[Objec
 
 
 def _nearest(task: Task, token: Token, recipe: TrialRecipe[Task]) -> tuple[Token, Warp] | None:
-    """Return the labelled member whose warped surface fits the token best, and its warp."""
+    """Return the pair (labelled member, warp) with the best fit of the warped surface to the token."""
     found = []
     for labelled in task.tokens:
         if labelled.is_member(recipe.object_class) and labelled.shape is not None and labelled.name != token.name:
@@ -212,7 +212,7 @@ def _faults(
         if not values:
             yield f"{key} was not measured"
         yield from (
-            f"{key} {value:.4g} is not within {low:g} to {high:g}" for value in values if not low <= value <= high
+            f"{key} must be within {low:g} to {high:g}, got {value:.4g}" for value in values if not low <= value <= high
         )
     if recording.failure is None:
         yield from (f"{margin.atom.text} does not hold" for margin in recording.goal if not margin.holds)
