@@ -69,7 +69,7 @@ def find_box_fault(token: Token, other_shape: str) -> str | None:
     if not isinstance(token.shape, Box):
         return other_shape
     if any(abs(one - other) > 0.01 * one for one, other in zip(halves, token.shape.half_extents, strict=True)):
-        return f"half_extents must be those of its shape, {token.shape.half_extents} m, got {halves} m"
+        return f"half_extents must equal those of the token's shape, {token.shape.half_extents} m, got {halves} m"
     return None
 
 
@@ -78,13 +78,13 @@ class StaticEndEffector(CapabilityClass):
 
     name: ClassVar[str] = "STATIC END-EFFECTOR"
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (
-        BasicAction("force", 3, "N", "maximal_force", "force on the hand in the world, gravity compensated"),
+        BasicAction("force", 3, "N", "maximal_force", "force on the hand in the world frame; gravity is compensated"),
     )
 
     radius: float = positive("m", "radius of the cylindrical hand", 10)
     length: float = positive("m", "length of the cylindrical hand", 10)
     mass: float = mass_property()
-    maximal_force: float = positive("N", "largest force the hand can exert", 1e7)
+    maximal_force: float = positive("N", "largest force that the hand can exert", 1e7)
     workspace_lower: Vector3 = quantity("m", "lower corner of the workspace, a box that the hand's centre can reach")
     workspace_upper: Vector3 = quantity("m", "upper corner of the workspace, a box that the hand's centre can reach")
 

@@ -22,7 +22,10 @@ def everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
 
 
 def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Return a margin for batches of states from a margin for single states. The result is slow; use it for statics."""
+    """Return a margin for batches of states from a margin for single states.
+
+    The returned margin is slow, so only static predicates should use it.
+    """
 
     def batched(state: State, *values: Value) -> FloatArray:
         rows = state.values.reshape(-1, state.values.shape[-1])

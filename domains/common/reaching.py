@@ -1,8 +1,8 @@
 """The block REACHING (paper, D5): a hand moves along a curve to a place beside an object.
 
-Each domain defines the goals of its reaches (`ReachGoal`). The movement is a dynamic movement primitive. By default it
-is learnt from a demonstrated reach (``reach.csv``), which lifts the hand, moves it across and lowers it. REACHING can
-be taught another primitive.
+Each domain defines the goals of its reaches (`ReachGoal`). The movement is a dynamic movement primitive. The default
+primitive is learnt from a demonstrated reach (``reach.csv``) that lifts the hand, moves the hand across and lowers it.
+REACHING can be taught another primitive.
 """
 
 from collections.abc import Callable
@@ -65,11 +65,12 @@ class ReachGoal:
 def time_of_reach(
     distance: Callable[[Binding, State], FloatArray], least: float, settling: float
 ) -> tuple[Hyperparameter, Duration]:
-    """Return the hyperparameter ``duration`` of a reach, and the duration of its block.
+    """Return the hyperparameter ``duration`` of a reach, and the duration of the reach's block.
 
     Args:
-        distance: ``distance(binding, state)`` of the reach, ``(...)`` [m]. The initial value depends on it.
-        least: least value of the hyperparameter [s].
+        distance: ``distance(binding, state)`` returns the distance ``(...)`` [m] of the reach, from which the
+            hyperparameter's initial value is computed.
+        least: lower bound of the hyperparameter [s].
         settling: time from the end of the reach until the hand is at rest [s].
     """
 

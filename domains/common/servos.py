@@ -34,7 +34,7 @@ The reference position [m] and velocity [m/s] have shape ``(..., 3)``.
 
 
 class ForceServo(Protocol):
-    """The force that drives a hand to a moving reference."""
+    """A function that returns the force that drives a hand to a moving reference."""
 
     def __call__(self, state: State, position: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
         """Return the force ``(..., 3)`` [N].

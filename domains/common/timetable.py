@@ -1,4 +1,4 @@
-"""References that depend on time only, evaluated for many control periods at once; and rounding of durations."""
+"""Evaluation of time-dependent references for many control periods at once, and rounding of durations."""
 
 from collections.abc import Callable
 

@@ -100,7 +100,7 @@ def bearing(
         roles: the hands and the box.
         start: state at the beginning of the movement.
         squeeze: force ``(...)`` [N] with which each hand presses on its face.
-        gaps: distance ``(...)`` [m] that each hand moves towards its face. Negative values move it away.
+        gaps: distance ``(...)`` [m] that each hand moves towards its face. Negative values move the hand away.
         course: maps the elapsed time ``(...)`` [s] to the progress of the movement.
     """
     weight = load(roles.thing, roles.crew) * UP

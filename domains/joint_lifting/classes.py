@@ -21,7 +21,7 @@ class Liftable(BoxShaped, AffordanceClass):
     @staticmethod
     def consistent(token: Token) -> str | None:
         """Return an error message if the shape is not the box of the half extents, otherwise None."""
-        return find_box_fault(token, "a LIFTABLE shape must be a box: remove the shape, or remove the class LIFTABLE")
+        return find_box_fault(token, "the shape of a LIFTABLE token must be a box: remove the shape or the class")
 
     @staticmethod
     def consistent_start(token: Token, state: State, tokens: Iterable[Token]) -> str | None:

@@ -143,7 +143,7 @@ def _at(roles: Roles, state: State, way: FloatArray, gap: float) -> State:
 
 
 def _able(crew: str) -> tuple[Literal, ...]:
-    """Return the static conditions on the hands of a crew, each of which has its place."""
+    """Return the static conditions on all hands of a crew at their places."""
     return tuple(
         literal
         for slot, place in places_of(crew)
@@ -162,7 +162,7 @@ def _at_places(crew: str) -> tuple[Literal, ...]:
 
 
 def _together(action: str, mode: str, duration: Duration, policy: Callable[..., Policy], profile: Profile) -> Block:
-    """Return the part that the three actions have in common: capable hands at their places, in a mode."""
+    """Return a block with the parts that the three actions have in common in a mode, e.g. conditions on the hands."""
     crew = MODES[mode]
     slots = [slot for slot, _ in places_of(crew)]
     return Block(

@@ -1,4 +1,4 @@
-"""The loads that hands bear by friction, in closed form, for feasibility facts and for the squeeze.
+"""Closed forms of the loads that hands bear by friction. Feasibility facts and the squeeze use them.
 
 Each of n hands bears the share W = m g/n of the weight. A hand that presses on its face with a force S can bear mu S by
 friction. It squeezes RESERVE times as hard as necessary: S = RESERVE W/mu. Its total force is the vector sum of S and
@@ -31,7 +31,7 @@ def load(thing: Token, crew: str) -> float:
 
 
 def squeeze_for(thing: Token, crew: str) -> float:
-    """Return the force [N] with which each hand of a crew squeezes an object to lift it, infinite without friction."""
+    """Return the squeeze [N] of each hand of a crew that lifts an object. It is infinite without friction."""
     coefficient = friction(thing)
     return RESERVE * load(thing, crew) / coefficient if coefficient > 0.0 else np.inf
 

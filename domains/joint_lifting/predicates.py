@@ -61,7 +61,7 @@ def _uprightness(state: State, hand: Token) -> FloatArray:
 
 
 def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Return how far a hand starts outside the face of its place and inside its half: the smaller distance [m]."""
+    """Return the smaller of two distances [m]: of a hand beyond its face, and of a hand inside its half of the box."""
     side, along = SPOTS[place]
     offset = offset_in_box(state, hand, thing)
     beyond = side * offset[..., 0] - thing["half_extents"][0] - hand["radius"]
@@ -76,7 +76,7 @@ def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
 
 
 def _room(hand: Token, thing: Token, place: str) -> float:
-    """Return the smaller one of the spare width [m] for a hand at its face and the spare length [m] of its contact."""
+    """Return the smaller of two margins [m]: the spare width of the face, and the spare length of the contact line."""
     _, half_y, half_z = thing["half_extents"]
     wide = half_y - _ABREAST if SPOTS[place][1] else 2.0 * half_y
     return float(min(wide - 2.0 * hand["radius"], min(half_z - ABOVE_CENTRE, hand["length"]) - _TOUCHING))
@@ -157,8 +157,8 @@ WITHIN_REACH = length_predicate(
     _reach,
     reads={"object": POSE},
     kind=Kind.STATIC,
-    description="{hand} can reach the {place} of {object}, both standing and lifted, within its workspace",
-    denial="{hand} cannot reach the {place} of {object}, both standing and lifted, within its workspace",
+    description="the {place} of {object} stays in the workspace of {hand} during a lift",
+    denial="the {place} of {object} does not stay in the workspace of {hand} during a lift",
 )
 FITS = length_predicate(
     "fits",

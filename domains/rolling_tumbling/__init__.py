@@ -27,7 +27,7 @@ _BLOCKS = (reaching(REACH_BEHIND, "behind"), REACH_BESIDE, REACH_AWAY, *TIPPING,
 _EDGES = (
     ("RESTING.token", "REACHING.hand"),
     ("REACHING.hand", "RESTING.token"),
-    # rolling
+    # A hand rolls an object.
     ("REACHING:behind.hand", "ROLLING.hand"),
     ("RESTING.token", "ROLLING.object"),
     ("ROLLING.hand", "REACHING:behind.hand"),

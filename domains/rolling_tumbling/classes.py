@@ -53,7 +53,7 @@ class Rollable(AffordanceClass):
         """Return an error message if the shape contradicts the radius of rotation, otherwise None."""
         radius = token["radius_of_rotation"]
         if isinstance(token.shape, Cylinder) and abs(token.shape.radius - radius) > 0.01 * radius:
-            return f"radius_of_rotation must be the radius of its shape, {token.shape.radius} m, got {radius} m"
+            return f"radius_of_rotation must equal the radius of the shape, {token.shape.radius} m, got {radius} m"
         if isinstance(token.shape, Box):
             return "a box does not roll: give the token another shape, or remove the class ROLLABLE"
         return None
@@ -61,7 +61,7 @@ class Rollable(AffordanceClass):
 
 def _none_negative(vector: Vector3) -> Vector3:
     if min(vector) < 0:
-        raise ValueError("no component may be less than 0")
+        raise ValueError("all three components must be at least 0")
     return vector
 
 
@@ -72,7 +72,7 @@ class Tumblable(BoxShaped, AffordanceClass):
 
     half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
     hollow: Annotated[Vector3, AfterValidator(_none_negative)] = quantity(
-        "m", "depth of the contact points behind the faces that face along x, y, z", default=(0.0, 0.0, 0.0)
+        "m", "depth of contact points behind the faces along x, y and z", default=(0.0, 0.0, 0.0)
     )
     # Declared exactly as in ROLLABLE, so that a token may be a member of both.
     mass: float = mass_property()
@@ -80,7 +80,7 @@ class Tumblable(BoxShaped, AffordanceClass):
 
     @classmethod
     def features(cls, shape: Shape) -> float:
-        """Return how flat and how wide the four sides of the shape about its best axis are."""
+        """Return how likely the shape can be tumbled: how flat and wide its four sides around some axis are."""
         return tumbling_likelihood(shape)
 
     @staticmethod
@@ -88,14 +88,14 @@ class Tumblable(BoxShaped, AffordanceClass):
         """Return an error message if the hollow or the shape does not fit the half extents, otherwise None."""
         halves = token["half_extents"]
         if any(depth >= half for depth, half in zip(token["hollow"], halves, strict=True)):
-            return f"hollow must be less than half_extents in x, y and z, {halves} m, got {token['hollow']} m"
+            return f"hollow must be less than half_extents in each component, {halves} m, got {token['hollow']} m"
         if isinstance(token.shape, MeshShape):
             lower, upper = token.shape.corners.tolist()
             ends = [(abs(end), half) for row in (lower, upper) for end, half in zip(row, halves, strict=True)]
             if any(abs(end - half) > 0.03 * half for end, half in ends):
-                return f"half_extents must fit its mesh, which extends from {lower} to {upper} m, got {halves} m"
+                return f"half_extents must fit the mesh, which extends from {lower} to {upper} m, got {halves} m"
             return None
-        other = "a TUMBLABLE shape must be a box or a mesh: remove the shape, or remove the class TUMBLABLE"
+        other = "the shape of a TUMBLABLE token must be a box or a mesh: remove the shape or the class"
         return find_box_fault(token, other)
 
     @staticmethod

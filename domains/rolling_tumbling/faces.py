@@ -48,7 +48,7 @@ EDGES = tuple((down, forward) for down, forward in product(NORMALS, repeat=2) if
 """Ordered pairs of adjacent faces."""
 
 POSTURES = SymbolSort(
-    # Not "posture": types and predicates share one namespace in PDDL.
+    # The name is not "posture" because types and predicates share one namespace in PDDL.
     "posture of a box",
     (*map(flat, NORMALS), *(over(down, forward) for down, forward in EDGES)),
     "posture of a box: flat on a face, or on the edge between two faces and leaning over the second face",
@@ -84,5 +84,5 @@ HOLDS_HOLD = {(f, over(d, f)) for d, f in EDGES}
 EXPOSED_HOLD = {(f, flat(d)) for d, f in EDGES} | {
     (face, over(d, f)) for d, f in EDGES for one in (d, f) for face in (one, OPPOSITE[one])
 }
-"""Pairs of (face, posture). A hand that turns the box can be placed at the face: at a side of a flat box, or at one of
-the two faces beside the edge of a tipped box or their opposites."""
+"""Pairs of (face, posture). A hand that turns the box can be placed at the face. A flat box exposes its sides. A tipped
+box exposes the two faces beside its edge and the faces opposite to them."""

@@ -47,7 +47,7 @@ def touching(state: State, hand: Token, thing: Token, direction: FloatArray) -> 
 
 
 def working_height(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the height ``(...)`` [m] at which a hand pushes: that of the object's centre, but clear of the floor."""
+    """Return the height ``(...)`` [m] at which a hand pushes: the object's centre, or higher to clear the floor."""
     half = reach_of(hand, state, np.broadcast_to(UP, state[hand, "position"].shape))
     return np.maximum(state[thing, "position"][..., 2], half + FLOOR_CLEARANCE)
 

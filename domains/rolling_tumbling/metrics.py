@@ -11,9 +11,9 @@ from .faces import edge_between, faces_of
 from .tumbling_geometry import edge_axis, edge_position, tilt
 
 _TOUCHDOWN = np.radians(3.0)
-"""Angle from lying flat [rad]. Touchdown is the first time at which a box is within this angle."""
+"""Angle from lying flat [rad] at which a box counts as having touched down."""
 _AROUND = 0.1
-"""Time [s] before and after touchdown within which the largest angular speed counts as the touchdown speed."""
+"""Time [s] before and after touchdown. The touchdown speed is the largest angular speed within this time."""
 
 CONTROLLED: Mapping[str, tuple[float, float]] = {
     "tilt [deg]": (85.0, 95.0),
@@ -62,7 +62,7 @@ def _tumble(task: Task, recording: Recording, instance: BlockInstance) -> Iterat
 
 
 def _beginning(instances: Sequence[BlockInstance], last: BlockInstance, thing: Token) -> float:
-    """Return the start [s] of the tumble that ends with `last`: the box was last tipped from lying flat then."""
+    """Return the time [s] at which the box was last tipped from lying flat, no later than the start of `last`."""
     begins = [
         i.start
         for i in instances

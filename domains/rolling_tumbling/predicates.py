@@ -17,7 +17,7 @@ _REGION = Parameter("region", Region)
 _TILT_TOLERANCE = np.sin(np.radians(3.0))
 _STANDBY_TOLERANCE = 0.025
 _DRIFT = 0.002
-"""Drift [m] of a rolling object off its line that feasibility checks before execution tolerate."""
+"""Drift [m] of a rolling object off its line that feasibility facts tolerate."""
 
 
 def _levelness(state: State, thing: Token) -> FloatArray:
@@ -33,7 +33,7 @@ def _closeness_of_line(state: State, thing: Token, region: Token) -> FloatArray:
 
 
 def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Return the depth [m] inside the workspace of the hand's position when the object has arrived in the region.
+    """Return how deep [m] the hand is inside its workspace when the object has arrived in the region.
 
     The direction of the roll is unknown before the search, so the direction with the larger depth counts. A positive
     depth is thus necessary for every initial position of the object. After the roll, IN_WORKSPACE measures whether the
@@ -76,7 +76,7 @@ ON_ROLLING_LINE = length_predicate(
     _closeness_of_line,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
-    description="{region} is on the rolling line of {object}, perpendicular to its axis",
+    description="{region} is on the rolling line of {object}, which is perpendicular to the axis of {object}",
     denial="{region} is not on the rolling line of {object}",
 )
 WITHIN_WORKSPACE = length_predicate(

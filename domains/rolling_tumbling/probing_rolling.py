@@ -1,4 +1,7 @@
-"""The trial that tests whether a new object is ROLLABLE: a hand rolls the object 0.6 m like a labelled object."""
+"""The trial that tests whether a new object is ROLLABLE.
+
+The properties of the object are estimated from a labelled object. Then a hand must roll the object over 0.6 m.
+"""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,7 @@
-"""The trial that tests whether a new object is TUMBLABLE: two hands tumble it onto a face like a labelled object."""
+"""The trial that tests whether a new object is TUMBLABLE.
+
+The properties of the object are estimated from a labelled object. Then two hands must tumble the object onto a face.
+"""
 
 import numpy as np
 
@@ -67,7 +70,7 @@ def _turning_axis(task: Task, token: Token) -> int:
 
 
 def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:
-    """Return the contact points on a labelled box that turns about a body axis. Each side has two, at GRIP."""
+    """Return the contact points on a labelled box that turns about an axis: two per side, at GRIP from either edge."""
     halves = np.asarray(labelled["half_extents"]) - np.asarray(labelled["hollow"])
     found = {}
     for face in FACE.symbols:

@@ -67,7 +67,7 @@ def _initial_distance(binding: Binding, state: State) -> FloatArray:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    """Return the duration [s] of the approach, the roll at constant speed and the constant deceleration."""
+    """Return the expected duration [s] of three phases: approach, constant speed and constant deceleration."""
     speed, slowing = float(hyperparameters["speed"]), float(hyperparameters["deceleration"])
     distance = float(hyperparameters["distance"])
     braking = min(distance, speed**2 / (2 * slowing))
@@ -103,7 +103,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system of a hand and a solid cylinder. The hand pushes only, without bounce or slip."""
+    """Return the system of a hand that pushes a solid cylinder. The cylinder rolls without slip and does not bounce."""
     hand, thing, region = _roles(binding)
     mass, radius = hand["mass"], thing["radius_of_rotation"]
     inertia = 1.5 * thing["mass"]  # m + I / R^2 of a solid cylinder

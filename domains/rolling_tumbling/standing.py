@@ -14,7 +14,7 @@ from .tumbling_geometry import hand_axis, lowest_point, nominal_tilt, normal, ti
 SLENDERNESS = 1.6
 """Largest ratio of the edges of a box for which the tumbling method has been tested."""
 FLAT_TOLERANCE = np.radians(5.0)
-# The tolerance is less than PAST_BALANCE, so no box fulfils the postures of both ways of leaning at once.
+# The tolerance is less than PAST_BALANCE, so a box never fits both leaning postures on an edge at once.
 _TIPPED_TOLERANCE = np.radians(5.0)
 _TWIST_TOLERANCE = np.radians(5.0)
 _FLOOR_TOLERANCE = 0.015
@@ -49,7 +49,7 @@ def start_complaint(thing: Token, state: State, tokens: Iterable[Token]) -> str 
 
     Args:
         thing: the box.
-        state: the initial state, a single state.
+        state: the initial state, without batch dimensions.
         tokens: all tokens of the task, among them the hands. The box tumbles about the hands' axes.
     """
     if not any(float(standing(state, thing, posture)) >= 0 for posture in POSTURES.symbols):

@@ -75,9 +75,9 @@ def _light(binding: Binding, state: State) -> FloatArray:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
-    """Return the time [s] for the hands to close and to turn the box from its posture to within tolerance of the next.
+    """Return the expected duration [s] of closing the hands and turning the box to within tolerance of its new posture.
 
-    The time is enough for every initial pose of the box.
+    The duration is long enough for every pose that fits the initial posture.
     """
     roles = Roles.of(binding)
     angle = roles.wanted - nominal_tilt(roles.thing, get_symbol(binding, "before"), *roles.edge)

@@ -51,7 +51,7 @@ def tilt(state: State, thing: Token, down: str, forward: str) -> FloatArray:
 
 
 def nominal_tilt(thing: Token, posture: str, down: str, forward: str) -> float:
-    """Return the tilt [rad], from `down` towards `forward`, of a box in a posture. The posture names one or both."""
+    """Return the tilt [rad], from `down` towards `forward`, of a box in a posture that names one or both."""
     faces = faces_of(posture)
     if len(faces) == 1:
         return 0.0 if faces[0] == down else np.pi / 2
@@ -76,10 +76,10 @@ def hand_axis(state: State, hand: Token) -> FloatArray:
 
 
 def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the outward normal ``(..., 3)``, in the body frame, of the face that lies below a face.
+    """Return the outward normal ``(..., 3)``, in the body frame, of the lower neighbour of a face.
 
-    Only faces whose normals are perpendicular to the hand's axis count. The height of a hand on `face` is measured from
-    the edge that `face` shares with the face below.
+    Only neighbours whose normals are perpendicular to the hand's axis count. The height of a hand on `face` is measured
+    from the edge between `face` and the lower neighbour.
     """
     along = np.abs(to_body(state, thing, hand_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
     across = np.eye(3)[np.argmin(along, axis=-1)]
@@ -149,6 +149,6 @@ def to_the_right(state: State, hand: Token) -> FloatArray:
 
 
 def _angle(state: State, hand: Token, thing: Token, face: str) -> float:
-    """Return the angle [rad] from the hand's right upwards to a face's normal, in the plane across the hand's axis."""
+    """Return the angle [rad] of a face's normal in the plane across the hand's axis, from the hand's right upwards."""
     outward = normal(state, thing, face)
     return float(np.arctan2(outward[2], outward @ to_the_right(state, hand)))

@@ -30,7 +30,7 @@ If the force is larger, the hands carry the weight, so the pivot edge is unloade
 
 
 def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the margin of a hand's axis being level and parallel to a face."""
+    """Return a margin that is positive if the hand's axis is level and parallel to a face."""
     along = hand_axis(state, hand)
     return np.asarray(_ALIGNMENT - np.maximum(np.abs(dot(along, normal(state, thing, face))), np.abs(along[..., 2])))
 
@@ -85,7 +85,7 @@ def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
-    """Return how far a face's normal points to the side of the hand. A hand above the box may use either side."""
+    """Return a margin that is positive if a face points to the hand's side. A hand above the box has both sides."""
     if (face, posture) not in EXPOSED_HOLD:
         return np.asarray(-1.0)
     offset = float((state[hand, "position"] - state[thing, "position"]) @ to_the_right(state, hand))
@@ -149,7 +149,7 @@ STRONG_ENOUGH = Predicate(
     scale=10.0,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
-    description="{hand} is strong enough to bear its share of {object}",
+    description="{hand} is strong enough as one of two hands that tumble {object}",
     denial="{object} is too heavy for {hand} as one of two hands that tumble it",
     share=_share,
 )

@@ -137,13 +137,13 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
 
 
 def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:
-    """Return how far the hands have loosened their grip, from 0 to 1, ``(...)``.
+    """Return the degree ``(...)``, from 0 to 1, to which the hands have loosened their grip.
 
     The hands loosen their grip as planned, or earlier if the box comes down earlier.
 
     Args:
         phase: elapsed share of the planned turn ``(...)``.
-        left: angle ``(...)`` [rad] that is left until the box lies on its next face.
+        left: remaining angle ``(...)`` [rad] until the box lies on its next face.
     """
     by_plan = (phase - _LOOSENING[0]) / (_LOOSENING[1] - _LOOSENING[0])
     by_angle = 1.0 - np.abs(left) / _LYING
@@ -226,7 +226,7 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def _free_velocity(state: State, hand: Token, thing: Token, face: str, commands: Commands, dt: float) -> FloatArray:
-    """Return the velocity ``(..., 3)`` [m/s] of a hand that its own force moves and that its face stops."""
+    """Return the velocity ``(..., 3)`` [m/s] of a hand that moves under its own force until its face stops the hand."""
     velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
     outward = normal(state, thing, face)
     gap = np.maximum(_gap(state, hand, thing, face), 0.0)

@@ -44,7 +44,7 @@ class DexterousHand(StaticEndEffector):
     maximal_aperture: float = positive("m", "largest gap between the fingers", 1, default=_OPEN)
     wrist_inertia: float = positive("kg m^2", "moment of inertia of the hand about its wrist", 1e3)
     contact_width: float = positive("m", "length of the part of a handle that the hand touches", 1)
-    strike_torque: float = positive("N m", "torque that drives a strike, in addition to the torque for the weight", 1e6)
+    strike_torque: float = positive("N m", "torque that drives a strike, without the torque that bears the tool", 1e6)
     strike_angle: float = positive("rad", "angle over which strike_torque drives the strike", 2.5)
 
     @staticmethod
@@ -90,7 +90,7 @@ class Striker(Graspable):
 
     name: ClassVar[str] = "STRIKER"
 
-    impact_point: Vector3 = quantity("m", "point that strikes, in the body frame; a strike moves it along -z")
+    impact_point: Vector3 = quantity("m", "point that strikes, in the body frame; a strike moves this point along -z")
 
 
 class Pusher(Graspable):
@@ -98,7 +98,7 @@ class Pusher(Graspable):
 
     name: ClassVar[str] = "PUSHER"
 
-    pushing_point: Vector3 = quantity("m", "point that pushes, in the body frame; a push moves it along +z")
+    pushing_point: Vector3 = quantity("m", "point that pushes, in the body frame; a push moves this point along +z")
 
 
 class _Boxes(BoxShaped):

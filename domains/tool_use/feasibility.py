@@ -71,7 +71,7 @@ def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
 
 
 def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
-    """Return the smallest depth [m] inside the workspace of the hand's possible positions at the end of a push."""
+    """Return how deep [m] the hand is inside its workspace at the end of a push, for the worst grasp."""
     ahead, _ = way(state, thing, region)
     back = half_depth(state, thing, ahead) + tool["pushing_point"][2]
     place = (state[region, "position"] - ahead * back[..., None]) * HORIZONTAL
@@ -79,7 +79,7 @@ def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region:
 
 
 def _squareness(state: State, thing: Token, region: Token) -> FloatArray:
-    """Return the tolerance minus the angle [rad] between the direction of the push and the nearest side's normal."""
+    """Return a margin [rad] that is positive if a push is nearly perpendicular to a side of the box."""
     ahead, _ = way(state, thing, region)
     local = to_body(state, thing, ahead)
     return np.asarray(_SQUARE_TOLERANCE - np.arccos(np.clip(np.abs(local).max(axis=-1), 0.0, 1.0)))

@@ -72,7 +72,10 @@ def handle_length(tool: Token) -> float:
 
 
 def on_handle(tool: Token, location: FloatArray | float) -> FloatArray:
-    """Return the point ``(..., 3)`` [m] of the handle, in the body frame. Location 0 [m] is nearest to the head."""
+    """Return a point ``(..., 3)`` [m] on the handle, in the body frame.
+
+    `location` is the distance [m] of the point from the end of the handle near the head.
+    """
     return np.asarray(tool["handle_to"] - np.asarray(location)[..., None] * np.array([1.0, 0.0, 0.0]))
 
 
@@ -122,7 +125,7 @@ def swing_angle(state: State, tool: Token) -> FloatArray:
 
 
 def tool_orientation(direction: FloatArray, angle: FloatArray | float) -> FloatArray:
-    """Return the orientation ``(..., 4)`` of a tool with the given yaw of its heading and swing angle [rad]."""
+    """Return the orientation ``(..., 4)`` of a tool from the yaw [rad] of its heading and its swing angle [rad]."""
     turned, swung = np.broadcast_arrays(direction, np.asarray(angle) + np.pi / 2)
     return quaternion_from_rpy(np.stack([np.zeros_like(turned), swung, turned], axis=-1))
 
@@ -158,7 +161,7 @@ def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArr
 
 
 def in_box(state: State, thing: Token, place: FloatArray) -> FloatArray:
-    """Return a position ``(..., 3)`` [m], given in the world frame, in the body frame of an object."""
+    """Convert a position ``(..., 3)`` [m] from the world frame to the body frame of an object."""
     return to_body(state, thing, place - state[thing, "position"])
 
 
@@ -190,7 +193,7 @@ def strike_place(state: State, hand: Token, tool: Token, target: FloatArray) -> 
 
 def _unit(vector: FloatArray) -> FloatArray:
     length = norm(vector)[..., None]
-    # The unit vector of a zero vector must be finite. Where its value matters, a predicate does not hold.
+    # The result must be finite for a zero vector, too. A predicate does not hold where that result would matter.
     if np.minimum.reduce(length, axis=None, initial=1.0) > 1e-9:
         return np.asarray(vector / length)
     return np.where(length > 1e-9, vector / np.maximum(length, 1e-9), np.array([1.0, 0.0, 0.0]))

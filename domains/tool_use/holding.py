@@ -183,7 +183,7 @@ def keeping(
 
 
 def gripping_system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system of a hand without a tool. Its fingers open or close until a handle between them stops them."""
+    """Return the system of a hand without a tool. The fingers open or close, and a handle between them stops them."""
     hand, tool = get_tokens(binding, "hand", "tool")
     arm, width, widest = hand_system(binding, start), tool["handle_width"], hand["maximal_aperture"]
 

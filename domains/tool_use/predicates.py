@@ -28,7 +28,7 @@ _PUSHED = Parameter("object", Pushable)
 _STRUCK = Parameter("object", Strikable)
 _REGION = Parameter("region", Region)
 OPEN = 0.7
-"""Share of the largest gap between its fingers to which a hand must be open to count as empty."""
+"""Smallest gap between the fingers of an empty hand, as a share of the hand's largest gap."""
 _FINGER_TOLERANCE = 1e-4
 _BESIDE_TOLERANCE = 0.02
 _FOOT_TOLERANCE = 0.005
@@ -46,13 +46,13 @@ def _openness(state: State, hand: Token) -> FloatArray:
 
 
 def _grip(state: State, tool: Token, hand: Token) -> FloatArray:
-    """Return the margin [m] of the fingers being closed to the handle's width with the handle between them."""
+    """Return a margin [m] that is positive if the handle is between the fingers and the fingers touch it."""
     closed = _FINGER_TOLERANCE - np.abs(state[hand, "aperture"][..., 0] - tool["handle_width"])
     return np.asarray(np.minimum(closed, CAPTURE - off_handle(state, hand, tool)))
 
 
 def _standing(state: State, tool: Token) -> FloatArray:
-    """Return the margin [m] of a tool standing upright with its head on the floor."""
+    """Return a margin [m] that is positive if the tool stands upright with its head on the floor."""
     upright = _TILT_TOLERANCE - np.abs(swing_angle(state, tool))
     level = _TILT_TOLERANCE - np.abs(side(state, tool)[..., 2])
     height = _FOOT_TOLERANCE - np.abs(state[tool, "position"][..., 2] - foot(tool))
@@ -60,7 +60,7 @@ def _standing(state: State, tool: Token) -> FloatArray:
 
 
 def _stance(distance: FloatArray, *angles: FloatArray) -> FloatArray:
-    """Return the smallest margin [m] of a distance [m] and of angles [rad], whose tolerances are scaled to a length."""
+    """Return the smallest margin [m] of a distance [m] and angles [rad]. Margins of angles are scaled to lengths."""
     margin = np.asarray(_STANCE_TOLERANCE - distance)
     for angle in angles:
         turned = np.abs((angle + np.pi) % (2 * np.pi) - np.pi)

@@ -151,7 +151,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system in which hand and tool are one body. The pushed object slides with friction, without bounce."""
+    """Return the system in which hand and tool are one body. The object slides with friction and never bounces."""
     hand, tool, thing, _ = _roles(binding)
     held, head = HeldTool(hand, tool), np.asarray(tool["pushing_point"])
     friction, own_mass = resistance(thing), thing["mass"]
@@ -187,7 +187,7 @@ def _torque_work(binding: Binding, state: State, commands: Commands) -> FloatArr
 
 
 def _outcome(binding: Binding, state: State) -> State:
-    """Return the state with the object at the centre of the region, and with hand and tool behind it, in contact."""
+    """Return the state with the object at the centre of the region, and with the tool in contact behind the object."""
     hand, tool, thing, region = _roles(binding)
     ahead, _ = way(state, thing, region)
     pushed = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL

@@ -117,8 +117,8 @@ def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
 def _system(binding: Binding, start: State) -> ContinuousSystem:
     """Return the system in which hand and tool are one body that stops in an inelastic impact on an object's top.
 
-    If the hand holds the tool near its head, the far end of the handle may hit the object or the floor first. Then the
-    swing ends there.
+    If the hand holds the tool near its head, the far end of the handle may hit the object or the floor first. This
+    contact also ends the swing.
     """
     hand, tool, thing = _roles(binding)
     held, striking, back = HeldTool(hand, tool), np.asarray(tool["impact_point"]), butt(tool)

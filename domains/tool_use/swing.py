@@ -44,7 +44,7 @@ class Swing:
         return np.asarray(np.maximum(np.round(exact), 1.0))
 
     def drive(self, hand: Token) -> FloatArray:
-        """Return the constant angular acceleration [rad/s^2] that reaches the final speed after the drive's periods."""
+        """Return the constant angular acceleration [rad/s^2] that reaches the final speed at the end of the drive."""
         return np.asarray(self.rate / (self.periods(hand) * CONTROL_PERIOD))
 
     def torque(self, hand: Token) -> FloatArray:

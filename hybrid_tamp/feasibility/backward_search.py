@@ -54,7 +54,7 @@ class BackwardSearch:
         return atom in (self._static if static else self._facts)
 
     def explain_directly(self, goal: Atom) -> list[Reason]:
-        """Return why no block can achieve an atom, or no reason if a block can achieve it once other atoms hold."""
+        """Return the reasons why no block can achieve an atom, or nothing if a block can once other atoms hold."""
         try:
             self.ways[goal] = self._find_ways(goal)
         except TooMany:
@@ -144,7 +144,7 @@ class BackwardSearch:
         return kept
 
     def _achievers(self, atom: Atom) -> Iterator[tuple[Block, Bound]]:
-        """Yield pairs of (block, roles that the atom binds) for blocks that achieve the atom without needing it."""
+        """Yield each block that achieves the atom without needing it first, and the binding that the atom implies."""
         for block in self.task.domain.blocks:
             for literal in block.exit:
                 if literal.positive and literal.predicate.name == atom.predicate and literal not in block.entry:
@@ -196,7 +196,7 @@ def _no_member(task: Task, block: Block, fixed: Bound) -> Reason | None:
     for role, value in fixed.items():
         sort = block.roles.get(role)
         if isinstance(value, Token) and isinstance(sort, type) and value not in task.values_of(sort):
-            message = f"{value.name} must be a member of {sort.name} to fill {role} of {BLOCK}, but it is not"
+            message = f"{value.name} cannot fill {role} of {BLOCK}: {value.name} is not a member of {sort.name}"
             return Reason((), block.name, "no_token", message, lacks=sort)
     return None
 

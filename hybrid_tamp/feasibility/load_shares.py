@@ -126,7 +126,7 @@ def with_unit(number: float, unit: str) -> str:
 
 
 def _describe_load(task: Task, group: _Group, best: list[_Candidate], candidates: int) -> str:
-    """Return a text with the load and the tokens' strengths. If no token bears its share, add how many tokens could."""
+    """Describe the load and the tokens' strengths. If no token can bear its share, say how many tokens are needed."""
     literal, places = group[0][0], _count_places(group)
     unit = literal.predicate.unit
     shares = [_share(task, one) for one in best]
