@@ -23,9 +23,7 @@ _EQUAL = 1e-6
 def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArray:
     """Return the point with each action optimised on its own. Shape ``(d,)``.
 
-    Args:
-        objective: objective of the whole plan.
-        relevant: names of the variables to optimise. All other variables keep their defaults.
+    Variables that are not named in `relevant` keep their defaults.
     """
     point: FloatArray = objective.space.default.copy()
     for instance in sorted(objective.plan.instances, key=lambda i: (i.start, i.name)):

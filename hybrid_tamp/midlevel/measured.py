@@ -20,12 +20,7 @@ _Name = TypeVar("_Name")
 def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout:
     """Convert a recording to the rollout of a population with one candidate.
 
-    If the run failed, its violation is infinite.
-
-    Args:
-        task: task of the run.
-        recording: recording of the run.
-        whole: whether the run covers the whole plan. If not, the goal is not measured.
+    If the run failed, its violation is infinite. If it does not cover the `whole` plan, the goal is not measured.
     """
     conditions: list[Condition] = []
     figures: dict[Key, FloatArray] = {}

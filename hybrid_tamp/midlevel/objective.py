@@ -26,7 +26,14 @@ class RollOut(Protocol):
     """Interface of functions that roll out a population, such as `Rollouts`."""
 
     def __call__(self, chosen: Chosen, count: int, until: str | None = None) -> Rollout:
-        """Roll out the plan at least until the exit of the instance ``until``, or completely if ``until`` is None."""
+        """Roll out a population.
+
+        Args:
+            chosen: maps (instance, hyperparameter) to the values of all candidates. Shape ``(n,)``. Other
+                hyperparameters keep their value in the plan or, without one, their initial value.
+            count: size n of the population.
+            until: name of the instance after whose exit the rollout may stop. None rolls out the whole plan.
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,10 +158,7 @@ def find_last_measured(task: Task, plan: TaskPlan) -> str | None:
 
 
 def _variables(task: Task, plan: TaskPlan) -> Iterable[tuple[Key, Variable]]:
-    """Yield pairs of (key, variable) for all hyperparameters of the plan.
-
-    The default of a variable is its value in the plan or, without one, the initial value defined by the block.
-    """
+    """Yield (key, variable) for all hyperparameters. Defaults come from the plan or, if missing there, the block."""
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
         block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
         for h in block.hyperparameters:

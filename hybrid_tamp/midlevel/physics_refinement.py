@@ -85,10 +85,7 @@ def _look_up(runs: Evaluator, point: FloatArray) -> tuple[Value, Shortfall | Non
 def narrow_space(objective: Objective, point: FloatArray, names: Collection[str]) -> SearchSpace:
     """Return a part of the space around a point, narrow enough that no single variable increases the violation.
 
-    Args:
-        objective: objective with inexpensive rollouts.
-        point: centre and default point of the part. Shape ``(d,)``.
-        names: names of the variables of the part.
+    The point has shape ``(d,)`` and becomes the default. The part contains only the named variables.
     """
     space = objective.space
     columns = [index for index, name in enumerate(space.names) if name in names]

@@ -26,9 +26,9 @@ IntArray = NDArray[np.int64]
 CHUNK = 48
 """Number of control steps per chunk. Conditions are checked once per chunk, for all its states together."""
 STILL = 1e-7
-"""Largest change of a state at rest within a chunk, in SI units."""
+"""Tolerance for a state at rest: the largest change within a chunk, in SI units."""
 _STEADY = 1e-3
-"""Largest change of a constant command within a chunk, in SI units."""
+"""Tolerance for a constant command: the largest change within a chunk, in SI units."""
 _AWAKE = 0.5
 """Time before which no state counts as at rest, in seconds, because movements begin slowly."""
 

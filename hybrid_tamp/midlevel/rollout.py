@@ -108,14 +108,7 @@ class Rollouts:
         self._simulations = {instance.name: Simulation(task, instance) for instance in plan.instances}
 
     def __call__(self, chosen: Chosen, count: int = 1, until: str | None = None) -> Rollout:
-        """Roll out a population.
-
-        Args:
-            chosen: maps (instance, hyperparameter) to values of shape ``(n,)``. Other hyperparameters keep their value
-                in the plan or, without one, their initial value.
-            count: size n of the population.
-            until: name of the instance after whose exit the rollout may stop. None rolls out the whole plan.
-        """
+        """Roll out a population (see `objective.RollOut`)."""
         chain = _Chain(self.task, self._simulations, chosen, count)
         chain.begin(initial(self.plan), np.zeros(count, dtype=np.int64))
         times: list[IntArray] = []

@@ -72,9 +72,9 @@ class Scores:
         return ranks
 
     def best(self) -> BoolArray:
-        """Return a mask of the best candidates up to rounding errors. If all rollouts failed, all candidates are best.
+        """Return a mask of the best candidates up to rounding errors. Shape ``(n,)``.
 
-        A violation above 0 is never rounded to 0. Shape ``(n,)``.
+        If all rollouts failed, all candidates are best. A violation above 0 is never rounded to 0.
         """
         least = np.min(self.violation)
         if not np.isfinite(least):

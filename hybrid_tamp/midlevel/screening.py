@@ -27,10 +27,7 @@ FEW = 4
 
 
 class Effect(NamedTuple):
-    """Largest changes of violation and value by one variable alone.
-
-    The violation is inf if the variable can make a rollout fail.
-    """
+    """Largest changes of violation and value by one variable. The violation is inf if a rollout may fail."""
 
     violation: float
     value: float

@@ -124,10 +124,7 @@ class SearchSpace:
         return replace(self, variables=tuple(variables))
 
     def embed(self, points: FloatArray) -> FloatArray:
-        """Return points of this part, shape ``(n, k)``, as points of the whole space, shape ``(n, d)``.
-
-        If this space is not a part, the points are returned unchanged.
-        """
+        """Return points ``(n, k)`` of this part as points ``(n, d)`` of the whole. Without a whole, keep the points."""
         if self.whole is None:
             return points
         embedded = np.tile(self.whole.default, (len(points), 1))

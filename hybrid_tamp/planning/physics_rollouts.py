@@ -34,13 +34,7 @@ class PhysicsRollouts:
     processes: int = 1
 
     def __call__(self, chosen: Chosen, count: int, until: str | None = None) -> Rollout:
-        """Run every candidate of a population.
-
-        Args:
-            chosen: maps (instance, hyperparameter) to the values of all candidates. Shape ``(n,)``. Other
-                hyperparameters keep their value in the plan or, without one, their initial value.
-            count: size n of the population.
-            until: name of the instance after which the runs end. If None, the runs cover the whole plan.
+        """Run every candidate of a population (see `midlevel.objective.RollOut`).
 
         Raises:
             InputError: if the backend cannot simulate the task.

@@ -21,10 +21,7 @@ from hybrid_tamp.questions.changes import task_root, without_token
 def find_affordances(task: Task, view: View, agent: str | None = None) -> list[Affordance]:
     """Return the affordances of all objects in a perspective.
 
-    Args:
-        task: the task with the objects and the agents.
-        view: name of the perspective.
-        agent: name of an agent. If given, affordances that involve only other agents are left out.
+    If an agent is given, affordances that involve only other agents are left out.
     """
     views: Mapping[View, Callable[[Task], list[Affordance]]] = {
         "environment": environment,

@@ -18,7 +18,7 @@ def answer_what_if(task: Task, question: str, before: Iterable[Affordance], find
     Args:
         task: the task without the change.
         question: ``+CLASS`` or ``-TOKEN``.
-        before: the affordances of the task without the change.
+        before: the affordances without the change.
         find: function that returns the affordances of a task.
 
     Raises:

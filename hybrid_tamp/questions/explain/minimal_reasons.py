@@ -23,12 +23,8 @@ MOST_ANSWERS = 4
 def keep_necessary(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> list[Reason]:
     """Return the reasons whose removal may make the task solvable.
 
-    After a reason is dropped, the other reasons are tested in a task without the cause of the dropped reason.
-
-    Args:
-        task: a task that has no plan.
-        reasons: reasons that no suggestion removes.
-        trials: planner for changed tasks. After its deadline, all remaining reasons are kept.
+    After a reason is dropped, the other reasons are tested in a task without the cause of the dropped reason. After the
+    deadline of `trials`, all remaining reasons are kept.
     """
     kept = list(reasons)
     for reason in reversed(reasons):
@@ -57,12 +53,7 @@ def remove_together(task: Task, reasons: Sequence[Reason], trials: TrialPlanner)
     """Return the reasons that must be removed together, and the changes that remove them.
 
     Each reason is removed by the first change that addresses it. If these changes together do not make the task
-    solvable, all reasons are returned without changes.
-
-    Args:
-        task: a task that no known single change makes solvable.
-        reasons: reasons why the task has no plan.
-        trials: planner for changed tasks. After its deadline, all remaining reasons are kept.
+    solvable, all reasons are returned without changes. After the deadline of `trials`, all remaining reasons are kept.
     """
     kept, changes = list(reasons), _find_changes(task, reasons, trials)
     if not changes:

@@ -26,7 +26,7 @@ from hybrid_tamp.questions.explain.repairs import Repairs, find_counterfactual_r
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_EXPLAINED = 5
-"""Maximum number of alternatives to explain if the goal allows a choice."""
+"""Maximum number of alternatives to explain if the goal allows a choice. The nearest alternatives come first."""
 
 
 def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -> Explanation:
@@ -90,11 +90,9 @@ def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
 
 
 def explain(task: Task, proven: bool = False) -> list[Reason]:
-    """Return reasons why the goal cannot be reached. The list is empty if the declarations show no reason.
+    """Return reasons why the goal cannot be reached.
 
-    Args:
-        task: the task to explain.
-        proven: whether the task is proven to have no plan. The list is then never empty.
+    Unless the task is `proven` to have no plan, the list is empty if the declarations show no reason.
     """
     search = BackwardSearch(task)
     open_atoms = [atom for atom in task.goal if not search.holds(atom)]
@@ -106,12 +104,12 @@ def explain(task: Task, proven: bool = False) -> list[Reason]:
 
 
 def explain_alternatives(task: Task, proven: bool = False) -> list[Reason]:
-    """Return reasons why the first few alternatives of the goal cannot be reached."""
+    """Return reasons why the nearest alternatives of the goal cannot be reached."""
     return list(dict.fromkeys(r for each in task.alternatives()[:MOST_EXPLAINED] for r in explain(each, proven)))
 
 
 def _find_repairs(task: Task, reasons: list[Reason], trials: TrialPlanner, most: int) -> Repairs:
-    """Search for changes that make one of the first few alternatives of the goal reachable."""
+    """Search for changes that make one of the nearest alternatives of the goal reachable."""
     found, complete = list[Suggestion](), True
     for each in task.alternatives()[:MOST_EXPLAINED]:
         if len(found) < most:

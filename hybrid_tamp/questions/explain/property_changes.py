@@ -46,10 +46,7 @@ def _unit(token: Token, key: str) -> str:
 
 
 def _components(token: Token, key: str) -> tuple[int | None, ...]:
-    """Return the components of a property that may change.
-
-    A number gives ``(None,)``. A vector without a validator gives ``(0, 1, 2)``. Other properties cannot change.
-    """
+    """Return the components of a property that may change: None for a number, and 0 to 2 for a free vector."""
     value = token[key]
     if isinstance(value, float):
         return (None,)

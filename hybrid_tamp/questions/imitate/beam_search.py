@@ -69,12 +69,7 @@ class _Reassignment:
 
 
 def find_best(task: Task, observation: Observation) -> Interpretation:
-    """Return the cheapest interpretation of the whole observation.
-
-    Args:
-        task: task with the tokens, the domain and the initial assignment. Its goal is ignored.
-        observation: observed states over time.
-    """
+    """Return the cheapest interpretation of the whole observation. The goal of the task is ignored."""
     return _Search(task, observation).best()
 
 

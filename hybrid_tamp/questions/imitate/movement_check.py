@@ -46,9 +46,7 @@ def count_pauses(speeds: FloatArray, period: float, slow: float = _SLOW) -> int:
 def measure_length(positions: FloatArray, period: float) -> float:
     """Return the length of the longest path of any token, in metres.
 
-    Args:
-        positions: positions of the tokens in each row, in metres. Shape ``(t, tokens, 3)``.
-        period: time between two rows, in seconds.
+    ``positions`` is in metres and has shape ``(t, tokens, 3)``, with ``period`` seconds between two rows.
     """
     stride = max(1, round(_SPAN / period))
     corners = np.concatenate([positions[::stride], positions[-1:]])

@@ -16,12 +16,7 @@ from hybrid_tamp.questions.imitate.observation import Observation
 
 
 def segment(task: Task, observation: Observation) -> Segmentation:
-    """Return the timeline that explains an observation best.
-
-    Args:
-        task: task with the tokens, the domain and the initial assignment. Its goal affects only the violations.
-        observation: observed states over time.
-    """
+    """Return the timeline that explains an observation best. The goal of the task affects only the violations."""
     best = find_best(task, observation)
     times = observation.times
     hypotheses = [*((each, each.due) for each in best.past), *((each, observation.last) for each in best.running)]
