@@ -164,7 +164,7 @@ class Vocabulary:
 
     @property
     def predicates(self) -> tuple[tuple[str, tuple[Typed, ...]], ...]:
-        """The predicates that stand for classes and the user's predicates, with typed parameters."""
+        """The user's predicates and the predicates that stand for classes, with typed parameters."""
         guards = [
             self._declare(self.names.pddl(("class", c.name)), [("thing", ROOT if is_place(c) else TOKEN)])
             for c in self.classes
