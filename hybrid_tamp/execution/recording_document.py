@@ -16,7 +16,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 _STRICT = ConfigDict(extra="forbid", strict=True, ser_json_inf_nan="constants")
 _Entry = tuple[str, str, PositiveInt]
 _COMMON = ("commands_layout", "instances", "backend", "timestep", "warnings", "contacts")
-"""Names of the attributes that a recording and its document have in common without conversion."""
+"""Names of the attributes that a recording and its document share without conversion."""
 
 
 class _Margin(BaseModel):

@@ -123,5 +123,5 @@ def _read_array(archive: zipfile.ZipFile, name: str) -> FloatArray:
     shape = tuple(int(size) for size in sizes.replace(" ", "").split(",") if size)
     size = len(data) - header.end()
     if len(shape) != dimensions or math.prod(shape) * np.dtype(dtype).itemsize != size:
-        raise ValueError(f"{name} must have {dimensions} dimensions that match its {size} bytes, got shape {shape}")
+        raise ValueError(f"{name} must have {dimensions} dimensions and {size} bytes of data, got shape {shape}")
     return np.frombuffer(data, dtype=dtype, offset=header.end()).reshape(shape)
