@@ -18,7 +18,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 class RunError(Exception):
-    """Failure of an instance, which ends the run. `Run` catches it, so no caller of this package sees it.
+    """Failure of an instance, which ends the run. `Run` catches this error, so callers of the package never see it.
 
     Attributes:
         instance: name of the instance that failed; empty if no single instance failed.
