@@ -118,7 +118,7 @@ def lowest_height(body: Body) -> float:
 
 
 def overlap(one: Body, other: Body) -> FloatArray | None:
-    """Return a displacement of `other` that ends the overlap with `one` [m], shape ``(3,)``, or None without overlap.
+    """Return a displacement of `other` that separates the bodies [m], shape ``(3,)``, or None if they do not overlap.
 
     The candidate directions are the axes of the solids, the lines between the centres, and the cross products of axes.
     Downward directions are excluded, because the floor may be there. The displacement is the shortest along the
@@ -138,7 +138,7 @@ def overlap(one: Body, other: Body) -> FloatArray | None:
 
 
 def _overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
-    """Return a displacement of a convex body `other` that ends its overlap with `one` [m], or None without overlap."""
+    """Return a displacement of `other` that separates two convex bodies [m], or None if the bodies do not overlap."""
     best: FloatArray | None = None
     least = np.inf
     for direction in _directions(one, other):
@@ -221,7 +221,7 @@ def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
 
 
 def _nearest_to_zero(corners: list[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
-    """Return the smallest set of corners of a simplex whose hull contains the point nearest to zero, and this point."""
+    """Return the corners of the smallest face of a simplex that contains the point nearest to zero, and the point."""
     best: tuple[list[FloatArray], FloatArray] = (corners[:1], corners[0])
     for count in range(1, len(corners) + 1):
         for chosen in combinations(corners, count):

@@ -1,4 +1,4 @@
-"""Geometric features of shapes, such as the roundness about an axis, which decide the order in which classes are tried.
+"""Geometric features of shapes, such as the roundness about an axis. The features rank the classes of a new object.
 
 All features derive from the support function h(u), the maximum of the dot product p u over all points p of a body.
 h(u) is the reach of the body from the centre of mass along a unit vector u. The support function describes the convex
@@ -79,7 +79,7 @@ def roundest_axis(shape: Shape) -> FloatArray:
 
 
 def rolling_likelihood(shape: Shape) -> float:
-    """Return the roundness of a shape about its roundest axis, scaled to 0 for a square prism and 1 for a cylinder."""
+    """Return a score for how well a shape rolls about its roundest axis: 0 for a square prism and 1 for a cylinder."""
     best = roundness(shape, roundest_axis(shape))
     return float(np.clip((best - _LEAST_ROUND) / (1.0 - _LEAST_ROUND), 0.0, 1.0))
 

@@ -1,4 +1,4 @@
 """Data structures of tasks, domains, plans and recordings.
 
-This package does not plan, simulate, or read and write files. All other packages for these purposes build on it.
+This package does not plan, simulate, or read and write files. The packages that do so import this package.
 """

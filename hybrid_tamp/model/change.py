@@ -92,7 +92,7 @@ class AddEdge(_Described):
 
 @dataclass(frozen=True)
 class GrantFact(_Described):
-    """Assumption that a condition on a static predicate holds, whatever its margin is.
+    """Assumption that a condition on a static predicate holds, although the margin is negative.
 
     Attributes:
         atom: condition that is assumed to hold. A negative atom assumes that the fact does not hold.

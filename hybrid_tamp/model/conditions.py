@@ -58,7 +58,7 @@ class _Instants:
 
 
 class _Checker:
-    """Base class of the checks of conditions: law 5, and law 7 for the goal."""
+    """Base class of the checks of conditions, which are law 5 and the goal in law 7."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         self.task = task

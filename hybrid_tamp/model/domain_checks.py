@@ -36,7 +36,7 @@ def _twice(domain: Declarations) -> Iterator[Issue]:
 
 
 def _one_namespace(domain: Declarations) -> Iterator[Issue]:
-    """Yield names that a predicate shares with a class or sort, because PDDL has one namespace for all of them."""
+    """Yield a fault for each predicate with the name of a class or sort. PDDL has one namespace for all these names."""
     mentioned = [*domain.sorts, *(p.sort for q in domain.predicates for p in q.parameters)]
     sorts = {sort.name for sort in mentioned if isinstance(sort, SymbolSort)}
     types = sorts | {object_class.name for object_class in domain.classes}

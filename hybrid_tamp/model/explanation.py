@@ -28,7 +28,8 @@ class Reason:
 
     Attributes:
         goal: unreachable goal atoms.
-        block: name of the block that could achieve the goal atoms, or of the action if several modes fail, or empty.
+        block: name of the block that could achieve the goal atoms. Name of the action if several modes fail. Empty if
+            no block could achieve the goal atoms.
         kind: kind of the reason.
         message: description of the reason.
         atom: condition that fails, or None.

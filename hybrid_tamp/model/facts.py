@@ -1,8 +1,8 @@
 """Computation of the symbolic state from the continuous state.
 
 An atom holds if its margin is zero or positive. A functional predicate has at most one value. If several values have
-non-negative margins, the value in the goal is chosen, or else the value with the largest margin. Atoms of maintained
-predicates depend on the running instances, so they cannot be computed from the continuous state.
+non-negative margins, the value in the goal is chosen. If the goal has none of these values, the value with the largest
+margin is chosen. Atoms of maintained predicates depend on the running instances, not on the continuous state.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence

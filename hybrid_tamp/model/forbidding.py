@@ -2,8 +2,8 @@
 
 A block with forbidden bindings gets an additional static predicate as an entry condition. The predicate fails for the
 forbidden bindings. The planner, the law checker and the explanations treat the predicate like any other feasibility
-fact. Every binding is a fact in the planning problem. To reduce the number of facts, the predicate omits symbols that
-other arguments determine by the conditions of the block.
+fact. Every binding is a fact in the planning problem. To reduce the number of facts, the predicate has no parameter for
+a symbol that follows from the other arguments.
 """
 
 from dataclasses import dataclass, replace
@@ -63,7 +63,7 @@ def forbidden_bindings(task: Task, block: str) -> frozenset[tuple[str, ...]]:
 
 
 def deciding_roles(block: Block) -> tuple[str, ...]:
-    """Return the roles of a block, without symbols that other roles determine by relations in the entry conditions."""
+    """Return the roles of a block except symbol roles whose value follows from other roles by an entry condition."""
     kept = list(block.roles)
     for literal in _declared(block):
         twice = len(set(literal.arguments)) < len(literal.arguments)

@@ -37,5 +37,5 @@ def can_be_gripped(token: Token) -> bool:
 
 
 def pass_through(one: Token, other: Token) -> bool:
-    """Return whether one token is a hand with fingers and the other has a handle. Such tokens do not collide."""
+    """Return whether the tokens pass through each other, as a hand with fingers and a token with a handle do."""
     return (grips(one) and can_be_gripped(other)) or (grips(other) and can_be_gripped(one))

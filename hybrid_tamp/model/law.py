@@ -115,7 +115,7 @@ def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
 
 
 def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Check law 6. If the plan ends, an instance of a block with `hold` and no exit conditions can be too short."""
+    """Check law 6. At the end of the plan, an instance with `hold` and without exit conditions may be too short."""
     for instance in plan.instances:
         block = task.domain.block_by_name[instance.block]
         length = instance.end - instance.start
@@ -153,7 +153,7 @@ def _meet(writer: BlockInstance, reader: BlockInstance) -> bool:
 
 
 def _ends(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Check the part of law 7 that only blocks with `hold` run at the end of the plan."""
+    """Check law 7: only blocks with `hold` run at the end of the plan."""
     for instance in plan.instances:
         if at(instance.end, plan.makespan) and not task.domain.block_by_name[instance.block].hold:
             yield Violation(7, plan.makespan, instance.name, "only blocks with a hold can run at the end of the plan")

@@ -86,11 +86,11 @@ class Exclusion:
 
     @property
     def text(self) -> str:
-        """Description of the binding and of the smallest amount by which the condition fails."""
+        """Description of the binding and of the amount by which the condition fails."""
         roles = ", ".join(f"{role}={name}" for role, name in self.instance.roles.items())
         short = self.shortfall
         unit = "" if short.unit == "1" else f" {short.unit}"
-        return f"{self.instance.block} with {roles}: {short.atom.text} fails by {-short.margin:.3g}{unit} at best"
+        return f"{self.instance.block} with {roles}: {short.atom.text} fails by at least {-short.margin:.3g}{unit}"
 
 
 @dataclass(frozen=True)

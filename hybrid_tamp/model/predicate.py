@@ -30,12 +30,12 @@ Binding = Mapping[str, Value]
 
 
 class Kind(Enum):
-    """What makes the atoms of a predicate true and false."""
+    """The kind of a predicate, which determines how atoms become true and false."""
 
     CHANGING = "changing"
     """Blocks add and delete the atoms."""
     FUNCTIONAL = "functional"
-    """One parameter has at most one value for given other arguments. A new value replaces the old value."""
+    """One parameter has at most one value for given values of the others. A new value replaces the old value."""
     MAINTAINED = "maintained"
     """An atom holds only while the instance that added the atom runs."""
     STATIC = "static"
@@ -222,7 +222,7 @@ class Literal:
 
 @dataclass(frozen=True, order=True)
 class Atom:
-    """A ground literal, which consists of names of a predicate and of tokens or symbols, and of a sign."""
+    """A ground literal, which refers to the predicate, the tokens and the symbols by name."""
 
     predicate: str
     arguments: tuple[str, ...]

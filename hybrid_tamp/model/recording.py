@@ -69,7 +69,7 @@ class Contact:
 
     @property
     def between_instances(self) -> bool:
-        """Whether the tokens were in different instances. Such a contact is not intended."""
+        """Whether the tokens were in different instances. Contact between instances is not intended."""
         return self.instances[0] != self.instances[1]
 
 

@@ -25,7 +25,7 @@ class Tabular:
 
 
 def text_table(rows: Rows) -> str:
-    """Return a table of two columns as plain text. Each label is in the first line of its value."""
+    """Return a table of two columns as plain text. The label of a row is in the first line of the row."""
     width = max((len(label) for label, _ in rows), default=0)
     lines = []
     for label, value in rows:
@@ -53,7 +53,10 @@ def lines_of(value: Any) -> list[str]:
 
 
 def cell(value: Any) -> str:
-    """Return a single value as text. Use its attribute `text` or `name` if available. Floats have 4 digits."""
+    """Return a single value as text. A value with an attribute `text` or `name` is replaced by this attribute.
+
+    Floats have 4 significant digits.
+    """
     if value is None:
         return "none"
     if isinstance(value, bool):

@@ -148,13 +148,13 @@ class Token:
 
     @property
     def solid(self) -> Shape:
-        """The shape of a token that must have one.
+        """Shape of the token, which must have a shape.
 
         Raises:
-            ValueError: the token has no shape.
+            ValueError: if the token has no shape.
         """
         if self.shape is None:
-            raise ValueError(f"{self.name} has no shape")
+            raise ValueError(f"{self.name} must have a shape, got None")
         return self.shape
 
     def is_member(self, object_class: type[ObjectClass]) -> bool:
@@ -162,7 +162,7 @@ class Token:
         return any(issubclass(member, object_class) for member in self.classes)
 
     def may_be_member(self, object_class: type[ObjectClass]) -> bool:
-        """Return whether it is unknown if the token is a member of the class."""
+        """Return whether the token's membership of the class is unknown."""
         return not self.is_member(object_class) and any(issubclass(each, object_class) for each in self.unknown)
 
     @cached_property

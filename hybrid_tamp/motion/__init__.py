@@ -5,7 +5,7 @@ Conventions
 
 Frames
     All frames are right-handed. The z axis of the world frame points up, so gravity points along -z. A vector is
-    given in the world frame unless its name says otherwise.
+    given in the world frame unless the variable name says otherwise.
 
 Units
     All units are SI units: metre, second, radian, kilogram and newton. Degrees are not used.

@@ -71,7 +71,7 @@ class ShownMovement:
 
 
 def learnt(movements: Sequence[ShownMovement], moves: str, dimensions: int, n_weights: int) -> tuple[DMP, float]:
-    """Return the primitive that imitates all movements, and its error.
+    """Return the primitive that imitates all movements, and the fitting error.
 
     Args:
         movements: demonstrated movements, at least one.

@@ -1,4 +1,4 @@
-"""Discrete dynamic movement primitives (DMPs), in which a spring pulls to the goal and a learnt forcing term is added.
+"""Discrete dynamic movement primitives (DMPs), which consist of a spring to the goal and a learnt forcing term.
 
 DMPs are from Ijspeert, Nakanishi and Schaal (NIPS 2003; reviewed in Ijspeert et al. 2013, Neural Computation
 25:328-373). This module implements the form of Pastor, Hoffmann, Asfour and Schaal and of Hoffmann, Pastor, Park and
@@ -79,8 +79,8 @@ class DMP:
             time: times of the samples [s], shape ``(t,)``, or a sequence with one array for each demonstration.
             positions: positions [m], shape ``(t, d)``, or a sequence with one array for each demonstration.
             n_weights: number k of basis functions.
-            soft_start: value of the attribute `soft_start`. With True, the start of the movement, e.g. lifting before
-                travelling, keeps its shape better for other goals.
+            soft_start: value of the attribute `soft_start`. A soft start better preserves the initial part of the
+                movement, e.g. lifting before travelling, if the goal changes.
 
         Returns:
             The learnt primitive, with the default spring.
@@ -181,5 +181,5 @@ class DMP:
 
 
 def _steps(amount: float) -> int:
-    # The tolerance prevents that a rounding error turns 100.00000000000001 into 101.
+    # The tolerance prevents a rounding error from turning 100.00000000000001 into 101.
     return ceil(amount - 1e-9)

@@ -93,7 +93,7 @@ def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
         Vectors in the target frame, with the broadcast shape ``(..., 3)``.
 
     Raises:
-        ValueError: if the last dimension of the quaternions is not 4 or that of the vectors is not 3.
+        ValueError: if the last dimension of the quaternions is not 4 or the last dimension of the vectors is not 3.
     """
     unit, source = _array(quaternion, 4, "quaternion"), _array(vectors, 3, "vectors")
     terms = products(unit, unit, TURN) * source.take(EACH_ROW, -1)

@@ -62,7 +62,7 @@ class Profile:
         return np.asarray(np.interp(np.asarray(phase, dtype=np.float64), time, rate, left=0.0))
 
     def arrival(self, amount: ArrayLike, duration: ArrayLike, near: float, slow: float) -> FloatArray:
-        """Return the time from which a movement stays close to its end and slow [s], shape ``(...)``.
+        """Return the time after which a movement stays slow and close to its end [s], shape ``(...)``.
 
         Args:
             amount: length of the movement [m or rad], shape ``(...)``.
