@@ -71,9 +71,8 @@ class DMP:
     ) -> "DMP":
         """Return a primitive whose weights are learnt from one or more demonstrations that start and end at rest.
 
-        The weights are a least-squares fit to the positions, see
-        :func:`~hybrid_tamp.motion.imitation.fitted_weights`. The demonstrations can have different starts, goals and
-        durations.
+        The weights are a least-squares fit to the positions, see :func:`~hybrid_tamp.motion.imitation.fitted_weights`.
+        The demonstrations can have different starts, goals and durations.
 
         Args:
             time: times of the samples [s], shape ``(t,)``, or a sequence with one array for each demonstration.

@@ -16,8 +16,7 @@ class Trajectory:
         duration: duration of the movement without the settling time [s], shape ``(...)``.
         goal: position after the last sample [m], shape ``(..., d)``.
         spacing: normalised time between two samples.
-        samples: positions [m] and their first and second derivatives in normalised time [m], shape
-            ``(t, ..., 3, d)``.
+        samples: positions [m] and their first and second derivatives in normalised time [m], shape ``(t, ..., 3, d)``.
     """
 
     duration: FloatArray
