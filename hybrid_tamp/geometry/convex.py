@@ -1,7 +1,7 @@
 """Lowest points and overlaps of convex bodies in the world.
 
 All computations use support points. The support point of a body along a direction is its furthest point in this
-direction. So the same algorithm works for all pairs of shapes (Gilbert, Johnson and Keerthi 1988, "A fast procedure for
+direction. So one algorithm works for all pairs of shapes (Gilbert, Johnson and Keerthi 1988, "A fast procedure for
 computing the distance between complex objects in three-dimensional space").
 """
 
@@ -31,8 +31,7 @@ class ConvexBody:
         ball: radius of a ball that is swept over the core [m].
         position: position of the centre in the world frame [m], shape ``(3,)``.
         axes: axes of the body as unit vectors in the world frame, one per row, shape ``(3, 3)``.
-        points: corners of a convex hull in the body frame [m], shape ``(n, 3)``, which replace `half`, `disc` and
-            `ball`. None for other shapes.
+        points: corners of a convex hull in the body frame [m], shape ``(n, 3)``. None for other shapes.
     """
 
     half: FloatArray
@@ -80,13 +79,7 @@ Body = Sequence[ConvexBody]
 
 
 def placed(shape: Shape, position: FloatArray, orientation: FloatArray) -> Body:
-    """Return a shape as a body at a pose.
-
-    Args:
-        shape: shape of the body.
-        position: position of the body frame in the world [m], shape ``(3,)``.
-        orientation: unit quaternion of the body frame in the world, shape ``(4,)``.
-    """
+    """Return the body with a shape at a position [m], shape ``(3,)``, and with a unit quaternion, shape ``(4,)``."""
     solids = []
     for part in solids_of(shape):
         axes = rotate(orientation, rotate(quaternion_from_rpy(part.rpy), np.eye(3)))
@@ -156,8 +149,7 @@ def overlaps(
 ) -> Iterator[tuple[int, int, FloatArray]]:
     """Yield the pairs of overlapping bodies as triples of (first index, second index, displacement of the second body).
 
-    The first index is less than the second. For each second index, only the first overlap is reported, because a user
-    does not need all pairs of a heap.
+    The first index is less than the second index. Only the first overlap is reported for each second index.
 
     Args:
         bodies: bodies to check.

@@ -65,8 +65,7 @@ def roundness(shape: Shape, axis: FloatArray) -> float:
 def rolling_radius(shape: Shape, axis: FloatArray) -> float:
     """Return the distance rolled in a full turn about an axis, divided by 2 pi [m].
 
-    The result is the mean reach perpendicular to the axis, because the perimeter of a convex outline is 2 pi times its
-    mean reach (Cauchy's formula).
+    The result is the mean reach, because the perimeter of a convex outline is 2 pi times its mean reach (Cauchy).
     """
     return float(silhouette(points_of(shape), axis).mean())
 
@@ -85,10 +84,7 @@ def rolling_likelihood(shape: Shape) -> float:
 
 
 def tumbling_likelihood(shape: Shape) -> float:
-    """Return a score from 0 to 1 for how well a shape tumbles about its best axis.
-
-    The score is the relative size of the smallest of the faces on which the shape stands while tumbling.
-    """
+    """Return the relative size, from 0 to 1, of the smallest face on which a shape stands while it tumbles."""
     points = points_of(shape)
     grounds = np.array([[_ground(points, sign * axis) for sign in (-1.0, 1.0)] for axis in np.eye(3)]).min(axis=1)
     return float(max(np.delete(grounds, turn).min() for turn in range(3)))

@@ -48,9 +48,7 @@ class Hull:
 
 @dataclass(frozen=True)
 class MeshShape:
-    """A rigid body that consists of convex parts.
-
-    The origin of the body frame is the centre of mass. The axes are the axes of the mesh file.
+    """A rigid body of convex parts. The body frame has the centre of mass as its origin and the axes of the file.
 
     Attributes:
         path: path of the mesh file.

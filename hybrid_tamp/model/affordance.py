@@ -91,8 +91,7 @@ class BasicAction:
 class ObjectClass(BaseModel):
     """A named set of fixed properties. Each slot admits the members of one class (paper, Sec. II-A).
 
-    To define a class, subclass `AffordanceClass`, `CapabilityClass` or `PlaceClass` and declare properties with
-    `quantity`.
+    To define a class, subclass `AffordanceClass`, `CapabilityClass` or `PlaceClass`. Use `quantity` for properties.
 
     Attributes:
         name: name of the class in task files, e.g. ``"STATIC END-EFFECTOR"``.
@@ -113,10 +112,7 @@ class ObjectClass(BaseModel):
 
     @classmethod
     def features(cls, shape: Shape) -> float:
-        """Return a score from 0 to 1 for how typical a shape is of the class.
-
-        The score decides the order in which classes are tried. The score is no evidence of membership.
-        """
+        """Return a score from 0 to 1 for how typical a shape is of the class. The score only ranks classes."""
         return 0.5
 
     @staticmethod
@@ -167,8 +163,7 @@ def is_place(object_class: type[ObjectClass]) -> bool:
 class ClassRelations:
     """Rules for which pairs of classes can have a token in common.
 
-    A class of places and a class of other tokens are disjoint. All other pairs of classes can share a token unless the
-    domain declares them disjoint.
+    A class of places and a class of other tokens are disjoint. A domain can declare more classes as disjoint.
     """
 
     def __init__(self, disjoint: Iterable[tuple[type[ObjectClass], ...]] = ()) -> None:

@@ -20,8 +20,7 @@ class Affordance:
         object: name of the object.
         block: name of the block.
         slot: name of the slot that the object can fill.
-        witness: one feasible binding, which maps each role to the name of its token or symbol. Empty if the classes of
-            the tokens alone decide the affordance.
+        witness: feasible binding that maps each role to a token or symbol. Empty if only classes are considered.
     """
 
     agents: tuple[str, ...]
@@ -38,15 +37,12 @@ class Affordance:
 
 @dataclass(frozen=True)
 class Implication:
-    """An affordance for an observer that follows from an affordance for another agent.
-
-    The observer and the other agent have the same capability classes.
+    """An affordance for an observer that follows from an affordance for an agent with the same capability classes.
 
     Attributes:
         affordance: affordance for the observed agent.
         observer: name of the observer.
-        witness: feasible binding with the observer's tokens, which maps each role to the name of its token or symbol.
-            Empty if a feasibility fact fails for the observer's tokens.
+        witness: feasible binding with the observer's tokens. Empty if a feasibility fact fails for these tokens.
     """
 
     affordance: Affordance

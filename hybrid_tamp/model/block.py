@@ -52,10 +52,8 @@ class Duration:
 
     Attributes:
         minimum: lower bound of the duration [s], greater than zero.
-        maximum: upper bound of the time until the exit conditions hold [s]. An instance of a block without `hold` must
-            also end within this time.
-        expected: function ``expected(binding, state, hyperparameters)`` that estimates the duration [s] from the state
-            at the start of the instance.
+        maximum: upper bound of the time until the exit conditions hold [s]. Blocks without `hold` also end by then.
+        expected: function ``expected(binding, state, hyperparameters)`` that estimates the duration from the start [s].
     """
 
     minimum: float
@@ -70,8 +68,7 @@ class Movement:
     Attributes:
         slot: slot of the token whose movement is demonstrated.
         moves: varying property that the movement changes: ``position`` or ``orientation``.
-        dimensions: number of dimensions of the primitive. A primitive with 3 dimensions represents the position [m]. A
-            primitive with 1 dimension represents the travelled fraction of the path or of the angle.
+        dimensions: 3 if the primitive represents the position [m], or 1 if it represents the travelled fraction.
     """
 
     slot: str
@@ -108,10 +105,7 @@ class Measure:
 
 
 Outcome = Callable[[Binding, State], State]
-"""Function ``outcome(binding, state)`` that returns the expected state at the instant when the exit conditions hold.
-
-Only the tokens in the slots change. The function is pure.
-"""
+"""Pure function ``outcome(binding, state)`` that returns the expected state when the exit conditions hold."""
 
 
 def _rest(binding: Binding, start: State) -> ContinuousSystem:
@@ -131,8 +125,7 @@ class Block:
     """A type of action, or one mode of a type of action.
 
     An action with several possible outcomes has one mode for each outcome. Each mode has its own conditions, targets
-    and hyperparameters, and is a block named ``"ACTION:mode"``. An edge of the network that names only the action
-    applies to all modes.
+    and hyperparameters, and is a block named ``"ACTION:mode"``. An edge that names only the action is for all modes.
 
     Attributes:
         name: name of the block, e.g. ``"ROLLING"`` or ``"REACHING:behind"``.
@@ -145,14 +138,12 @@ class Block:
         keeps: predicates whose atoms the block does not change, although the predicates read a written property.
         hyperparameters: parameters of the policy that are optimised.
         duration: bounds and an estimate for the duration of an instance.
-        hold: whether an instance can continue after its exit conditions hold. The instance then maintains the
-            conditions.
-        policy: function ``policy(binding, start, parameters)`` that returns the feedback law of an instance. None if no
-            token in a slot has basic actions.
+        hold: whether an instance can continue after its exit conditions hold and maintain the conditions.
+        policy: function ``policy(binding, start, parameters)`` that returns the feedback law of an instance, or None.
         system: function ``system(binding, start)`` that returns the continuous system of an instance.
         performance: performance measures of an instance. Their weighted sum is maximised.
-        taught: function ``taught(primitive)`` that returns the same block with another motor primitive, which is a
-            `motion.dmp.DMP`. None if the block has no motor primitive.
+        taught: function ``taught(primitive)`` that returns the block with another motor primitive (`motion.dmp.DMP`).
+            None if the block has no motor primitive.
         movement: movement that the motor primitive represents, or None.
         outcome: function that estimates the final state of the tokens, for schedules. None if no token moves.
         description: description in one line.

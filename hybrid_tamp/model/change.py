@@ -95,7 +95,7 @@ class GrantFact(_Described):
     """Assumption that a condition on a static predicate holds, although the margin is negative.
 
     Attributes:
-        atom: condition that is assumed to hold. A negative atom assumes that the fact does not hold.
+        atom: condition that is assumed to hold. The condition can be negative.
         shortfall: amount by which the condition fails, as text with a unit.
     """
 

@@ -25,8 +25,7 @@ class CommandLayout(Layout):
     """Layout of a row that stores the commands of all basic actions.
 
     Attributes:
-        limits: largest norm of the command of each entry, in the unit of the action. Infinite for actions without a
-            limit.
+        limits: largest norm of the command of each entry, in the unit of the action. Infinite without a limit.
     """
 
     limits: tuple[float, ...]

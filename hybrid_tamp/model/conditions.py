@@ -1,7 +1,4 @@
-"""Check of law 5 and of the goal: conditions must hold at the instants of reassignment.
-
-In a plan, the effects of blocks decide whether a condition holds. In a recording, the measured margins decide.
-"""
+"""Check of law 5 and of the goal. Effects of blocks decide for a plan, and measured margins decide for a recording."""
 
 from bisect import bisect_left, bisect_right
 from collections import deque

@@ -44,11 +44,9 @@ class Hyperparameter:
         unit: SI unit.
         lower: lower bound [unit].
         upper: upper bound [unit].
-        initial: function ``initial(binding, state)`` that returns the initial value [unit], shape ``(...)``. `state` is
-            the state at the start of the instance.
+        initial: function ``initial(binding, start)`` that returns the initial value [unit], shape ``(...)``.
         description: description in one line.
-        within: function ``within(binding)`` that returns narrower bounds [unit], e.g. from the length of a handle. None
-            if the bounds do not depend on the tokens.
+        within: function ``within(binding)`` that returns narrower bounds [unit], e.g. from a handle's length, or None.
     """
 
     name: str

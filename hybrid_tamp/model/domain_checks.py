@@ -185,10 +185,7 @@ def sort_name(sort: type[ObjectClass] | SymbolSort) -> str:
 
 
 def _frame(domain: Declarations) -> Iterator[Issue]:
-    """Yield a fault for each missing effect of a block.
-
-    A predicate that reads a written property must be in an exit condition, be maintained, or be listed in `keeps`.
-    """
+    """Yield a fault for each predicate that reads a written property, unless it is an effect, maintained or kept."""
     for block in domain.blocks:
         for slot_name, written in block.writes.items():
             slot_class = block.slot(slot_name).object_class

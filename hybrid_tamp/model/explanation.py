@@ -28,16 +28,14 @@ class Reason:
 
     Attributes:
         goal: unreachable goal atoms.
-        block: name of the block that could achieve the goal atoms. Name of the action if several modes fail. Empty if
-            no block could achieve the goal atoms.
+        block: name of the block that could achieve the goal atoms, or empty. Only the action if several modes fail.
         kind: kind of the reason.
         message: description of the reason.
         atom: condition that fails, or None.
         margin: margin of the condition that fails [unit], or None.
         unit: unit of the margin.
         lacks: class with too few tokens, or slot to which no edge leads, or None.
-        probe: pair of (task, token) for a membership trial that would remove the uncertainty, or None. The task is a
-            path of a task file or a name.
+        probe: pair of (task, token) for a membership trial that would remove the uncertainty, or None.
     """
 
     goal: tuple[Atom, ...]

@@ -7,8 +7,7 @@
 5. At each reassignment, the exit conditions of ending instances and the entry conditions of starting instances hold. No
    other instance changes a property that a running instance reads from its targets.
 6. The duration of each instance is within the bounds of its block. Only a block with `hold` can wait.
-7. The plan starts with the initial state and assignment. At the end of the plan, the goal holds and only blocks with
-   `hold` run.
+7. The plan starts with the initial state and assignment. At its end, the goal holds and only blocks with `hold` run.
 
 The checker is independent of the planner. In a plan, the effects of blocks decide whether a condition holds. In a
 recording, the measured margins decide.
@@ -31,8 +30,7 @@ def check_law(task: Task, plan: TaskPlan, measured: Measured | None = None) -> l
     Args:
         task: task of the plan.
         plan: timeline to check. The timeline of a recording has measured instants.
-        measured: function that returns the measured state at an instant. If None, the declared effects of blocks decide
-            whether conditions hold.
+        measured: function that returns the measured state at an instant. If None, declared effects are checked.
     """
     unknown = list(_names(task, plan))
     if unknown:
@@ -133,10 +131,7 @@ def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
 
 
 def _targets(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Check the second sentence of law 5, about properties that a running instance reads from its targets.
-
-    A block with `hold` changes its tokens only until its exit conditions hold.
-    """
+    """Check law 5 for targets. An instance with `hold` changes its tokens only until its exit conditions hold."""
     for reader in plan.instances:
         for target in task.domain.block_by_name[reader.block].targets:
             name = reader.targets.get(target.name)

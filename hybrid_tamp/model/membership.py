@@ -35,8 +35,7 @@ class Verdict:
         object_class: name of the class.
         likelihood: score from 0 to 1 for how typical the token's shape is of the class.
         labelled: name of the known member whose properties were transferred to the token, or None.
-        residual: mean distance between the warped surface of the known member and the surface of the token [m], or
-            None.
+        residual: mean distance between the warped surface of the known member and the token's surface [m], or None.
         properties: estimated properties of the token as a member of the class.
         contacts: maps the name of each expected contact point of a hand to its position in the token's body frame [m].
         trials: trials of membership, one for each initial state.
@@ -64,11 +63,9 @@ class Verdict:
 
     @property
     def verdict(self) -> Literal["yes", "no", "unsure", "not tried"]:
-        """Verdict in words.
+        """``yes`` if the interval is above 0.5, ``no`` if the interval is below 0.5, and ``unsure`` otherwise.
 
-        ``yes`` if the confidence interval is above 0.5, ``no`` if the interval is below 0.5, and ``unsure`` if the
-        interval contains 0.5. If no trial was possible, the verdict is ``no`` if the properties could be estimated and
-        ``not tried`` otherwise.
+        Without trials, the verdict is ``no`` if properties were estimated, and ``not tried`` otherwise.
         """
         if self.obstacle:
             return "no" if self.properties else "not tried"

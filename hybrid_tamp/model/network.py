@@ -19,8 +19,7 @@ class ReassignmentNetwork:
 
         Args:
             edges: pairs of (source, target), each written ``"BLOCK.slot"``.
-            blocks: names of the blocks, needed for blocks with modes. An edge that names only the action of
-                ``"ACTION:mode"`` is added for each mode.
+            blocks: names of the blocks. An edge that names only the action of ``"ACTION:mode"`` is added for each mode.
         """
         modes: dict[str, list[str]] = {}
         for block in blocks:

@@ -63,13 +63,7 @@ class PlannedNetwork:
 
     @classmethod
     def of(cls, whole: Task, part: Task, added: Iterable[AddedToken] = ()) -> "PlannedNetwork":
-        """Return the planned network of a reduced task.
-
-        Args:
-            whole: the whole task.
-            part: the reduced task.
-            added: objects that were added to the reduced task.
-        """
+        """Return the planned network of `part`, which was reduced from `whole` and extended with added objects."""
         kept = part.domain.block_by_name
         whole_network = WholeNetwork(
             blocks=len(whole.domain.blocks),

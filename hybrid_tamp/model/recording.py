@@ -20,8 +20,7 @@ class AtomMargin:
     Attributes:
         atom: ground condition.
         measured: signed margin measured in the run, in the unit of the predicate. None if not measured.
-        predicted: signed margin in the forward models of the blocks, in the unit of the predicate. None if not
-            predicted.
+        predicted: signed margin in the forward models, in the unit of the predicate. None if not predicted.
     """
 
     atom: Atom
@@ -36,14 +35,7 @@ class AtomMargin:
 
 @dataclass(frozen=True)
 class Failure:
-    """The reason why a run stopped before the end of its plan.
-
-    Attributes:
-        step: index of the control period in which the run stopped.
-        instance: name of the instance that failed.
-        reason: description of the failure.
-        margins: margins of conditions at the failure.
-    """
+    """The instance that failed in a control period (`step`), and the reason why the run then stopped."""
 
     step: int
     instance: str

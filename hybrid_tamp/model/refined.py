@@ -86,10 +86,7 @@ class Shortfall:
 
 @dataclass(frozen=True)
 class Value:
-    """The quality of hyperparameters: a violation V, which should be small, and a value J, which should be large.
-
-    A smaller violation is always better. The value decides only between equal violations.
-    """
+    """The violation V and the value J of hyperparameters. V is minimised first, and then J is maximised."""
 
     violation: float
     value: float

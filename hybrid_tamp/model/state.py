@@ -48,13 +48,9 @@ class StateLayout(Layout):
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """The varying properties of all tokens.
+    """The varying properties of all tokens, as `values` of shape ``(..., layout.size)``.
 
     ``state[token, "position"]`` returns a position, shape ``(..., 3)``. `replace` returns a changed copy.
-
-    Attributes:
-        layout: layout of the last axis of `values`.
-        values: values of all varying properties, shape ``(..., layout.size)``.
     """
 
     layout: StateLayout

@@ -53,10 +53,7 @@ def lines_of(value: Any) -> list[str]:
 
 
 def cell(value: Any) -> str:
-    """Return a single value as text. A value with an attribute `text` or `name` is replaced by this attribute.
-
-    Floats have 4 significant digits.
-    """
+    """Return a single value as text, which is the attribute `text` or `name` if available. Floats have 4 digits."""
     if value is None:
         return "none"
     if isinstance(value, bool):

@@ -57,10 +57,8 @@ class MidLevel:
         evaluations: largest number of rollouts.
         seconds: largest time for the optimisation [s].
         refine: ``physics`` for further optimisation in the physics backend, or ``none``.
-        weights: maps ``BLOCK.measure`` to the weight in the value of a plan. The domain of the task already has these
-            weights.
-        hyperparameters: maps ``BLOCK.name`` to a fixed value or to narrower bounds. The domain of the task already has
-            these settings.
+        weights: maps ``BLOCK.measure`` to the weight in the value of a plan. The domain already has the weights.
+        hyperparameters: maps ``BLOCK.name`` to a value or to narrower bounds. The domain already has the settings.
     """
 
     optimiser: str = "cma"
@@ -89,8 +87,7 @@ class Task:
         objective: quantity that is minimised: ``length`` (number of actions) or ``makespan`` (duration of the plan).
         midlevel: settings for the optimisation of hyperparameters.
         source: path of the task file, or None.
-        primitives: maps a block or action to the file of its learnt motor primitive. The domain of the task already has
-            the primitives.
+        primitives: maps a block or action to the file of a learnt motor primitive. The domain already has it.
     """
 
     name: str
@@ -163,8 +160,7 @@ class Task:
     def margin(self, atom: Atom, state: State | None = None) -> float:
         """Return the signed margin of an atom in a state, by default the initial state.
 
-        The margin of a positive atom with a choice is the largest margin of its groundings, or minus infinity if there
-        are no groundings.
+        The margin of a positive atom with a choice is the largest margin of its groundings, or -inf without groundings.
         """
         if ANY in atom.arguments:
             best = max((self.margin(each, state) for each in self.groundings(atom)), default=-math.inf)

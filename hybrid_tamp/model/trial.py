@@ -18,10 +18,7 @@ TaskType = TypeVar("TaskType")
 """Type variable for `Task`, which cannot be imported here because `Task` imports the domain and its recipes."""
 
 Carry = Callable[[FloatArray], FloatArray]
-"""Function that maps points on a labelled token to points on the new token.
-
-The points are in the body frame of each token [m], shape ``(n, 3)``.
-"""
+"""Function that maps points on a labelled token to points on the new token, in body frames [m], shape ``(n, 3)``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +42,7 @@ class TrialRecipe(Generic[TaskType]):
         object_class: class of the recipe.
         align: function ``align(task, token, labelled)`` that returns the initial rotation of the warp, shape
             ``(3, 3)``, from the body frame of the labelled token to the body frame of the new token.
-        estimate: function ``estimate(task, token, labelled, carry)`` that returns the estimate. Both tokens must have a
-            shape.
+        estimate: function ``estimate(task, token, labelled, carry)`` that returns an estimate. Both tokens need shapes.
         task: function ``task(task, member, rng)`` that returns the task of a trial. `rng` randomises the initial state.
             If `rng` is None, the initial state is exact. The same plan must be valid for all initial states.
         bounds: maps each metric of the domain (name without the instance) to its lower and upper bound.

@@ -12,12 +12,10 @@ def sums(*rows: dict[tuple[int, int], float]) -> tuple[IntArray, IntArray, Float
     """Return the table that `products` needs to compute some sums of products.
 
     Args:
-        rows: one mapping for each sum, from pairs of (component of first factor, component of second factor) to the
-            weight of their product.
+        rows: mappings from pairs of (first component, second component) to the weight of their product, one per sum.
 
     Returns:
-        The component of the first factor in each product, the component of the second factor in each product, and the
-        weights of the products with one column for each sum.
+        First components of all products, second components, and weights with one column per sum.
     """
     pairs = sorted({pair for row in rows for pair in row})
     weights = np.array([[row.get(pair, 0.0) for row in rows] for pair in pairs])

@@ -35,8 +35,7 @@ class ShownMovement:
 
         Args:
             moves: ``position`` or ``orientation``.
-            dimensions: number of dimensions of the primitive. A primitive with 1 dimension learns the travelled
-                fraction of the path or angle. Other primitives learn the positions.
+            dimensions: 1 to learn the travelled fraction of the path or angle, otherwise the dimension of positions.
 
         Returns:
             The samples, shape ``(t, dimensions)``, and the scale. For fractions, the scale is the length [m] or the

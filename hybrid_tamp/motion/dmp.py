@@ -36,8 +36,7 @@ class DMP:
         beta: ratio of stiffness to damping, per normalised time. ``alpha / 4`` is critical damping.
         alpha_phase: decay rate of the phase s, per normalised time. With a rate of 10, s decays from 1 to 4.5e-5.
         soft_start: whether the pull to the goal grows from 0 while s decays (Hoffmann et al. 2009). If False, the
-            acceleration starts at ``alpha beta (goal - start) / duration^2`` (Ijspeert et al. 2003), and a primitive
-            with zero weights is a plain spring.
+            acceleration starts at ``alpha beta (goal - start) / duration^2`` (Ijspeert et al. 2003).
     """
 
     weights: FloatArray
@@ -109,8 +108,8 @@ class DMP:
             start: initial positions [m], shape ``(..., d)``. The initial velocity is zero.
             goal: final positions [m], shape ``(..., d)``.
             duration: durations without the settling time [s], shape ``(...)``.
-            n_steps: number of time steps in the duration. The interpolation error is at most the largest acceleration
-                times ``(duration / n_steps)^2 / 8``.
+            n_steps: number of time steps. The interpolation error is at most ``a (duration / n_steps)^2 / 8``, where a
+                is the largest acceleration.
             settle: settling time after the movement, as a fraction of the duration.
 
         Returns:

@@ -21,8 +21,7 @@ def fitted_weights(system: TransformationSystem, demonstrations: Sequence[Demons
     """Return the weights for which the movements are closest to all demonstrations.
 
     A movement is linear in the weights, so the weights are fitted directly to positions. The usual fit to the forcing
-    term (Ijspeert et al. 2013, Sec. 2.1.3) requires accelerations. Accelerations from second differences would amplify
-    the noise of a recording.
+    term (Ijspeert et al. 2013, Sec. 2.1.3) requires accelerations, whose computation amplifies measurement noise.
 
     Args:
         system: spring and basis functions of the primitive.
