@@ -17,15 +17,12 @@ length_predicate = partial(Predicate, unit="m", scale=0.01)
 
 
 def everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
-    """Return a margin for batches of states from a margin that depends on fixed properties only and takes no state."""
+    """Turn a margin of fixed properties, which takes no state, into a margin for batches of states."""
     return lambda state, *values: np.full(state.values.shape[:-1], margin(*values))
 
 
 def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Return a margin for batches of states from a margin for single states.
-
-    The returned margin is slow, so only static predicates should use it.
-    """
+    """Turn a margin for single states into a slow margin for batches of states, meant for static predicates."""
 
     def batched(state: State, *values: Value) -> FloatArray:
         rows = state.values.reshape(-1, state.values.shape[-1])

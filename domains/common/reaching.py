@@ -68,8 +68,7 @@ def time_of_reach(
     """Return the hyperparameter ``duration`` of a reach, and the duration of the reach's block.
 
     Args:
-        distance: ``distance(binding, state)`` returns the distance ``(...)`` [m] of the reach, from which the
-            hyperparameter's initial value is computed.
+        distance: ``distance(binding, state)`` returns the distance ``(...)`` [m], which determines the initial value.
         least: lower bound of the hyperparameter [s].
         settling: time from the end of the reach until the hand is at rest [s].
     """

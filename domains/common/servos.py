@@ -27,10 +27,7 @@ ORIENTATION_RATE = 40.0
 """Natural frequency of the orientation servo [rad/s]."""
 
 Servo = Callable[[State, FloatArray, FloatArray | float], Commands]
-"""``servo(state, position, velocity)`` returns the commands that drive a hand to a moving reference.
-
-The reference position [m] and velocity [m/s] have shape ``(..., 3)``.
-"""
+"""``servo(state, position, velocity)`` returns the commands that drive a hand to a moving reference ``(..., 3)``."""
 
 
 class ForceServo(Protocol):
@@ -64,10 +61,7 @@ def position_servo(hand: Token) -> ForceServo:
 
 
 def turn_between(orientation: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Return the rotation vector ``(..., 3)`` [rad], in the world frame, from one orientation to another.
-
-    The result is accurate for small rotations only.
-    """
+    """Return the small rotation vector ``(..., 3)`` [rad], in the world frame, from one orientation to another."""
     error = quaternion_multiply(wanted, quaternion_conjugate(orientation))
     return np.asarray(np.copysign(2.0, error[..., 3:]) * error[..., :3])
 

@@ -14,10 +14,9 @@ Reference = Callable[[FloatArray], tuple[FloatArray, ...]]
 
 
 class Timetable:
-    """A cache of a reference at whole control periods.
+    """A cache of a reference at whole control periods. Evaluating 64 periods at once costs little more than one.
 
-    Evaluating the reference for 64 periods at once costs little more than for one period. The values that a timetable
-    returns do not depend on earlier calls.
+    The values that a timetable returns do not depend on earlier calls.
     """
 
     def __init__(self, read: Reference, start: State) -> None:

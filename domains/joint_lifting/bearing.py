@@ -122,7 +122,7 @@ def bearing(
             place = begun - normal * (gap * closed) + UP * rise
             velocity = UP * rising - normal * (gap * closing)
             error = place - state[hand, "position"]
-            # Hands reach their places only approximately, but all hands must press equally hard.
+            # Hands reach their places only approximately. The lower stiffness lets all hands press equally hard.
             given_way = normal * ((1.0 - _SOFTNESS) * grip * dot(error, normal)[..., None])
             push = STIFFNESS * (error - given_way) - normal * (squeeze[..., None] * grip)
             braking = brake * (velocity - state[hand, "velocity"])

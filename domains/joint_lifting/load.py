@@ -14,10 +14,7 @@ from .places import CREWS
 HAND_FRICTION = 0.5
 """Friction coefficient of a hand: the default of the physics engine for tokens without this property."""
 RESERVE = 1.5
-"""Squeeze as a multiple of the smallest squeeze without slip.
-
-The reserve is necessary because the box accelerates and because the hands' shares differ a little.
-"""
+"""Factor on the smallest squeeze without slip, because the box accelerates and the hands' shares differ a little."""
 
 
 def friction(thing: Token) -> float:

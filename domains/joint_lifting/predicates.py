@@ -69,7 +69,7 @@ def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
 
 
 def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Return the smaller depth [m] in the workspace of the hand's places beside the standing and the lifted box."""
+    """Return how deep [m] the hand is at least inside its workspace, beside the standing box and the lifted box."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
     beside = place_at(state, hand, thing, place)
     return np.asarray(np.minimum(beside - lower, upper - beside - LIFT * UP).min(axis=-1))
@@ -147,10 +147,7 @@ ON_SIDE = Predicate(
     description="{hand} starts on the {place} side of {object}",
     denial="{hand} does not start on the {place} side of {object}",
 )
-"""The hand starts on the side, and in the half, of the box to which its place belongs.
-
-Hands stay on their side and half of a box because two hands that crossed over at the same time would collide.
-"""
+"""Hands stay on their side and half of a box because two hands that crossed over at the same time would collide."""
 WITHIN_REACH = length_predicate(
     "within_reach",
     (_HAND, _OBJECT, _PLACE),

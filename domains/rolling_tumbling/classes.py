@@ -72,7 +72,7 @@ class Tumblable(BoxShaped, AffordanceClass):
 
     half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
     hollow: Annotated[Vector3, AfterValidator(_none_negative)] = quantity(
-        "m", "depth of contact points behind the faces along x, y and z", default=(0.0, 0.0, 0.0)
+        "m", "depth of the hollow in which hands touch the x, y and z faces", default=(0.0, 0.0, 0.0)
     )
     # Declared exactly as in ROLLABLE, so that a token may be a member of both.
     mass: float = mass_property()

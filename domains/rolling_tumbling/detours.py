@@ -27,10 +27,7 @@ _TOUCHING = 0.005
 _SAMPLES = 8
 _BLOCKED = 100.0
 _AWAY = 5.5
-"""Final distance of a hand from the space that the box may occupy, as a multiple of the hand's radius.
-
-It leaves room for another hand in between.
-"""
+"""Final distance of a hand from the space that the box may occupy, in hand radii. Another hand fits in between."""
 _LONGEST = 7
 
 

@@ -61,10 +61,7 @@ def faces_of(posture: str) -> tuple[str, ...]:
 
 
 def edge_between(before: str, after: str) -> tuple[str, str]:
-    """Return the two faces beside the edge about which a box turns from one posture to another.
-
-    At least one of the postures must name two faces.
-    """
+    """Return the two faces beside the edge about which a box turns between a tipped posture and another posture."""
     one, other = next(faces_of(posture) for posture in (before, after) if len(faces_of(posture)) == 2)
     return one, other
 

@@ -1,7 +1,4 @@
-"""The trial that tests whether a new object is ROLLABLE.
-
-The properties of the object are estimated from a labelled object. Then a hand must roll the object over 0.6 m.
-"""
+"""The trial that tests whether a new object is ROLLABLE like a labelled object: a hand must roll it over 0.6 m."""
 
 from collections.abc import Mapping
 
@@ -62,11 +59,7 @@ def frame(axis: FloatArray) -> FloatArray:
 
 
 def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estimate:
-    """Return the estimated properties and contact points of a token.
-
-    The axis passes through the ends of the labelled token's axis, which `carry` maps to the token. The contact points
-    are on the token's side.
-    """
+    """Return the properties and contact points estimated from the labelled axis and side, which `carry` maps."""
     old = np.asarray(labelled["axis_of_rotation"])
     end = old * float((points_of(labelled.solid) @ old).max())
     ends = carry(np.array([end, -end]))
@@ -86,10 +79,7 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 
 
 def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
-    """Return the task of rolling a token to a region.
-
-    The token lies on its side. Its axis is parallel to the hand's axis if the hand's axis is level.
-    """
+    """Return the task of rolling a token that lies on its side to a region. Its axis is parallel to a level hand's."""
     hand = next((token for token in task.tokens if token.is_member(StaticEndEffector)), None)
     x, y, yaw = (0.0, 0.0, 0.0) if rng is None else rng.uniform(-1.0, 1.0, 3) * (_OFFSET, _OFFSET, _YAW)
     place = task.state[member, "position"] + np.array([x, y, 0.0])

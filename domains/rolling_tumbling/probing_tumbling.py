@@ -1,7 +1,4 @@
-"""The trial that tests whether a new object is TUMBLABLE.
-
-The properties of the object are estimated from a labelled object. Then two hands must tumble the object onto a face.
-"""
+"""The trial that tests whether a new object is TUMBLABLE like a labelled one: two hands must tumble it onto a face."""
 
 import numpy as np
 
@@ -41,10 +38,7 @@ def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
 
 
 def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estimate:
-    """Return the estimated properties and contact points of a token.
-
-    The faces are those of the token's bounding box. The contact points of the labelled token are mapped by `carry`.
-    """
+    """Return the properties, estimated from the bounding box, and the contact points that `carry` maps to the token."""
     halves = np.abs(points_of(token.solid)).max(axis=0)
     contacts: dict[str, tuple[float, float, float]] = {}
     depths = halves.copy()

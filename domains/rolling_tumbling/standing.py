@@ -83,10 +83,7 @@ def _unsupported(thing: Token, state: State) -> str:
 
 
 def _proportions(thing: Token, state: State, tokens: Iterable[Token], down: str) -> tuple[float, float]:
-    """Return the height [m] and the width of the base [m] of a box that lies flat on the face `down`.
-
-    The width is measured perpendicular to a hand's axis. If the hands' axes differ, the largest width counts.
-    """
+    """Return the height [m] of a flat box, and the largest width [m] of its base perpendicular to a hand's axis."""
     extents = 2.0 * np.asarray(thing["half_extents"])
     upright = int(np.argmax(np.abs(NORMALS[down])))
     hands = (token for token in tokens if token.is_member(StaticEndEffector))

@@ -75,10 +75,7 @@ def _light(binding: Binding, state: State) -> FloatArray:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
-    """Return the expected duration [s] of closing the hands and turning the box to within tolerance of its new posture.
-
-    The duration is long enough for every pose that fits the initial posture.
-    """
+    """Return the longest time [s] to close the hands and to turn the box to within tolerance of its new posture."""
     roles = Roles.of(binding)
     angle = roles.wanted - nominal_tilt(roles.thing, get_symbol(binding, "before"), *roles.edge)
     # The hands move faster than the box. Their distance from the edge is about the width of the box's section.

@@ -68,7 +68,7 @@ def _strength(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the least depth [m] in the workspace of the hand's positions beside the box and above the tipped box."""
+    """Return how deep [m] the hand is at least inside its workspace, beside the box and above the tipped box."""
     beside = [
         place_at(state, hand, thing, face)
         for face in sides_across(state, hand, thing)
@@ -137,10 +137,7 @@ ON_SIDE = Predicate(
     description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
     denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
 )
-"""The hand starts on the side of the box to which the face points.
-
-Hands stay on their side of a box because two hands that changed sides at the same time would collide above the box.
-"""
+"""Hands stay on their side of a box because two hands that changed sides at the same time would collide above it."""
 STRONG_ENOUGH = Predicate(
     "strong_enough",
     (_HAND, _OBJECT),
@@ -149,8 +146,8 @@ STRONG_ENOUGH = Predicate(
     scale=10.0,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
-    description="{hand} is strong enough as one of two hands that tumble {object}",
-    denial="{object} is too heavy for {hand} as one of two hands that tumble it",
+    description="{hand} is strong enough to tumble {object} together with a second hand",
+    denial="{object} is too heavy for {hand} to tumble together with a second hand",
     share=_share,
 )
 WITHIN_REACH = length_predicate(
@@ -170,8 +167,8 @@ LOW_ENOUGH = Predicate(
     scale=0.1,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
-    description=f"the section of {{object}} across the axis of {{hand}} is at most {SLENDERNESS} times as long as wide",
-    denial=f"the section of {{object}} across the axis of {{hand}} is more than {SLENDERNESS} times as long as wide",
+    description=f"the edges of {{object}} across the axis of {{hand}} have a ratio of at most {SLENDERNESS}",
+    denial=f"{{object}} is too slender for {{hand}}: its edges across the hand's axis have a ratio above {SLENDERNESS}",
 )
 
 

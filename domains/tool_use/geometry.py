@@ -72,10 +72,7 @@ def handle_length(tool: Token) -> float:
 
 
 def on_handle(tool: Token, location: FloatArray | float) -> FloatArray:
-    """Return a point ``(..., 3)`` [m] on the handle, in the body frame.
-
-    `location` is the distance [m] of the point from the end of the handle near the head.
-    """
+    """Return the body-frame point ``(..., 3)`` [m] of the handle at a distance [m] from its end near the head."""
     return np.asarray(tool["handle_to"] - np.asarray(location)[..., None] * np.array([1.0, 0.0, 0.0]))
 
 

@@ -1,7 +1,4 @@
-"""The blocks GRASPING (paper, D7) and RELEASING (D11).
-
-In GRASPING, a hand beside a handle moves to the handle and closes. In RELEASING, the hand opens and moves away.
-"""
+"""The blocks GRASPING (paper, D7), in which a hand closes on a handle, and RELEASING (D11), in which the hand opens."""
 
 import numpy as np
 

@@ -129,11 +129,7 @@ class HeldTool:
     ) -> dict[tuple[str, str], FloatArray]:
         """Return the poses and velocities of hand and tool after a step (semi-implicit Euler with exact rotation).
 
-        Args:
-            state: state before the step.
-            velocity: velocity of the hand after the step ``(..., 3)`` [m/s].
-            spin: angular velocity of the body after the step ``(..., 3)`` [rad/s].
-            dt: time step [s].
+        `velocity` [m/s] of the hand and `spin` [rad/s] of the body, each ``(..., 3)``, are the values after the step.
         """
         hand, tool = self.hand, self.tool
         turn = quaternion_from_rotation_vector(spin * dt)

@@ -36,10 +36,7 @@ class Swing:
         return np.asarray(self.rate * self.lever)
 
     def periods(self, hand: Token) -> FloatArray:
-        """Return the duration of the drive as a whole number of control periods, at least one.
-
-        The torque of this drive is close to the hand's strike torque.
-        """
+        """Return the number of control periods, at least 1, of a drive with about the hand's strike torque."""
         exact = self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD)
         return np.asarray(np.maximum(np.round(exact), 1.0))
 

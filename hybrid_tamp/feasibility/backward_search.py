@@ -126,10 +126,7 @@ class BackwardSearch:
         return found
 
     def _narrowed(self, block: Block, allowed: Choices, reached: set[Atom]) -> Choices:
-        """Return the choices, restricted to values of each role with which the block's changing conditions can hold.
-
-        Only the initial facts and the atoms in `reached` may hold.
-        """
+        """Return the choices with which the block's changing conditions can hold, given initial facts and `reached`."""
         kept = dict(allowed)
         for literal in block.changing_entry:
             if not literal.positive:

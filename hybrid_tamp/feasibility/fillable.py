@@ -1,4 +1,4 @@
-"""The blocks that tokens can fill, judged by classes alone or by classes, feasibility facts and edges."""
+"""Checks of which blocks tokens can fill: by classes alone, or by classes, feasibility facts and edges."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence, Set

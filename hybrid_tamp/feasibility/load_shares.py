@@ -21,10 +21,7 @@ from hybrid_tamp.model.task import Task
 _MANY = 100
 
 _Group = list[tuple[Literal, str]]
-"""Pairs of (literal, slot) of one condition that a block requires of several slots of one class.
-
-A condition without a slot is the only one of its group; its slot is an empty string.
-"""
+"""Pairs of (literal, slot) of one condition on several slots of one class, or a single pair with slot ''."""
 
 
 class _Candidate(NamedTuple):
@@ -78,7 +75,7 @@ def find_best_choice(
             )
             return literal, bound, margin
         met = (*met, literal)
-    raise ValueError("all conditions can be met")
+    raise ValueError("expected conditions that cannot all be met at once")
 
 
 def _group(block: Block, conditions: Iterable[Literal]) -> Iterable[_Group]:
