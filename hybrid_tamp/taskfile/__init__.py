@@ -1,13 +1,13 @@
-"""Read and write task files: from YAML to a checked `Task`, or to a list of all faults with their places.
+"""Read and write task files. Reading returns a checked `Task` or raises all faults with their places.
 
 ::
 
     task.yaml ─ yaml ─────► plain data, with the line and column of every value
-              ─ entries ──► check of the form: keys, types, bounds (pydantic)
-              ─ tokens, goals, roles, midlevel ─► check of the meaning: classes, poses, atoms, agents, bounds
-              ─ starts ───► check that every token starts clear of the floor and of the others
+              ─ entries ──► check of keys, types and bounds (pydantic)
+              ─ tokens, goals, roles, midlevel ─► check of classes, poses, atoms, agents and hyperparameters
+              ─ starts ───► check that no token starts below the floor or inside another token
               ─ loader ───► Task, or one InputError with all faults in the order of the file
 
-`making` checks Python values in the same way, and `saving` writes a task as a file. `domains` finds domains and task
-files by name. `schema` and `reference` describe the form for editors and for people.
+`making` builds a task from Python values with the same checks. `saving` writes a task as a file. `domains` finds
+domains and task files by name. `schema` describes task files for editors, and `reference` describes them for people.
 """

@@ -1,4 +1,4 @@
-"""Copy a task's file to another folder, with the files that it names, and teach its blocks more primitives."""
+"""Copy a task file and the files named in it to another folder, and add motor primitives to a task."""
 
 import logging
 from collections.abc import Mapping
@@ -17,13 +17,13 @@ _logger = logging.getLogger(__name__)
 
 
 def portable(task: Task) -> tuple[str, dict[str, str]]:
-    """Return the text of a task's file for another folder, and the files that go beside it.
+    """Return the text of a task file for another folder, and the files that belong beside it.
 
-    The text is that of the file that the task came from, with new names of those files only. If there is no such file,
-    or it now describes another scene or goal, the text is made from the task.
+    The text is a copy of the task's own file, except for the names of primitive and mesh files. If the task has no
+    file, or the file now describes another scene or goal, the text is generated from the task.
 
     Returns:
-        The text, and name to content of the primitive and mesh files that it names.
+        The text, and a mapping of the name of each primitive and mesh file to its content.
 
     Raises:
         InputError: a file cannot be read.
@@ -34,7 +34,7 @@ def portable(task: Task) -> tuple[str, dict[str, str]]:
 
 
 def _describes(path: Path, task: Task) -> bool:
-    """Say whether a file has the task's tokens and goal; its limits and seed may differ."""
+    """Return whether a file has the same tokens and goal as a task. The limits and seed may differ."""
     try:
         written = load_task(path, lambda _: task.domain)
     except InputError:
@@ -69,13 +69,15 @@ def _with_files(path: Path) -> tuple[str, dict[str, str]]:
 
 
 def teach_task(task: Task, primitives: Mapping[str, PrimitiveFile], folder: Path, find_domain: FindDomain) -> Task:
-    """Return the task with further motor primitives, also in its file, unless the task has primitives already.
+    """Return the task with additional motor primitives, loaded from a new task file that names them.
+
+    A task that already names primitives is returned unchanged.
 
     Args:
         task: the task.
-        primitives: block to the primitive that it is taught.
-        folder: folder of the new task file and the files that it names.
-        find_domain: finds the domain by the name in the file.
+        primitives: maps each block to its new primitive.
+        folder: folder for the new task file and the files named in it.
+        find_domain: function that finds the domain by the name in the file.
 
     Raises:
         InputError: a file cannot be read or written.
@@ -83,7 +85,7 @@ def teach_task(task: Task, primitives: Mapping[str, PrimitiveFile], folder: Path
     if not primitives:
         return task
     if task.primitives:
-        _logger.warning("the task %s names primitives itself: nothing is taught", task.name)
+        _logger.warning("the task %s already names motor primitives, so the new primitives are not used", task.name)
         return task
     names = {name: f"primitive-{number:02d}.json" for number, name in enumerate(primitives, start=1)}
     for name, primitive in primitives.items():

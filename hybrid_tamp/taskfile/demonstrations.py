@@ -1,12 +1,12 @@
-"""Read a demonstration: a comma-separated table of time and position, or of time and pose.
+"""Read a demonstration from a comma-separated table of time and position, or of time and pose.
 
 ::
 
     time [s], x [m], y [m], z [m]
     0.00, 0.250, -0.450, 0.300
 
-The first line names the columns; units may follow in brackets. Poses also have the columns qx, qy, qz, qw. Tables of
-whole scenes (`pose_tables`) share the cells and checks.
+The first line names the columns, and units may follow in brackets. Poses also have the columns qx, qy, qz, qw. The
+module `pose_tables` reads tables of whole scenes with the functions of this module.
 """
 
 import math
@@ -23,7 +23,7 @@ from hybrid_tamp.taskfile.places import Faults, Mark, shown
 from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 MAX_BYTES = 64 * 1024**2
-"""Largest table that is read [bytes]."""
+"""Maximum size of a table [bytes]."""
 _LARGEST = 1e6
 _UNIT_TOLERANCE = 0.01
 _POSITION = ("time", "x", "y", "z")
@@ -33,7 +33,7 @@ _NAME = re.compile(r"^([a-z]*)\s*(\[[^]]*\])?$")
 
 @dataclass(frozen=True)
 class Cell:
-    """One entry of a table and its place."""
+    """One entry of a table with its place."""
 
     text: str
     mark: Mark
@@ -43,7 +43,7 @@ def read_demonstration(path: Path | str) -> ShownMovement:
     """Read one demonstration.
 
     Raises:
-        InputError: everything that is wrong with the file, each fault with its line and column.
+        InputError: the file has faults; the issues list all faults with their lines and columns.
     """
     path = Path(path)
     rows = numbered(read_text(path, "a demonstration", MAX_BYTES))
@@ -62,18 +62,22 @@ def read_demonstration(path: Path | str) -> ShownMovement:
 
 
 def _check_header(cells: list[Cell], faults: Faults) -> int:
-    """Return the number of columns, or raise the faults if the columns are not those of a demonstration."""
+    """Return the number of columns.
+
+    Raises:
+        InputError: the columns are not the columns of a demonstration.
+    """
     found = [_NAME.match(cell.text.casefold()) for cell in cells]
     names = tuple(match.group(1) if match else "" for match in found)
     if names not in (_POSITION, _POSE):
-        wanted = f"the first line names the columns {', '.join(_POSITION)}; for poses also {', '.join(_POSE[4:])}"
+        wanted = f"the first line must name the columns {', '.join(_POSITION)} (for poses also {', '.join(_POSE[4:])})"
         faults.add(Mark(), wanted, shown(",".join(cell.text for cell in cells)) if cells else "an empty file")
         faults.raise_all()
     return len(names)
 
 
 def cells(line: str, number: int) -> Iterator[Cell]:
-    """Yield the entries of a line."""
+    """Yield the entries of a line with their places."""
     column = 1
     for text in line.split(","):
         indent = len(text) - len(text.lstrip())
@@ -82,25 +86,25 @@ def cells(line: str, number: int) -> Iterator[Cell]:
 
 
 def numbered(text: str) -> list[tuple[int, list[Cell]]]:
-    """Return the lines that are not empty, each with its number and entries."""
+    """Return the lines that are not empty as pairs of (line number, entries)."""
     return [(n, list(cells(line, n))) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
 
 
 def sample(entries: list[Cell], width: int, faults: Faults) -> list[float] | None:
-    """Return the numbers of a line, or record a fault and return None."""
+    """Return the numbers in a line. If the line has a fault, record the fault and return None."""
     if len(entries) != width:
         mark = entries[min(width, len(entries) - 1)].mark
-        faults.add(mark, f"every line has {width} columns", f"{len(entries)} columns")
+        faults.add(mark, f"every line must have {width} columns", f"{len(entries)} columns")
         return None
     values = []
     for cell in entries:
         try:
             value = float(cell.text)
         except ValueError:
-            faults.add(cell.mark, "a number", shown(cell.text) if cell.text else "nothing")
+            faults.add(cell.mark, "must be a number", shown(cell.text) if cell.text else "nothing")
             return None
         if not math.isfinite(value) or abs(value) > _LARGEST:
-            faults.add(cell.mark, f"a finite number of at most {_LARGEST:g} in size", cell.text)
+            faults.add(cell.mark, f"must be a finite number between -{_LARGEST:g} and {_LARGEST:g}", cell.text)
             return None
         values.append(value)
     return values
@@ -111,28 +115,28 @@ def check_times(times: FloatArray, lines: list[int], least: int, faults: Faults)
 
     Args:
         times: the times [s], shape ``(t,)``.
-        lines: the line of each sample.
-        least: least number of samples.
-        faults: the file's faults.
+        lines: the line number of each sample.
+        least: minimum number of samples.
+        faults: the faults of the file.
     """
     if len(times) < least:
         last = lines[-1] if lines else 1
-        faults.add(Mark(last), f"a demonstration has at least {least} samples", f"{len(times)} samples")
+        faults.add(Mark(last), f"a demonstration must have at least {least} samples", f"{len(times)} samples")
     for row in np.flatnonzero(np.diff(times) <= 0.0) + 1:
         came = f"{times[row]:g} s after {times[row - 1]:g} s"
         faults.add(Mark(lines[row]), "time must increase from line to line", came)
 
 
 def check_quaternions(quaternions: FloatArray, lines: list[int], faults: Faults, name: str = "") -> None:
-    """Record every quaternion that is not a unit quaternion.
+    """Record every quaternion whose length is not 1.
 
     Args:
-        quaternions: x, y, z, w, shape ``(t, 4)``.
-        lines: the line of each sample.
-        faults: the file's faults.
-        name: prefix of the columns' names.
+        quaternions: the quaternions as x, y, z, w, shape ``(t, 4)``.
+        lines: the line number of each sample.
+        faults: the faults of the file.
+        name: prefix of the names of the columns.
     """
     lengths = np.linalg.norm(quaternions, axis=-1)
     for row in np.flatnonzero(np.abs(lengths - 1.0) > _UNIT_TOLERANCE):
         columns = ", ".join(f"{name}{letter}" for letter in ("qx", "qy", "qz", "qw"))
-        faults.add(Mark(lines[row]), f"{columns} are a unit quaternion", f"one of length {lengths[row]:.3g}")
+        faults.add(Mark(lines[row]), f"{columns} must be a unit quaternion", f"length {lengths[row]:.3g}")

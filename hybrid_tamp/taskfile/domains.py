@@ -1,4 +1,4 @@
-"""Find domains by name, module or path, and task files by path or bundled name."""
+"""Find domains by name, module or path, and find task files by path or bundled name."""
 
 import hashlib
 import os
@@ -17,21 +17,21 @@ from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.taskfile.places import shown
 
 GROUP = "hybrid_tamp.domains"
-"""Entry point group by which installed packages offer their domains."""
+"""Entry point group in which installed packages register their domains."""
 PROBLEMS = "hybrid_tamp_problems"
-"""Package that carries the bundled task files."""
+"""Package with the bundled task files."""
 
 
 def available_domains() -> tuple[str, ...]:
-    """Return the names of the installed domains, sorted."""
+    """Return the sorted names of the installed domains."""
     return tuple(sorted({entry.name for entry in entry_points(group=GROUP)}))
 
 
 def installed_domain(name: str) -> Domain:
-    """Return an installed domain by its name. This runs no code but that of installed domains.
+    """Return an installed domain by its name. Only code of installed domains is run.
 
     Raises:
-        InputError: no domain has this name, or its module does not load.
+        InputError: no installed domain has this name, or its module cannot be imported.
     """
     entry = _entry(name)
     if entry is not None:
@@ -39,33 +39,34 @@ def installed_domain(name: str) -> Domain:
     remedy = ""
     if name.endswith(".py") or ":" in name:
         remedy = (
-            f"a task file cannot start code: install the domain under the entry point group {GROUP}, "
+            f"a task file cannot name code, so install the domain under the entry point group {GROUP} "
             "or pass find_domain to load_task"
         )
     raise InputError([Issue("", "unknown domain", shown(name), available_domains(), remedy)])
 
 
 def find_domain(name_or_path: str) -> Domain:
-    """Return a domain by its installed name, as ``package.module:ATTRIBUTE`` or by the path of its file.
+    """Return a domain by its installed name, by ``package.module:ATTRIBUTE`` or by the path of its Python file.
 
-    A file is imported once, by its resolved path; its attribute ``DOMAIN`` is the domain. Modules and files are code
-    that runs: pass only names that you trust, never names from somebody else's task file.
+    A file is imported only once and must define the attribute ``DOMAIN``. Because modules and files are executed, pass
+    only names that you trust and never names from somebody else's task file.
 
     Raises:
-        InputError: nothing has this name, or its module does not load.
+        InputError: no domain has this name, or its module cannot be imported.
     """
     if _entry(name_or_path) is not None:
         return installed_domain(name_or_path)
     if name_or_path.endswith(".py"):
-        # os.path returns False for impossible names; Path raises.
+        # For impossible names, os.path.isfile returns False but Path.is_file raises.
         if not os.path.isfile(name_or_path):
-            raise InputError([Issue("", "the path of a domain's file", f"{shown(name_or_path)}, which is not there")])
+            wanted = "the file of the domain must exist"
+            raise InputError([Issue("", wanted, shown(name_or_path))])
         path = Path(name_or_path).resolve()
         return _domain(_loaded(lambda: _import_file(path), str(path)), str(path), "DOMAIN")
     module, colon, attribute = name_or_path.partition(":")
     if colon and attribute.isidentifier() and all(part.isidentifier() for part in module.split(".")):
         return _domain(_loaded(lambda: import_module(module), module), name_or_path, attribute)
-    remedy = "or name a module as package.module:ATTRIBUTE, or a file by its path that ends in .py"
+    remedy = "or name a module as package.module:ATTRIBUTE, or a Python file by its path"
     raise InputError([Issue("", "unknown domain", shown(name_or_path), available_domains(), remedy)])
 
 
@@ -74,7 +75,7 @@ def _entry(name: str) -> EntryPoint | None:
 
 
 def _loaded(load: Callable[[], Any], source: str) -> Any:
-    """Import a domain's code; report whatever it raises as a fault of that code."""
+    """Import the code of a domain. Any exception of the code is reported as a fault of the code."""
     try:
         return load()
     except InputError as error:
@@ -82,11 +83,11 @@ def _loaded(load: Callable[[], Any], source: str) -> Any:
         raise InputError([Issue(source, wanted), *error.issues]) from error
     except (Exception, SystemExit) as error:
         came = f"{type(error).__name__}: {error}"
-        raise InputError([Issue(_line_of(error, source), "a domain's module must load", came)]) from error
+        raise InputError([Issue(_line_of(error, source), "cannot import the domain's module", came)]) from error
 
 
 def _line_of(error: BaseException, source: str) -> str:
-    """Return the line of the source at which an error arose, if its traceback has it."""
+    """Return the source with the line and column of an error, or only the source if the traceback lacks the line."""
     if isinstance(error, SyntaxError) and error.filename == source:
         return f"{source}:{error.lineno}:{error.offset or 1}"
     line, trace = 0, error.__traceback__
@@ -101,45 +102,45 @@ def _domain(found: Any, source: str, attribute: str | None = None) -> Domain:
     if attribute is not None:
         if not hasattr(found, attribute):
             names = tuple(sorted(key for key, value in vars(found).items() if isinstance(value, Domain)))
-            raise InputError([Issue(source, f"the module has no attribute {attribute}", available=names)])
+            raise InputError([Issue(source, f"the module must define {attribute}", available=names)])
         found = getattr(found, attribute)
     if not isinstance(found, Domain):
-        raise InputError([Issue(source, "a domain is an object of hybrid_tamp.Domain", type(found).__name__)])
+        raise InputError([Issue(source, "the domain must be an instance of hybrid_tamp.Domain", type(found).__name__)])
     return found
 
 
 def _import_file(path: Path) -> ModuleType:
-    """Import a file once: the same file gives the same module, even if it is part of an installed package."""
+    """Import a file and return its module. A file that was imported before gives the same module again."""
     known = _module_of(path)
     if known is not None:
         return import_module(known)
     name = f"hybrid_tamp_domain_{hashlib.sha256(str(path).encode()).hexdigest()[:16]}"
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
-        raise ImportError(f"no module can be made of {path}")
+        raise ImportError(f"cannot import {path} as a Python module")
     module = module_from_spec(spec)
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
     except BaseException:
-        # The next call must not find an incomplete module.
+        # Remove the incomplete module, so that the next call does not return it.
         del sys.modules[name]
         raise
     return module
 
 
 def _module_of(path: Path) -> str | None:
-    """Return the dotted name under which a file is installed as a domain, or has been imported already."""
+    """Return the dotted module name of a file that is installed as a domain or was imported before, else None."""
     for entry in entry_points(group=GROUP):
         try:
             spec = find_spec(entry.module)
         except ImportError:
-            # The entry point of another package is broken, which is no fault of this file.
+            # Skip a broken entry point of another package, which does not concern this file.
             continue
         if spec is not None and spec.origin is not None and Path(spec.origin).resolve() == path:
             return entry.module
     for name, module in list(sys.modules.items()):
-        # vars, because attribute access makes some modules import others.
+        # vars is used, because attribute access makes some modules import other modules.
         file = vars(module).get("__file__") if isinstance(module, ModuleType) else None
         if name != "__main__" and isinstance(file, str) and file.endswith(path.name) and Path(file).resolve() == path:
             return name
@@ -147,20 +148,21 @@ def _module_of(path: Path) -> str | None:
 
 
 def bundled_tasks() -> tuple[str, ...]:
-    """Return the sorted names of the bundled task files without their ending; none if they are not installed."""
+    """Return the sorted names of the bundled task files without their endings."""
     if find_spec(PROBLEMS) is None:
         return ()
     return tuple(sorted(file.name[:-5] for file in files(PROBLEMS).iterdir() if file.name.endswith(".yaml")))
 
 
 def find_task_file(text: str) -> Path:
-    """Return the path of a task file: that of an existing file, or of a bundled one by its name.
+    """Return the path of an existing file, or the path of a bundled task file with the given name.
 
     Args:
-        text: a path, or e.g. ``roll_cylinder``, ``roll_cylinder.yaml`` or ``problems/roll_cylinder.yaml``.
+        text: a path or the name of a bundled task, e.g. ``roll_cylinder``, ``roll_cylinder.yaml`` or
+            ``problems/roll_cylinder.yaml``.
 
     Raises:
-        InputError: neither exists; the message lists the bundled names.
+        InputError: there is no such file and no such bundled task; the message lists the bundled names.
     """
     if os.path.isfile(text):
         return Path(text)
@@ -168,7 +170,7 @@ def find_task_file(text: str) -> Path:
     if str(Path(text).parent) in (".", "problems") and name in bundled:
         return Path(str(files(PROBLEMS).joinpath(f"{name}.yaml")))
     if os.path.exists(text):
-        # For example a folder: reading it raises a better message.
+        # Return other paths too, e.g. folders, because their errors in reading are clearer.
         return Path(text)
-    wanted = "no task file of this path, and no bundled task of this name"
+    wanted = "neither a task file nor a bundled task has this name"
     raise InputError([Issue("", wanted, shown(text), bundled)])

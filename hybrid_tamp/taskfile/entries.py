@@ -1,6 +1,6 @@
-"""The form of a task file: every key with its type, unit, bounds and description, as pydantic models.
+"""The keys of a task file with their types, units, bounds and descriptions, as pydantic models.
 
-The checks, the JSON Schema and the reference page are all derived from these models.
+The checks, the JSON Schema and the reference page are derived from these models.
 """
 
 import math
@@ -15,7 +15,7 @@ from hybrid_tamp.model.task import DEFAULT_PLANNER, Limits, MidLevel
 Text = Annotated[str, Strict(), Field(min_length=1)]
 Whole = Annotated[int, Strict()]
 Bounded = Annotated[Number, Field(ge=-1000, le=1000)]
-"""A coordinate, angle or component, bounded so that its square cannot overflow."""
+"""A coordinate, angle or component. The bounds prevent an overflow of the number's square."""
 
 
 def _has_length(quaternion: tuple[float, ...]) -> tuple[float, ...]:
@@ -32,57 +32,59 @@ class _Entry(BaseModel):
 
 
 class Pose(_Entry):
-    """Where a token is at the beginning, in the world."""
+    """Initial pose of a token in the world frame."""
 
-    position: tuple[Bounded, Bounded, Bounded] = quantity("m", "of the body frame's origin: x, y, z")
+    position: tuple[Bounded, Bounded, Bounded] = quantity("m", "x, y, z of the body frame's origin")
     rpy: tuple[Bounded, Bounded, Bounded] | None = quantity(
-        "rad", "roll, pitch and yaw about the world's fixed axes x, y, z in this order", default=None
+        "rad", "rotation about the world's fixed axes x, y, z in this order: roll, pitch, yaw", default=None
     )
-    quaternion: Quaternion | None = quantity("1", "rotation as x, y, z, w instead of rpy; is normalised", default=None)
+    quaternion: Quaternion | None = quantity(
+        "1", "rotation as a quaternion x, y, z, w instead of rpy; the reader normalises the quaternion", default=None
+    )
 
     @model_validator(mode="after")
     def _one_rotation(self) -> "Pose":
         if self.rpy is not None and self.quaternion is not None:
-            raise ValueError("a pose has rpy or quaternion, not both")
+            raise ValueError("a pose must not have both rpy and quaternion")
         return self
 
 
 class TokenEntry(_Entry):
-    """One object token: a thing, a part of a robot, or a place."""
+    """An object token: a thing, a part of a robot, or a place."""
 
-    classes: list[Text] = Field(description="names of the domain's classes that it is a member of")
+    classes: list[Text] = Field(description="names of the classes of which the token is a member")
     unknown: list[Text] = Field(
         default_factory=list,
-        description="names of classes of which it may or may not be a member; 'hybrid-tamp probe' finds out",
+        description="names of classes of which the token may be a member; 'hybrid-tamp probe' tests the membership",
     )
     properties: dict[str, Any] = Field(
         default_factory=dict,
-        description="fixed properties, the union of those of its classes; those of unknown classes may be missing",
+        description="fixed properties that the token's classes declare; those of unknown classes may be missing",
     )
     shape: WrittenShape | None = Field(
-        default=None, description="its geometry; default: what its classes imply, if anything"
+        default=None, description="geometry of the token; default: the shape that the token's classes imply, if any"
     )
-    pose: Pose | None = Field(default=None, description="where it is at the beginning; required if it has a position")
+    pose: Pose | None = Field(default=None, description="initial pose; required if the token has a position")
 
 
 class LimitsEntry(_Entry):
-    """Bounds on the work for the task."""
+    """Limits of the planner."""
 
-    time: Number = quantity("s", "wall-clock time of the planner", default=Limits.time, gt=0, le=1e6)
+    time: Number = quantity("s", "limit of the planner's wall-clock time", default=Limits.time, gt=0, le=1e6)
     memory: Number = quantity(
-        "MiB", "memory of the planner and its children together", default=Limits.memory, gt=0, le=1e8
+        "MiB", "limit of the memory of the planner and its child processes", default=Limits.memory, gt=0, le=1e8
     )
     refinements: Whole = quantity(
-        "1", "how many times to replan after a refused plan", default=Limits.refinements, ge=0, le=1000
+        "1", "maximum number of times to replan after a refused plan", default=Limits.refinements, ge=0, le=1000
     )
 
 
 class RangeEntry(_Entry):
-    """Bounds and default of a hyperparameter, in its own unit; a key that is left out keeps the block's value."""
+    """Bounds and default of a hyperparameter, in the hyperparameter's unit. A missing key keeps the block's value."""
 
-    lower: Number | None = Field(default=None, description="lower bound, not below the block's own")
-    upper: Number | None = Field(default=None, description="upper bound, not above the block's own")
-    default: Number | None = Field(default=None, description="its value if nothing optimises it, within the bounds")
+    lower: Number | None = Field(default=None, description="lower bound, at least the lower bound of the block")
+    upper: Number | None = Field(default=None, description="upper bound, at most the upper bound of the block")
+    default: Number | None = Field(default=None, description="value without optimisation, within the bounds")
 
 
 def _form_of_range(value: Any) -> str:
@@ -93,25 +95,27 @@ NumberOrRange = Annotated[
     Annotated[Number, Tag(float.__name__)] | Annotated[RangeEntry, Tag(RangeEntry.__name__)],
     Discriminator(_form_of_range),
 ]
-"""The tags are the names of the types, by which `wording` finds the type of a value."""
+"""A number or a range. The tags are the names of the types, because `wording` looks up the types by the tags."""
 
 
 class MidLevelEntry(_Entry):
-    """How the hyperparameters of a plan are optimised."""
+    """Settings for the optimisation of a plan's hyperparameters."""
 
-    optimiser: Literal["cma", "grid"] = Field(default="cma", description="CMA-ES, or direct sampling on a grid")
+    optimiser: Literal["cma", "grid"] = Field(default="cma", description="CMA-ES or direct sampling on a grid")
     evaluations: Whole = quantity(
-        "1", "budget of candidates that are rolled out", default=MidLevel.evaluations, gt=0, le=10**9
+        "1", "maximum number of candidates to roll out", default=MidLevel.evaluations, gt=0, le=10**9
     )
-    seconds: Number = quantity("s", "budget of time", default=MidLevel.seconds, gt=0, le=1e6)
+    seconds: Number = quantity("s", "time limit of the optimisation", default=MidLevel.seconds, gt=0, le=1e6)
     refine: Literal["none", "physics"] = Field(
-        default="none", description="physics: continue from the analytic optimum in the physics backend"
+        default="none", description="physics: continue in the physics backend from the optimum of the forward models"
     )
     weights: dict[str, Number] = Field(
-        default_factory=dict, description="BLOCK.measure to its weight in the value of a plan, negative for a cost"
+        default_factory=dict,
+        description="maps each BLOCK.measure to its weight in the value of a plan; costs have negative weights",
     )
     hyperparameters: dict[str, NumberOrRange] = Field(
-        default_factory=dict, description="BLOCK.name to narrower bounds and a default, or to the value that it has"
+        default_factory=dict,
+        description="maps each BLOCK.name to narrower bounds and a default, or to a fixed value",
     )
 
 
@@ -119,31 +123,32 @@ class TaskFile(_Entry):
     """A task of hybrid_tamp, in SI units."""
 
     domain: Text = Field(description="name of an installed domain")
-    tokens: dict[str, TokenEntry] = Field(description="every object and place by its name", min_length=1)
+    tokens: dict[str, TokenEntry] = Field(description="maps the name of each token to its entry", min_length=1)
     goal: list[Any] = Field(
-        description="atoms that hold at the end: 'predicate: [tokens]'; '*' stands for any token or symbol",
+        description="atoms that must hold at the end, as 'predicate: [tokens]'; '*' stands for any token or symbol",
         min_length=1,
     )
     agents: dict[str, Annotated[list[Text], Field(min_length=1)]] = Field(
-        default_factory=dict, description="named groups of capability tokens"
+        default_factory=dict, description="maps the name of each agent to the names of its capability tokens"
     )
     assignment: dict[str, Text] = Field(
-        default_factory=dict, description="token to the block in which it starts; default: the domain's resting block"
+        default_factory=dict,
+        description="maps each token to the block in which it starts; default: the domain's resting block",
     )
     primitives: dict[str, Text] = Field(
         default_factory=dict,
-        description="block, or action for all its modes, to the file of the motor primitive that it is taught, as "
-        "'hybrid-tamp learn' writes it; relative to the task file",
+        description="maps each block, or action with all its modes, to the file of a motor primitive, which "
+        "'hybrid-tamp learn' writes; paths are relative to the task file",
     )
     planner: Annotated[Text, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\[\]-]*$")] = Field(
         default=DEFAULT_PLANNER, description="name of the planning engine"
     )
     objective: Literal["length", "makespan"] = Field(
-        default="length", description="what a plan should be short in: its actions, or its time"
+        default="length", description="quantity to minimise: the number of actions (length) or the time (makespan)"
     )
-    limits: LimitsEntry = Field(default=LimitsEntry(), description="bounds on the work")
+    limits: LimitsEntry = Field(default=LimitsEntry(), description="limits of the planner")
     midlevel: MidLevelEntry = Field(
-        default=MidLevelEntry(), description="how the hyperparameters of a plan are optimised"
+        default=MidLevelEntry(), description="settings for the optimisation of a plan's hyperparameters"
     )
-    seed: Whole = quantity("1", "seed of everything random", default=0, ge=0, le=2**32 - 1)
+    seed: Whole = quantity("1", "seed of all random numbers", default=0, ge=0, le=2**32 - 1)
     name: Text | None = Field(default=None, description="name of the task; default: the file's name without its ending")

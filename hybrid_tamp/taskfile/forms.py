@@ -1,4 +1,4 @@
-"""Turn pydantic models into JSON Schema, and JSON Schema into words, for `schema` and `reference`."""
+"""Convert pydantic models to JSON Schema, and JSON Schema to words, for `schema` and `reference`."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,9 +13,9 @@ class Form:
     """The keys of a model.
 
     Attributes:
-        keys: key to its JSON Schema; the descriptions contain the units.
+        keys: maps each key to its JSON Schema, with the unit in the description.
         required: keys without a default, in order.
-        definitions: name to each schema that the keys refer to.
+        definitions: maps the name of each referenced schema to the schema.
     """
 
     keys: dict[str, JsonObject]
@@ -28,7 +28,7 @@ def form_of(model: type[BaseModel], prefix: str = "") -> Form:
 
     Args:
         model: a pydantic model, e.g. an object class.
-        prefix: of the names of its definitions, so that one schema can hold the definitions of many models.
+        prefix: prefix of the names of the model's definitions. The prefix keeps the names of several models apart.
     """
     schema = model.model_json_schema(ref_template=f"#/$defs/{prefix}{{model}}")
     definitions = {f"{prefix}{name}": one for name, one in schema.pop("$defs", {}).items()}
@@ -40,7 +40,7 @@ def form_of(model: type[BaseModel], prefix: str = "") -> Form:
 
 
 def _with_units(schema: Any) -> Any:
-    """Return a copy in which every description ends with the unit, because editors show only descriptions."""
+    """Return a copy of a schema with the unit at the end of every description. Editors show only descriptions."""
     if isinstance(schema, list):
         return [_with_units(item) for item in schema]
     if not isinstance(schema, dict):
@@ -53,7 +53,7 @@ def _with_units(schema: Any) -> Any:
 
 
 def type_in_words(schema: JsonObject) -> str:
-    """Return the type of a value, e.g. ``list of 3 numbers``."""
+    """Return the type of a schema's values as text, e.g. ``list of 3 numbers``."""
     if "$ref" in schema:
         return f"`{schema['$ref'].rsplit('/', 1)[-1]}`"
     if "const" in schema:
@@ -85,12 +85,12 @@ _BOUNDS = (
 
 
 def bounds_in_words(schema: JsonObject) -> str:
-    """Return the bounds of a number, or of every entry of a list of numbers, e.g. ``> 0, ≤ 10``."""
+    """Return the bounds of a number, or of the numbers in a list, as text, e.g. ``> 0, ≤ 10``."""
     inner = [one for one in schema.get("anyOf", ()) if one.get("type") != "null"] or [schema]
     one = inner[0].get("prefixItems", inner)[0]
     return ", ".join(f"{sign} {number_in_words(one[key])}" for key, sign in _BOUNDS if key in one)
 
 
 def number_in_words(value: float) -> str:
-    """Return a number as text; whole numbers have no decimal point."""
+    """Return a number as text, without a decimal point for whole numbers."""
     return str(int(value)) if float(value).is_integer() else f"{value:g}"

@@ -1,4 +1,4 @@
-"""Read the goal of a task file: check the atoms, the types of their arguments and that they can hold together."""
+"""Read the goal of a task file: check each atom, the types of its arguments, and conflicts between atoms."""
 
 from typing import Any
 
@@ -7,11 +7,11 @@ from hybrid_tamp.model.predicate import ANY, Atom, Parameter, Predicate, SymbolS
 from hybrid_tamp.taskfile.places import Faults, KeyPath, plain, shown
 from hybrid_tamp.taskfile.tokens import Scene
 
-_FORM = "an atom of the goal is 'predicate: [tokens]'"
+_FORM = "an atom of the goal must be 'predicate: [tokens]'"
 
 
 def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> tuple[Atom, ...]:
-    """Read the goal's atoms, record their faults and return the sound atoms, each once."""
+    """Read the goal's atoms and record their faults. Return the atoms without faults, without duplicates."""
     items = data.get("goal")
     if not isinstance(items, list):
         return ()
@@ -33,10 +33,10 @@ def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene
 
 
 def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[Atom, KeyPath] | None:
-    """Return the atom and the path of its arguments, or None if the item is no atom."""
+    """Return the atom and the path of its arguments, or None if the item is not an atom."""
     if isinstance(item, dict) and "not" in item:
-        remedy = "say what is to hold instead, or leave it out"
-        faults.at((*path, "not"), "a goal says what holds at the end", "'not'", remedy=remedy, key=True)
+        remedy = "replace the negated atom by an atom that must hold, or remove it"
+        faults.at((*path, "not"), "a goal atom must not be negated", "'not'", remedy=remedy, key=True)
         return None
     if not isinstance(item, dict) or len(item) != 1:
         came = "several keys" if isinstance(item, dict) and item else faults.shown(path, item)
@@ -50,7 +50,7 @@ def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[Atom, KeyPath] | No
     for index, argument in enumerate(arguments):
         if not isinstance(argument, str):
             here = (*path, index)
-            faults.at(here, "an argument is a name", faults.shown(here, argument), remedy="write it in quotes")
+            faults.at(here, "an argument must be a name", faults.shown(here, argument), remedy="write it in quotes")
     return (Atom(predicate, tuple(arguments)), path) if faults.sound(path) else None
 
 
@@ -60,21 +60,21 @@ def _predicate(atom: Atom, path: KeyPath, faults: Faults, domain: Domain | None)
     predicate = domain.predicate_by_name.get(atom.predicate)
     if predicate is None:
         wanted = f"unknown predicate in the domain {domain.name}"
-        # Only the key is at fault: the arguments are still checked.
+        # The fault concerns only the key, so the arguments are still checked.
         faults.at(path, wanted, shown(atom.predicate), sorted(domain.predicate_by_name), key=True, sound=True)
     elif len(atom.arguments) != len(predicate.parameters):
-        wanted = f"{predicate.name} takes {_signature(predicate)}"
+        wanted = f"the arguments of {predicate.name} must be {_signature(predicate)}"
         count = len(atom.arguments)
         faults.at(path, wanted, f"{count} argument{'' if count == 1 else 's'}")
     return predicate
 
 
 def _signature(predicate: Predicate) -> str:
-    return ", ".join(f"{parameter.name} ({parameter.sort.name})" for parameter in predicate.parameters) or "nothing"
+    return ", ".join(f"{parameter.name} ({parameter.sort.name})" for parameter in predicate.parameters) or "none"
 
 
 def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Record arguments that name no token, or a token of a class that the predicate does not accept."""
+    """Record arguments that name no token, or a token whose classes the predicate does not accept."""
     typed = predicate is not None and len(predicate.parameters) == len(atom.arguments)
     parameters = predicate.parameters if predicate is not None and typed else [None] * len(atom.arguments)
     for index, (argument, parameter) in enumerate(zip(atom.arguments, parameters, strict=True)):
@@ -88,33 +88,33 @@ def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, fau
         elif scene.names is not None and argument not in scene.names:
             # If the predicate is unknown, the argument might be a symbol.
             if predicate is not None:
-                faults.at(here, "the goal is about a token that is not there", shown(argument), scene.names)
+                faults.at(here, "unknown token in the goal", shown(argument), scene.names)
         elif parameter is not None and argument in scene.outlines:
             _check_class(argument, atom, parameter, here, faults, scene)
 
 
 def _check_choice(atom: Atom, parameter: Parameter | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Refuse a wildcard that no token can replace."""
+    """Record a fault for a wildcard that no token can replace."""
     known = scene.names is not None and set(scene.outlines) == set(scene.names) and ANY not in scene.names
     if parameter is None or isinstance(parameter.sort, SymbolSort) or not known:
         return
     others = [token for name, token in scene.outlines.items() if name not in atom.arguments]
     if not any(token.is_member(parameter.sort) for token in others):
-        wanted = f"{shown(ANY)} stands for a member of {parameter.sort.name}, {parameter.name} of {atom.predicate}"
-        faults.at(path, wanted, "none that the atom does not name already", remedy="add such a token")
+        wanted = f"no token can replace {shown(ANY)} as {parameter.name} of {atom.predicate}"
+        faults.at(path, wanted, remedy=f"add a token of class {parameter.sort.name} that the atom does not name")
 
 
 def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Refuse a token that appears twice: the arguments of a fact are different tokens."""
+    """Record a fault for a token that appears twice among the arguments of an atom."""
     for index, argument in enumerate(atom.arguments):
         if argument in (scene.names or ()) and argument in atom.arguments[:index]:
-            wanted = f"the arguments of {plain(atom.predicate)} are different tokens"
+            wanted = f"the arguments of {plain(atom.predicate)} must be different tokens"
             faults.at((*path, index), wanted, f"{shown(argument)} twice", remedy="name another token")
 
 
 def _check_class(argument: str, atom: Atom, parameter: Parameter, path: KeyPath, faults: Faults, scene: Scene) -> None:
     sort, outline = parameter.sort, scene.outlines[argument]
-    # A probe finds out whether an unknown token is a member; until then there is no plan.
+    # A token whose membership is unknown is accepted here. There is no plan until a probe confirms the membership.
     if isinstance(sort, SymbolSort) or outline.is_member(sort) or outline.may_be_member(sort):
         return
     members = ", ".join(member.name for member in outline.classes)
@@ -132,13 +132,13 @@ def _check_company(
     values: dict[tuple[Any, ...], Atom],
     faults: Faults,
 ) -> None:
-    """Refuse an atom that cannot hold together with an earlier one."""
+    """Record a fault for an atom that cannot hold together with an earlier atom."""
     if predicate.functional_index is None or ANY in atom.arguments:
         return
     index = predicate.functional_index
     other = values.setdefault((atom.predicate, atom.arguments[:index], atom.arguments[index + 1 :]), atom)
     if other != atom:
-        wanted = f"{predicate.name} gives {_owners(predicate)} one {predicate.value_of}"
+        wanted = f"{predicate.name} must give {_owners(predicate)} only one {predicate.value_of}"
         faults.at(
             path,
             wanted,

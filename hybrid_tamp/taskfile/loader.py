@@ -1,4 +1,4 @@
-"""Load a task file as a task, or report every fault of the file at once."""
+"""Load a task file as a task, or report all faults of the file together."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -23,9 +23,9 @@ from hybrid_tamp.taskfile.wording import add_validation_faults
 from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 
 FindDomain = Callable[[str], Domain]
-"""Name to domain; raises InputError for a name that it does not know."""
+"""Function that returns the domain with a name, or raises InputError for an unknown name."""
 CheckPlanner = Callable[[str], None]
-"""Raises InputError for the name of a planner that cannot be used."""
+"""Function that raises InputError for the name of a planner that cannot be used."""
 
 
 def load_task(
@@ -33,16 +33,16 @@ def load_task(
     find_domain: FindDomain = installed_domain,
     check_planner: CheckPlanner | None = None,
 ) -> Task:
-    """Load a task file, or return the given task; every verb takes its task through this function.
+    """Load a task file, or return the task if `source` is a task.
 
     Args:
-        source: a task, the path of a YAML file, or a text: a path or the name of a bundled task.
-        find_domain: finds the domain by the name in the file. The default knows installed domains only, so that no
-            file can run code; `domains.find_domain` also takes modules and paths.
-        check_planner: checks the name of the planner in the file, or None to leave that check to planning.
+        source: a task, the path of a YAML file, or the name of a bundled task.
+        find_domain: function that finds the domain by the name in the file. The default finds only installed domains,
+            so that task files cannot run code. `domains.find_domain` also finds modules and Python files.
+        check_planner: function that checks the name of the planner in the file. If None, only planning checks the name.
 
     Raises:
-        InputError: everything that is wrong with the file, each fault with its line and column, in order.
+        InputError: the file has faults; the issues list all faults with their lines and columns, in order.
     """
     if isinstance(source, Task):
         return source
@@ -60,18 +60,18 @@ def read_task(
     find_domain: FindDomain,
     check_planner: CheckPlanner | None = None,
 ) -> Task:
-    """Return the task that plain data in the form of a task file describe.
+    """Return the task described by the data of a task file.
 
     Args:
-        data: keys to lists, mappings, texts and numbers, as a task file has them.
+        data: the data: a mapping with the keys of a task file.
         faults: the places of the values, and the faults found so far.
-        name: the task's name if the data do not say.
-        folder: relative paths in the data start here.
-        find_domain: as in `load_task`.
-        check_planner: as in `load_task`.
+        name: name of the task if the data have no name.
+        folder: folder at which relative paths in the data start.
+        find_domain: see `load_task`.
+        check_planner: see `load_task`.
 
     Raises:
-        InputError: everything that is wrong with the data.
+        InputError: the data have faults; the issues list all faults.
     """
     file = _check_form(data, faults)
     domain = read_midlevel(data, faults, teach(data, faults, _find(data, faults, find_domain), folder))
@@ -101,7 +101,7 @@ def read_task(
     )
     check_bindings(task, data, faults)
     with faults.collecting(("goal",)):
-        # It raises if the goal leaves too many alternatives, or none.
+        # Raises InputError if the wildcards of the goal have no values or too many combinations of values.
         task.alternatives()
     faults.raise_if_any()
     return task
@@ -117,7 +117,7 @@ def _midlevel(entry: MidLevelEntry) -> MidLevel:
 
 def _check_form(data: dict[str, Any], faults: Faults) -> TaskFile | None:
     if isinstance(data.get("name"), str):
-        check_printable(data["name"], ("name",), faults, "a task needs a name", key=False)
+        check_printable(data["name"], ("name",), faults, "the name of a task", key=False)
     try:
         return TaskFile.model_validate(data)
     except ValidationError as error:

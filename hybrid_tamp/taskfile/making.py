@@ -1,4 +1,4 @@
-"""Build a task from Python values, which have the keys of a task file and are checked in the same way."""
+"""Build a task from Python values. The keys and the checks are the same as for a task file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, is_dataclass
@@ -33,25 +33,26 @@ def make_task(
     seed: int = 0,
     name: str = "task",
 ) -> Task:
-    """Make a task from Python values. Keys and units are those of a task file (docs/taskfile.md).
+    """Make a task from Python values. The keys and units are the same as in a task file (docs/taskfile.md).
 
     Args:
-        domain: the domain, or the name of an installed one.
-        tokens: name of each token to its ``classes`` (names or classes), ``properties``, ``shape`` and ``pose``
-            (``position`` [m] with ``rpy`` [rad] or ``quaternion`` x, y, z, w); arrays and tuples count as lists.
-        goal: the atoms that hold at the end, each an `Atom` or ``{predicate: [tokens]}``.
-        agents: agent to the names of its capability tokens.
-        assignment: token to the block in which it starts; the domain's resting block by default.
-        primitives: block or action to the file of the motor primitive that it is taught.
+        domain: the domain, or the name of an installed domain.
+        tokens: maps the name of each token to a mapping with its ``classes`` (names or classes), ``properties``,
+            ``shape`` and ``pose``. A pose has a ``position`` [m] and ``rpy`` [rad] or ``quaternion`` x, y, z, w.
+            Arrays and tuples may be used as lists.
+        goal: the atoms that must hold at the end, each an `Atom` or ``{predicate: [tokens]}``.
+        agents: maps each agent to the names of its capability tokens.
+        assignment: maps each token to the block in which it starts; the domain's resting block by default.
+        primitives: maps each block or action to the file of a motor primitive.
         planner: name of the planning engine.
-        objective: ``length`` or ``makespan``.
-        limits: bounds on the work.
-        midlevel: how hyperparameters are optimised, with their bounds and the weights of measures.
-        seed: seed of everything random.
+        objective: quantity to minimise, ``length`` or ``makespan``.
+        limits: limits of the planner.
+        midlevel: settings for the optimisation of hyperparameters, with their bounds and the weights of measures.
+        seed: seed of all random numbers.
         name: name of the task.
 
     Raises:
-        InputError: everything that is wrong, each fault with its path of keys, e.g. ``tokens.drum.pose``.
+        InputError: the values have faults; each issue has the path of a faulty value, e.g. ``tokens.drum.pose``.
     """
     found = installed_domain(domain) if isinstance(domain, str) else domain
     optional = {
@@ -69,7 +70,7 @@ def make_task(
 
 
 def _plain(value: Any) -> Any:
-    """Return a value in the form of a task file."""
+    """Return a value as the data of a task file."""
     if isinstance(value, type) and issubclass(value, ObjectClass):
         return value.name
     if isinstance(value, Atom):

@@ -1,6 +1,7 @@
-"""Read a task file's weights and bounds of hyperparameters, and apply them to the domain.
+"""Read the weights of measures and the bounds of hyperparameters in a task file, and apply them to the domain.
 
-``BLOCK.name`` means a block, mode included, or all modes of an action; an entry for a mode takes precedence.
+``BLOCK`` in ``BLOCK.name`` is a block with its mode, or an action with all its modes. An entry for a mode takes
+precedence over an entry for the action.
 """
 
 from collections.abc import Mapping
@@ -21,9 +22,9 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 
 MOST_BINDINGS = 10_000
-"""Largest number of bindings of a block that are checked."""
+"""Maximum number of bindings of a block that are checked."""
 MOST_SHOWN = 5
-"""Largest number of their bounds that are shown."""
+"""Maximum number of bounds that a message shows."""
 
 Declared = Literal["weights", "hyperparameters"]
 _WORDS: Mapping[Declared, str] = {"weights": "measure", "hyperparameters": "hyperparameter"}
@@ -31,7 +32,7 @@ _WORDS: Mapping[Declared, str] = {"weights": "measure", "hyperparameters": "hype
 
 @dataclass(frozen=True)
 class _Constant:
-    """An initial value from the task file."""
+    """Initial value of a hyperparameter that the task file sets."""
 
     value: float
 
@@ -40,7 +41,7 @@ class _Constant:
 
 
 def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -> Domain | None:
-    """Return the domain with the task's weights and bounds, or the same domain if there are none; record faults."""
+    """Return the domain with the task's weights and bounds, and record faults. Without any, return the same domain."""
     if domain is None:
         return None
     weights = _said(data, "weights", faults, domain)
@@ -51,7 +52,7 @@ def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -
 
 
 def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
-    """Record bounds that no tokens of the task can satisfy, e.g. a grasp beyond the end of every handle."""
+    """Record bounds of hyperparameters that no tokens can satisfy, e.g. a grasp beyond the end of every handle."""
     for (block, name), (path, _) in _said(data, "hyperparameters", faults, task.domain).items():
         own = next(each for each in task.domain.block_by_name[block].hyperparameters if each.name == name)
         if own.within is None:
@@ -60,12 +61,12 @@ def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
         ranges = list(map(own.within, islice(bindings, MOST_BINDINGS)))
         if ranges and all(high < own.lower or low > own.upper for low, high in ranges):
             allowed = ", ".join(list(dict.fromkeys(f"{low:g} to {high:g}" for low, high in ranges))[:MOST_SHOWN])
-            wanted = f"{path[-1]} must be within what some tokens of the task allow: {allowed}"
+            wanted = f"{path[-1]} must be within the bounds of some tokens of the task, which are {allowed}"
             faults.at(path, wanted, f"{own.lower:g} to {own.upper:g}")
 
 
 def names_of(domain: Domain, kind: Declared) -> dict[str, list[tuple[Block, str]]]:
-    """Return every ``BLOCK.name`` that a task file may use, with its blocks and the name in each."""
+    """Return a mapping of every ``BLOCK.name`` that a task file may use to its pairs of (block, name)."""
     found: dict[str, list[tuple[Block, str]]] = {}
     for block in domain.blocks:
         declared = block.performance if kind == "weights" else block.hyperparameters
@@ -76,7 +77,7 @@ def names_of(domain: Domain, kind: Declared) -> dict[str, list[tuple[Block, str]
 
 
 _Said = dict[tuple[str, str], tuple[KeyPath, Any]]
-"""(Block, hyperparameter or measure) to the path in the file and the value there."""
+"""Maps each pair of (block, hyperparameter or measure) to the pair of (path in the file, value in the file)."""
 
 
 def _said(data: dict[str, Any], kind: Declared, faults: Faults, domain: Domain) -> _Said:
@@ -85,11 +86,11 @@ def _said(data: dict[str, Any], kind: Declared, faults: Faults, domain: Domain) 
     entries = given if isinstance(given, dict) else {}
     known = names_of(domain, kind)
     found: _Said = {}
-    # Entries for actions come first, so that entries for modes replace them.
+    # Entries for actions are read first, so that entries for modes replace them.
     for key in sorted(entries, key=lambda key: ":" in key):
         path: KeyPath = ("midlevel", kind, key)
         if key not in known:
-            wanted = f"unknown {_WORDS[kind]} in the domain {domain.name}: it is 'BLOCK.name'"
+            wanted = f"must be 'BLOCK.name' with a {_WORDS[kind]} of the domain {domain.name}"
             remedy = "" if known else f"no block of {domain.name} has a {_WORDS[kind]}"
             faults.at(path, wanted, shown(key), list(known), remedy, key=True)
         elif faults.sound(path):
@@ -98,7 +99,7 @@ def _said(data: dict[str, Any], kind: Declared, faults: Faults, domain: Domain) 
 
 
 def _changed(block: Block, weights: _Said, ranges: _Said, faults: Faults) -> Block:
-    """Return the block with the file's weights and bounds, or the same block if the file does not mention it."""
+    """Return the block with the weights and bounds of the file, or the same block if the file has none for it."""
     measures = tuple(
         replace(each, weight=float(weights[block.name, each.name][1])) if (block.name, each.name) in weights else each
         for each in block.performance
@@ -113,29 +114,30 @@ def _changed(block: Block, weights: _Said, ranges: _Said, faults: Faults) -> Blo
 
 
 def _narrowed(own: Hyperparameter, path: KeyPath, said: Any, faults: Faults) -> Hyperparameter:
-    """Return a hyperparameter narrowed to the task's bounds and default, or fixed at a number."""
+    """Return a hyperparameter with the bounds and default of the task, or fixed at a number."""
     if not isinstance(said, dict):
         number = float(said)
-        _check_within(number, own, f"{path[-1]} is fixed within its bounds", path, faults)
+        _check_within(number, own, f"the fixed value of {path[-1]}", path, faults)
         return replace(own, lower=number, upper=number, initial=_Constant(number))
     given = {key: float(value) for key, value in said.items() if value is not None}
     for key in ("lower", "upper"):
         if key in given:
-            _check_within(given[key], own, f"{key} narrows the bounds of {path[-1]}", (*path, key), faults)
+            _check_within(given[key], own, f"{key} of {path[-1]}", (*path, key), faults)
     narrow = replace(own, lower=given.get("lower", own.lower), upper=given.get("upper", own.upper))
     if not faults.sound(path):
         return own
     if narrow.lower > narrow.upper:
         came = f"{narrow.lower:g} and {narrow.upper:g}"
-        faults.at(path, f"{path[-1]} needs lower <= upper", came, remedy="exchange them")
+        faults.at(path, f"lower must not exceed upper in {path[-1]}", came, remedy="exchange the bounds")
     elif "default" in given:
         default, place = given["default"], (*path, "default")
-        _check_within(default, narrow, f"the default of {path[-1]} is within its bounds", place, faults)
+        _check_within(default, narrow, f"the default of {path[-1]}", place, faults)
         return replace(narrow, initial=_Constant(default))
     return narrow
 
 
-def _check_within(value: float, bounds: Hyperparameter, wanted: str, path: KeyPath, faults: Faults) -> None:
+def _check_within(value: float, bounds: Hyperparameter, what: str, path: KeyPath, faults: Faults) -> None:
     if not bounds.lower <= value <= bounds.upper:
         unit = "" if bounds.unit == "1" else f" [{bounds.unit}]"
-        faults.at(path, f"{wanted}, {bounds.lower:g} to {bounds.upper:g}{unit}", faults.shown(path, value))
+        wanted = f"{what} must be between {bounds.lower:g} and {bounds.upper:g}{unit}"
+        faults.at(path, wanted, faults.shown(path, value))

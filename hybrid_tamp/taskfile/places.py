@@ -1,7 +1,7 @@
-"""The places of the values in a file, and the faults found in them.
+"""The places of the values in a file and the faults of the values.
 
-The path of a value names it, e.g. ``("tokens", "drum", "pose")``. A fault makes the value unsound. Readers check that
-first, so that nothing that depends on the value reports the same fault again.
+A path identifies a value, e.g. ``("tokens", "drum", "pose")``. A value with a fault is unsound. Readers skip unsound
+values, so that the same fault is not reported again.
 """
 
 from collections.abc import Iterable, Iterator
@@ -12,23 +12,23 @@ from typing import Any, NoReturn
 from hybrid_tamp.errors import InputError, Issue
 
 KeyPath = tuple[str | int, ...]
-"""Keys and indices from the root of a file to a value."""
+"""Keys and indices on the path from the root of a file to a value."""
 
 MOST_FAULTS = 100
-"""Largest number of faults that are listed; the others are counted."""
+"""Maximum number of faults that a message lists. Further faults are only counted."""
 _LONGEST = 60
 
 
 @dataclass(frozen=True, order=True)
 class Mark:
-    """A place in a text, counted from 1, columns in characters."""
+    """A place in a text. Lines and columns are counted from 1, and columns are counted in characters."""
 
     line: int = 1
     column: int = 1
 
 
 def mark_of(text: str, offset: int) -> Mark:
-    """Return the place of a character; lines end as in YAML 1.2: CR, LF or both."""
+    """Return the place of the character at an offset. Lines end with CR, LF or both, as in YAML 1.2."""
     before = text[:offset].replace("\r\n", "\n").replace("\r", "\n")
     return Mark(before.count("\n") + 1, len(before) - before.rfind("\n"))
 
@@ -37,11 +37,11 @@ class Faults:
     """The places of a file's values and the faults found so far.
 
     Attributes:
-        source: name of the file in messages; None for a task built in Python, whose values have no line.
-        keys: path to the place of its key.
-        values: path to the place of its value.
-        spans: path to the first character of a scalar value and the one after its last.
-        written: path to a number, truth value or null as the file writes it.
+        source: name of the file in messages; None for a task built in Python, whose values have no lines.
+        keys: maps each path to the place of the key.
+        values: maps each path to the place of the value.
+        spans: maps the path of each scalar to its character offsets (start, end); the end is exclusive.
+        written: maps the path of each number, truth value or null to its text in the file.
     """
 
     def __init__(self, source: str | None = None) -> None:
@@ -80,13 +80,13 @@ class Faults:
         """Record a fault of a value.
 
         Args:
-            path: the value; the fault of a missing value is shown at the value that should contain it.
-            wanted: what was expected there.
-            came: what was found instead.
-            available: the values that would have been accepted.
-            remedy: what the user can do.
-            key: whether the fault is shown at the key rather than at the value.
-            sound: whether the value can be used all the same.
+            path: path of the value. The fault of a missing value is shown at the value that should contain it.
+            wanted: the requirement that is not met.
+            came: the value that was given.
+            available: the accepted values.
+            remedy: advice on how to repair the fault.
+            key: whether to show the fault at the key instead of the value.
+            sound: whether the value can be used despite the fault.
         """
         if any(prefix in self._unreadable for prefix in _prefixes(path)):
             return
@@ -98,7 +98,7 @@ class Faults:
 
     @contextmanager
     def collecting(self, path: KeyPath) -> Iterator[None]:
-        """Record the issues of an `InputError` raised in the block as faults of a value."""
+        """Record the issues of an `InputError` raised inside the context as faults of a value."""
         try:
             yield
         except InputError as error:
@@ -107,16 +107,16 @@ class Faults:
                 self.at(path, wanted, issue.came, issue.available, issue.remedy)
 
     def unreadable(self, path: KeyPath) -> None:
-        """Declare that a value could not be read; later faults of it are ignored."""
+        """Declare a value unreadable. Later faults of the value are ignored."""
         self._taint(path)
         self._unreadable.add(path)
 
     def sound(self, path: KeyPath) -> bool:
-        """Say whether no fault was found in the value, inside it or in a value that contains it."""
+        """Return whether neither the value, nor a value inside it, nor a value around it has a fault."""
         return path not in self._above and not any(prefix in self._faulty for prefix in _prefixes(path))
 
     def mark(self, path: KeyPath, *, key: bool = False) -> Mark:
-        """Return the place of a value, or of the nearest value that contains it."""
+        """Return the place of a value, or else the place of the nearest value that contains it."""
         if path in self.values:
             return self.keys.get(path, self.values[path]) if key else self.values[path]
         while path:
@@ -126,11 +126,11 @@ class Faults:
         return Mark()
 
     def on_line(self, path: KeyPath, what: str) -> str:
-        """Return ``, what on line N`` for a value of a file, nothing for a task built in Python."""
+        """Return the text ``, what on line N`` for a value of a file; empty for a task built in Python."""
         return "" if self.source is None else f", {what} on line {self.mark(path).line}"
 
     def shown(self, path: KeyPath, value: Any) -> str:
-        """Return a value for messages: as the file writes it, shortened."""
+        """Return a value as the file writes it, shortened for messages."""
         return cut(self.written[path]) if path in self.written else shown(value)
 
     @property
@@ -139,10 +139,10 @@ class Faults:
         return tuple(issue for _, issue in sorted(self._found, key=lambda found: found[0]))
 
     def raise_if_any(self) -> None:
-        """Raise the faults, if there are any.
+        """Raise the faults found so far.
 
         Raises:
-            InputError: a fault was found.
+            InputError: there is at least one fault.
         """
         if self._found:
             self.raise_all()
@@ -156,7 +156,8 @@ class Faults:
         issues = self.issues
         more = len(issues) - MOST_FAULTS
         if more > 0:
-            rest = Issue(issues[MOST_FAULTS].where, f"{more} more faults from here on", remedy="mend the others first")
+            remedy = "correct the others first"
+            rest = Issue(issues[MOST_FAULTS].where, f"{more} more faults from here on", remedy=remedy)
             issues = (*issues[:MOST_FAULTS], rest)
         raise InputError(issues)
 
@@ -194,10 +195,10 @@ def shown(value: Any) -> str:
 
 
 def plain(text: str) -> str:
-    """Return a name without quotes, unless it has unprintable characters."""
+    """Return a name without quotes, or with quotes and escapes if it has unprintable characters."""
     return cut(text) if text.isprintable() else shown(text)
 
 
 def cut(text: str) -> str:
-    """Return a text, shortened to at most 60 characters."""
+    """Return a text shortened to at most 60 characters."""
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

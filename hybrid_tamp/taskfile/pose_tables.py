@@ -1,12 +1,12 @@
-"""Read a demonstration of a whole scene: a table of time and of tokens' poses.
+"""Read a demonstration of a whole scene from a table of time and the poses of tokens.
 
 ::
 
     time [s], hand.x, hand.y, hand.z, drum.x, drum.y, drum.z, drum.qx, drum.qy, drum.qz, drum.qw
     0.00, 0.250, -0.450, 0.300, 0.0, 0.0, 0.1, 0.7071, 0.0, 0.0, 0.7071
 
-A token without qx, qy, qz, qw does not turn, and a token without columns stays at its initial pose. Other varying
-properties of a token, e.g. ``hand.aperture``, may have columns too.
+A token without the columns qx, qy, qz, qw keeps its initial orientation. A token without columns keeps its initial
+pose. Other varying properties of a token, e.g. ``hand.aperture``, may have columns too.
 """
 
 import re
@@ -38,26 +38,27 @@ _COLUMNS_OF = {"position": ("x", "y", "z"), "orientation": ("qx", "qy", "qz", "q
 _RATE_OF = {"position": "velocity", "orientation": "angular_velocity"}
 _NAME = re.compile(r"^(.*?)\s*(\[[^]]*\])?$")
 _SPANS = (0.03, 0.15)
-"""Shortest and longest span over which velocities are estimated [s]; noisy poses need a longer one."""
+"""Minimum and maximum span over which velocities are estimated [s]. Noisier poses get a longer span."""
 _SPAN_PER_DEVIATION = 100.0
-"""Span per standard deviation of the noise [s/m or s/rad]."""
+"""Ratio of the span to the standard deviation of the noise [s/m or s/rad]."""
 Columns = Mapping[tuple[str, str], list[int]]
-"""(token, property) to the columns of its components."""
+"""Maps each pair of (token, property) to the columns of the property's components."""
 
 
 def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State, State]:
     """Read a demonstration of a whole scene.
 
     Args:
-        path: the file.
+        path: path of the file.
         task: the task with the tokens of the demonstration.
 
     Returns:
-        Times at the control period [s], shape ``(t,)``; the states at these times, batch shape ``(t,)``, with
-        velocities; and the standard deviations of the noise of all varying properties, a state without batch.
+        Tuple of (times, states, noise). The times [s] have the spacing of the control period and the shape ``(t,)``.
+        The states at these times have the batch shape ``(t,)`` and include velocities. The noise is a state without
+        batch that contains the standard deviation of each varying property.
 
     Raises:
-        InputError: everything that is wrong with the file, each fault with its line and column.
+        InputError: the file has faults; the issues list all faults with their lines and columns.
     """
     rows = numbered(read_text(Path(path), "a demonstration", MAX_BYTES))
     faults = Faults(str(path))
@@ -73,33 +74,33 @@ def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State, State]:
             check_quaternions(table[:, places], lines, faults, f"{token}.")
     if len(table) and table[-1, 0] - table[0, 0] > LONGEST:
         came = f"{table[-1, 0] - table[0, 0]:g} s"
-        faults.add(Mark(lines[-1]), f"a demonstration lasts at most {LONGEST:g} s", came)
+        faults.add(Mark(lines[-1]), f"a demonstration must not be longer than {LONGEST:g} s", came)
     faults.raise_if_any()
     return _states(table, columns, task)
 
 
 def _columns(header: list[Cell], task: Task, faults: Faults) -> Columns:
-    """Return the columns of every token's properties; record the faults of the first line."""
+    """Return the columns of the tokens' properties and record the faults of the first line."""
     names = [str(_NAME.sub(r"\1", cell.text)) for cell in header]
     if not names or names[0].casefold() != "time":
         came = shown(names[0]) if names else "an empty file"
-        faults.add(Mark(), "the first line names the columns: time, then token.x, token.y, token.z and so on", came)
+        faults.add(Mark(), "the first line must name the columns time, token.x, token.y, token.z etc.", came)
         return {}
     wanted = _available(task)
     found: dict[str, int] = {}
     for index, (name, cell) in enumerate(zip(names[1:], header[1:], strict=True), start=1):
         if name not in wanted:
-            faults.add(cell.mark, "a column of a token of the task", shown(name), tuple(wanted))
+            faults.add(cell.mark, "a column must belong to a token of the task", shown(name), tuple(wanted))
         elif name in found:
-            faults.add(cell.mark, "each column once", shown(name))
+            faults.add(cell.mark, "a column must not occur twice", shown(name))
         found[name] = index
     if len(names) == 1:
-        faults.add(Mark(), "a column of a token of the task", "time alone", tuple(wanted))
+        faults.add(Mark(), "the table must have columns of a token of the task", "only time", tuple(wanted))
     return _complete(header, found, wanted, faults)
 
 
 def _available(task: Task) -> dict[str, tuple[str, str]]:
-    """Return each possible column with its token and property."""
+    """Return a mapping of each possible column to its pair of (token, property)."""
     found: dict[str, tuple[str, str]] = {}
     for token in task.assigned:
         for varying in token.varying:
@@ -121,7 +122,8 @@ def _complete(
         names = [f"{token}.{part}" for part in _COLUMNS_OF.get(varying, (varying,))]
         missing = [part for part in names if part not in found]
         if missing:
-            faults.add(header[index].mark, f"{', '.join(names)} together", f"no {', '.join(missing)}")
+            wanted_together = f"the columns {', '.join(names)} must occur together"
+            faults.add(header[index].mark, wanted_together, f"no {', '.join(missing)}")
         columns[token, varying] = [found.get(part, 0) for part in names]
     return columns
 
@@ -139,7 +141,7 @@ def _states(table: FloatArray, columns: Columns, task: Task) -> tuple[FloatArray
         changes[token, name] = values
         if name in _RATE_OF:
             noise[token, name] = np.full(values.shape[-1], _deviation(column))
-            # A quaternion contains half the angle.
+            # The noise of the rotation angle is twice the noise of the quaternion, which contains half the angle.
             way, deviation = (_turned(values), 2.0) if name == "orientation" else (values, 1.0)
             deviation *= noise[token, name][0]
             span = float(np.clip(_SPAN_PER_DEVIATION * deviation, *_SPANS))
@@ -151,27 +153,34 @@ def _states(table: FloatArray, columns: Columns, task: Task) -> tuple[FloatArray
 
 
 def _turned(quaternions: FloatArray) -> FloatArray:
-    """Return the accumulated rotation vectors ``(t, 3)`` [rad] of orientations ``(t, 4)``."""
+    """Return the accumulated rotation vectors ``(t, 3)`` [rad] of a sequence of orientations ``(t, 4)``."""
     turns = rotation_vector(quaternion_multiply(quaternions[1:], quaternion_conjugate(quaternions[:-1])))
     return np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
 
 
 def _steady(quaternions: FloatArray) -> FloatArray:
-    """Return the quaternions ``(t, 4)`` with signs such that each is close to its predecessor."""
+    """Return quaternions ``(t, 4)`` with signs chosen so that each quaternion is close to its predecessor."""
     flips = np.where(np.sum(quaternions[1:] * quaternions[:-1], axis=-1) < 0, -1.0, 1.0)
     return np.asarray(quaternions * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
 
 
 def _deviation(values: FloatArray) -> float:
-    """Return the standard deviation of the noise of a table of values ``(t, c)``, from their second differences."""
+    """Estimate the standard deviation of the noise in values ``(t, c)`` from their second differences."""
     bends = np.abs(values[2:] - 2.0 * values[1:-1] + values[:-2])
     return float(np.median(bends) / (0.6745 * np.sqrt(6.0)))
 
 
 def _rates(values: FloatArray, span: float) -> FloatArray:
-    """Return the rates of change [1/s] of values ``(t, c)``: the slower of those over the span [s] before and after.
+    """Return the rates of change of values, by the slower of the rates before and after each instant.
 
-    If one movement follows another at once, a mean over both would never be at rest.
+    A mean over both sides would never show rest between two movements that follow each other immediately.
+
+    Args:
+        values: the values at the control period, shape ``(t, c)``.
+        span: span over which a rate is estimated [s].
+
+    Returns:
+        Rates of change [1/s], shape ``(t, c)``.
     """
     count = max(2, min(round(span / CONTROL_PERIOD), len(values) - 1))
     offsets = np.arange(count + 1) - count / 2.0

@@ -1,7 +1,7 @@
-"""Read files of motor primitives, and teach the primitives to the blocks of a domain.
+"""Read files of motor primitives and replace the primitives of a domain's blocks.
 
-A primitive file is JSON. It is read like a task file, so that every fault has its line and column; no code in it is
-ever run.
+A primitive file is JSON. The reader of task files reads it, so every fault has its line and column. No code in the file
+is ever run.
 """
 
 import json
@@ -21,32 +21,42 @@ from hybrid_tamp.taskfile.wording import add_validation_faults
 from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 
 PRIMITIVE = "hybrid-tamp/primitive/1"
-_FILE = "a primitive file is a JSON object as 'hybrid-tamp learn' writes it"
+_FILE = "a primitive file must be a JSON object that 'hybrid-tamp learn' wrote"
 Weight = Annotated[Number, Field(ge=-1e9, le=1e9)]
 Rate = Annotated[Number, Field(gt=0, le=1e4)]
-"""A rate per normalised time."""
+"""A rate with respect to normalised time."""
 
 
 class PrimitiveFile(BaseModel):
-    """A motor primitive and its demonstrations."""
+    """A file with a motor primitive and the names of its demonstrations."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
-    schema_: Literal["hybrid-tamp/primitive/1"] = Field(alias="schema", description="the form of the file")
-    block: str = Field(description="the block or action whose movements were shown", min_length=1)
-    dimensions: Literal[1, 3] = Field(description="3 for a position, 1 for the travelled share of the way")
-    weights: list[list[Weight]] = Field(description="a row a basis function [m, or share of the way]", min_length=1)
+    schema_: Literal["hybrid-tamp/primitive/1"] = Field(alias="schema", description="name and version of the format")
+    block: str = Field(description="the demonstrated block or action", min_length=1)
+    dimensions: Literal[1, 3] = Field(description="3 for a position, 1 for the fraction of the path")
+    weights: list[list[Weight]] = Field(
+        description="one row per basis function [m, or fraction of the path]", min_length=1
+    )
     alpha: Rate = Field(description="damping of the spring")
-    beta: Rate = Field(description="stiffness over damping")
-    alpha_phase: Rate = Field(description="decay of the phase")
-    soft_start: bool = Field(description="whether the pull to the goal grows from 0")
+    beta: Rate = Field(description="ratio of stiffness to damping")
+    alpha_phase: Rate = Field(description="decay rate of the phase")
+    soft_start: bool = Field(description="whether the attraction to the goal grows from zero")
     sources: list[str] = Field(description="names of the demonstrations")
-    rms: Annotated[Number, Field(ge=0)] = Field(description="root mean square of the distance from them [unit]")
+    rms: Annotated[Number, Field(ge=0)] = Field(description="root mean square error over the demonstrations [unit]")
     unit: Literal["m", "rad"] = Field(description="unit of rms")
 
     @classmethod
     def of(cls, primitive: DMP, block: str, sources: Sequence[str], rms: float, unit: str) -> "PrimitiveFile":
-        """Return the file of a primitive that was learnt from demonstrations of these names."""
+        """Return the file of a primitive.
+
+        Args:
+            primitive: the primitive.
+            block: name of the demonstrated block or action.
+            sources: names of the demonstrations.
+            rms: root mean square error over the demonstrations [unit].
+            unit: unit of `rms`.
+        """
         return cls.model_validate(
             {
                 "schema": PRIMITIVE,
@@ -65,12 +75,12 @@ class PrimitiveFile(BaseModel):
 
     @property
     def primitive(self) -> DMP:
-        """The primitive itself."""
+        """The primitive in the file."""
         return DMP(np.array(self.weights), self.alpha, self.beta, self.alpha_phase, self.soft_start)
 
     @property
     def text(self) -> str:
-        """The file as JSON."""
+        """The content of the file as JSON."""
         return json.dumps(self.model_dump(by_alias=True), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
@@ -78,7 +88,7 @@ def read_primitive(path: Path | str) -> PrimitiveFile:
     """Read a primitive file.
 
     Raises:
-        InputError: everything that is wrong with the file, each fault with its line and column.
+        InputError: the file has faults; the issues list all faults with their lines and columns.
     """
     document = parse(read_text(Path(path), "a primitive file"), str(path), _FILE)
     faults = document.faults
@@ -89,27 +99,26 @@ def read_primitive(path: Path | str) -> PrimitiveFile:
         faults.raise_all()
     for index, row in enumerate(file.weights):
         if len(row) != file.dimensions:
-            faults.at(
-                ("weights", index), f"a row of weights has {file.dimensions} numbers, one a dimension", f"{len(row)}"
-            )
+            wanted = f"a row of weights must have one number per dimension ({file.dimensions})"
+            faults.at(("weights", index), wanted, f"{len(row)}")
     faults.raise_if_any()
     return file
 
 
 def teach(data: dict[str, Any], faults: Faults, domain: Domain | None, folder: Path) -> Domain | None:
-    """Return the domain with the primitives that a task file names; record their faults.
+    """Return the domain with the primitives that a task file names, and record faults of the primitives.
 
     Args:
-        data: the task file.
-        faults: its places and faults.
-        domain: its domain, or None if that was not found.
-        folder: relative paths in the file start here.
+        data: the data of the task file.
+        faults: the places and faults of the task file.
+        domain: the domain, or None if the domain was not found.
+        folder: folder at which relative paths in the task file start.
     """
     entries = data.get("primitives", {})
     if domain is None or not isinstance(entries, dict):
         return domain
     taught: dict[str, Block] = {}
-    # Entries for modes come last and replace those for whole actions.
+    # Entries for modes are read last, so that they replace entries for whole actions.
     for key in sorted(entries, key=lambda name: name in domain.block_by_name):
         path: KeyPath = ("primitives", key)
         if faults.sound(path) and isinstance(entries[key], str):
@@ -122,7 +131,7 @@ def _taught(key: str, file: Path, path: KeyPath, faults: Faults, domain: Domain)
     able = [block for block in domain.blocks if block.taught and block.movement]
     if not any(block in able for block in named):
         names = sorted({name for block in able for name in (block.name, block.action)})
-        wanted = f"no block of the domain {domain.name} that has a motor primitive"
+        wanted = f"must be a block of the domain {domain.name} with a motor primitive"
         faults.at(path, wanted, shown(key), names, key=True)
         return []
     primitive = None
@@ -137,5 +146,6 @@ def _taught(key: str, file: Path, path: KeyPath, faults: Faults, domain: Domain)
     ]
     if not fitting:
         needed = " or ".join(sorted({str(block.movement.dimensions) for block in named if block.movement}))
-        faults.at(path, f"{key} takes a primitive in {needed} dimensions", f"one in {primitive.dimensions}")
+        wanted = f"the primitive of {key} must have dimension {needed}"
+        faults.at(path, wanted, str(primitive.dimensions))
     return fitting

@@ -1,4 +1,4 @@
-"""Make the reference page of task files in Markdown from the declarations that the checks and the JSON Schema use."""
+"""Generate the reference page of task files in Markdown, from the same declarations as the checks and JSON Schema."""
 
 from collections.abc import Iterable, Sequence
 
@@ -16,15 +16,15 @@ from hybrid_tamp.taskfile.tokens import known_classes
 
 _INTRODUCTION = """# Task files
 
-A task file is one YAML 1.2 document in UTF-8. All numbers are in SI units, all vectors in the world frame unless
-said otherwise; `no` is text and `010` is ten. Aliases and tags are refused. This page is made from the declarations
-that the checks use.
+A task file is one YAML 1.2 document in UTF-8. In YAML 1.2, `no` is text and `010` is ten. Aliases and tags are not
+allowed. All numbers are in SI units. All vectors are in the world frame unless stated otherwise. This page is generated
+from the declarations that also check task files.
 """
 _COLUMNS = ("key", "type", "unit", "bounds", "default", "meaning")
 
 
 def reference_page(domains: Sequence[Domain]) -> str:
-    """Return the reference page: every key of a task file, then everything of each domain that a file can name."""
+    """Return the reference page with all keys of a task file and the classes, predicates and blocks of the domains."""
     sections = [_INTRODUCTION]
     sections += [_model("The file", TaskFile), _model("`TokenEntry`: a token", TokenEntry), _model("`Pose`", Pose)]
     sections += [_model(f"`{shape.__name__}`: a shape", shape) for shape in (Cylinder, Box, Sphere, Compound, MeshFile)]
@@ -94,7 +94,7 @@ def _predicates(predicates: Iterable[Predicate]) -> str:
         names = tuple(parameter.name for parameter in predicate.parameters)
         signature = ", ".join(f"{parameter.name}: {parameter.sort.name}" for parameter in predicate.parameters)
         rows.append((f"`{predicate.name}({signature})`", predicate.sentence(names), predicate.unit, _notes(predicate)))
-    return _table(("predicate", "says", "unit of its margin", "notes"), rows)
+    return _table(("predicate", "meaning", "unit of the margin", "notes"), rows)
 
 
 def _notes(predicate: Predicate) -> str:
@@ -102,14 +102,14 @@ def _notes(predicate: Predicate) -> str:
     if predicate.static:
         notes.append("static: never changes during a task")
     if predicate.value_of is not None:
-        notes.append(f"at most one {predicate.value_of} each")
+        notes.append(f"at most one {predicate.value_of} at a time")
     if predicate.maintained:
-        notes.append("holds only as long as the block that made it so")
+        notes.append("holds only while the block that achieved it runs")
     return "; ".join(notes)
 
 
 def _block(block: Block) -> str:
-    upper = "until it is relieved, once its exit holds" if block.hold else "never longer"
+    after = "; afterwards the block maintains its exit conditions until another block relieves it" if block.hold else ""
     lines = [
         f"#### `{block.name}`\n",
         f"{block.description}\n" if block.description else "",
@@ -117,13 +117,13 @@ def _block(block: Block) -> str:
         *(f"- target `{target.name}`: {target.sort.name}" for target in block.targets),
         f"- entry: {_conditions(block.entry)}",
         f"- exit: {_conditions(block.exit)}",
-        f"- lasts from {block.duration.minimum:g} s to {block.duration.maximum:g} s; {upper}",
+        f"- duration: {block.duration.minimum:g} s to {block.duration.maximum:g} s{after}",
         *(
             f"- hyperparameter `{h.name}`: {h.lower:g} to {h.upper:g} [{h.unit}]. {h.description}".rstrip()
             for h in block.hyperparameters
         ),
         *(f"- measure `{m.name}` [{m.unit}]: weight {m.weight:g}. {m.description}".rstrip() for m in block.performance),
-        "- a task may start in this block: `assignment` can name it" if can_start(block) else "",
+        "- tokens may start in this block (key `assignment`)" if can_start(block) else "",
     ]
     return "\n".join(line for line in lines if line) + "\n"
 

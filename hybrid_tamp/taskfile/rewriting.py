@@ -1,4 +1,4 @@
-"""Rewrite a task file so that a token is a member of more classes; keep everything else, comments included."""
+"""Rewrite a task file with more classes for one token. Everything else is kept, including comments."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -12,15 +12,15 @@ from hybrid_tamp.taskfile.yaml.nodes import read_text
 def with_members(
     source: Path, target: Path, token: str, joined: Sequence[str], settled: Sequence[str], properties: Mapping[str, Any]
 ) -> str:
-    """Return the text of a task file without faults, with the classes and properties of one token changed.
+    """Return the text of a task file with changed classes and properties of one token.
 
     Args:
-        source: the task file.
-        target: the new task file; paths in the text are relative to it.
-        token: the token.
-        joined: names of the classes that it joins.
-        settled: names of the classes in which it is no longer unknown.
-        properties: its properties as a member of the classes that it joins.
+        source: the task file, which must have no faults.
+        target: the new task file. Paths in the text are relative to its folder.
+        token: name of the token.
+        joined: names of the classes that are added to the token.
+        settled: names of the classes that are removed from the token's unknown classes.
+        properties: properties that the added classes declare.
 
     Raises:
         InputError: the file cannot be read.
@@ -43,7 +43,7 @@ def with_members(
 
 
 def _relocate(data: Any, before: Path, after: Path) -> None:
-    """Change relative paths so that they name the same files from another folder."""
+    """Change relative paths so that they still name the same files after a move to another folder."""
     named = [(data["primitives"], key) for key in data.get("primitives", {})]
     shapes = [entry.get("shape") or {} for entry in data["tokens"].values()]
     for holder, key in (*named, *((shape, "file") for shape in shapes if "file" in shape)):

@@ -1,4 +1,4 @@
-"""Read the agents, and the block in which each token starts."""
+"""Read the agents of a task file and the block in which each token starts."""
 
 from typing import Any
 
@@ -12,11 +12,11 @@ from hybrid_tamp.taskfile.tokens import Scene
 
 
 def read_agents(data: dict[str, Any], faults: Faults, scene: Scene) -> dict[str, tuple[str, ...]]:
-    """Read the agents; record names that are not capability tokens or belong to two agents."""
+    """Read the agents and record tokens that are unknown, have no capability class or belong to two agents."""
     agents = data.get("agents", {})
     owners: dict[str, str] = {}
     for agent, names in agents.items() if isinstance(agents, dict) else ():
-        check_printable(agent, ("agents", agent), faults, "an agent needs a name")
+        check_printable(agent, ("agents", agent), faults, "the name of an agent")
         for index, name in enumerate(names if isinstance(names, list) else ()):
             path: KeyPath = ("agents", agent, index)
             if not faults.sound(path) or not _is_known(name, path, faults, scene, f"agent {shown(agent)}"):
@@ -24,23 +24,23 @@ def read_agents(data: dict[str, Any], faults: Faults, scene: Scene) -> dict[str,
             if name in scene.outlines and not is_capability(scene.outlines[name]):
                 capable = [other for other, token in scene.outlines.items() if is_capability(token)]
                 members = ", ".join(member.name for member in scene.outlines[name].classes)
-                wanted = f"agent {shown(agent)} names a token that is no member of a capability class"
+                wanted = f"the tokens of agent {shown(agent)} must be members of a capability class"
                 faults.at(path, wanted, f"{shown(name)}, a member of {members}", capable)
             elif name in owners:
-                wanted = "a capability token belongs to one agent"
-                came = f"{shown(name)}, which agent {shown(owners[name])} already names"
+                wanted = "a capability token must belong to only one agent"
+                came = f"{shown(name)}, which already belongs to agent {shown(owners[name])}"
                 faults.at(path, wanted, came, remedy="remove one")
             owners.setdefault(name, agent)
     return {agent: tuple(names) for agent, names in agents.items()} if faults.sound(("agents",)) else {}
 
 
 def is_capability(token: Token) -> bool:
-    """Say whether the robot commands the token directly."""
+    """Return whether the robot commands the token directly."""
     return any(issubclass(member, CapabilityClass) for member in token.classes)
 
 
 def read_assignment(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> dict[str, str]:
-    """Read the block in which each token starts; by default it is the domain's resting block."""
+    """Read the block in which each token starts. The default is the domain's resting block."""
     starts = data.get("assignment", {})
     for name, block in starts.items() if isinstance(starts, dict) else ():
         path: KeyPath = ("assignment", name)
@@ -48,7 +48,7 @@ def read_assignment(data: dict[str, Any], faults: Faults, domain: Domain | None,
             continue
         outline = scene.outlines.get(name)
         if outline is not None and outline.place:
-            wanted = "a place is in no block: only things are assigned"
+            wanted = "a place cannot be assigned to a block"
             faults.at(path, wanted, shown(name), remedy="remove the line", key=True)
         elif domain is not None:
             _check_start(block, path, faults, domain, outline)
@@ -58,7 +58,7 @@ def read_assignment(data: dict[str, Any], faults: Faults, domain: Domain | None,
 
 
 def can_start(block: Block) -> bool:
-    """Say whether a token can start in the block, because the block needs nothing else."""
+    """Return whether a token can start in the block, because the block has no other slots and no targets."""
     return len(block.slots) == 1 and not block.targets
 
 
@@ -73,11 +73,11 @@ def _check_start(name: str, path: KeyPath, faults: Faults, domain: Domain, outli
         faults.at(path, f"unknown block in the domain {domain.name}", shown(name), fitting)
     elif not can_start(block):
         roles = ", ".join(block.roles)
-        wanted = "a token starts in a block with one slot and no targets"
+        wanted = "a token must start in a block with one slot and no targets"
         faults.at(path, wanted, f"{shown(name)} with {roles}", fitting)
     elif outline is not None and block.name not in fitting:
         needed = block.slots[0].object_class.name
-        wanted = f"only a member of {needed} starts in {block.name}"
+        wanted = f"only a member of {needed} can start in {block.name}"
         members = ", ".join(member.name for member in outline.classes)
         faults.at(path, wanted, f"token {shown(outline.name)}, a member of {members}", fitting)
 
@@ -85,5 +85,5 @@ def _check_start(name: str, path: KeyPath, faults: Faults, domain: Domain, outli
 def _is_known(name: str, path: KeyPath, faults: Faults, scene: Scene, who: str, *, key: bool = False) -> bool:
     if scene.names is None or name in scene.names:
         return True
-    faults.at(path, f"{who} names a token that is not there", shown(name), scene.names, key=key)
+    faults.at(path, f"{who} names an unknown token", shown(name), scene.names, key=key)
     return False

@@ -1,4 +1,4 @@
-"""Save a task as a task file that loads as the same task, with its mesh and primitive files."""
+"""Save a task as a task file with its mesh and primitive files. Loading the file gives the same task."""
 
 import os
 import tempfile
@@ -23,21 +23,21 @@ from hybrid_tamp.taskfile.yaml.dumping import dump, one_line, quoted
 from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 TOLERANCE = 1e-12
-"""Largest difference of a number after loading, which normalises directions and quaternions again."""
+"""Maximum difference of a number after loading. Loading normalises directions and quaternions again."""
 
 
 def save_task(task: Task, path: Path | str) -> None:
-    """Write a task as a YAML task file, from which `load_task` reads an equal task; replace an existing file.
+    """Write a task as a YAML task file, from which `load_task` reads an equal task.
 
-    Mesh files and primitive files are copied into the folder of the task file.
+    An existing file is replaced. Mesh files and primitive files are copied into the folder of the task file.
 
     Args:
-        task: the task. Its domain is written by name only.
-        path: the task file.
+        task: the task. Only the name of its domain is written.
+        path: path of the task file.
 
     Raises:
-        InputError: the file cannot be written, or it would not load as the same task: for example, a token is not
-            clear of another one, or the state has a velocity, which a task file cannot express.
+        InputError: the file cannot be written or would not load as the same task. For example, two tokens overlap, or
+            the state has a velocity, which a task file cannot express.
     """
     path = Path(path)
     text, files = task_text(task, path.stem, lambda name, content: _is_free(path.parent / name, content))
@@ -48,10 +48,10 @@ def save_task(task: Task, path: Path | str) -> None:
 
 
 def write_checked(path: Path, text: str, check: Callable[[Path], object]) -> None:
-    """Write a task file under a temporary name in the same folder, check it, and rename it.
+    """Write a task file under a temporary name in the same folder, check the file and rename it.
 
     Raises:
-        InputError: it cannot be written.
+        InputError: the file cannot be written.
     """
     with _writing(path):
         descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=".yaml")
@@ -68,25 +68,25 @@ def write_checked(path: Path, text: str, check: Callable[[Path], object]) -> Non
 
 @contextmanager
 def _writing(path: Path) -> Iterator[None]:
-    """Translate an error of the operating system into one about a file that cannot be written."""
+    """Translate errors of the operating system to `InputError`."""
     try:
         yield
     except OSError as error:
-        raise InputError([Issue(str(path), "a file that can be written", str(error.strerror))]) from error
+        raise InputError([Issue(str(path), "cannot write the file", str(error.strerror))]) from error
 
 
 def task_text(
     task: Task, stem: str | None = None, free: Callable[[str, str], bool] = lambda name, content: True
 ) -> tuple[str, dict[str, str]]:
-    """Return the text of a task's file, and the files that go into the same folder.
+    """Return the text of a task file, and the files that belong into the same folder.
 
     Args:
         task: the task.
-        stem: the file's name without its ending; if it is the task's name, the text has no name.
-        free: says whether a file of a name and content may be in the folder.
+        stem: name of the task file without its ending. If the task has the same name, the text omits the name.
+        free: function of a name and content that returns whether the folder can take this file.
 
     Returns:
-        The text, and name to content of the mesh and primitive files that it names.
+        The text, and a mapping of the name of each mesh and primitive file to its content.
 
     Raises:
         InputError: a mesh or primitive file cannot be read, or has changed since the task was made.
@@ -113,7 +113,7 @@ def task_text(
 
 
 def _beside(files: dict[str, str], free: Callable[[str, str], bool], name: str, content: str) -> str:
-    """Add a file under its name, or under a similar one if that is taken; return the name."""
+    """Add a file under its name, or under a similar name if the name is taken, and return the name."""
     stem, ending = Path(name).stem, Path(name).suffix
     number = 1
     while files.get(name, content) != content or not free(name, content):
@@ -124,7 +124,7 @@ def _beside(files: dict[str, str], free: Callable[[str, str], bool], name: str, 
 
 
 def _token_entry(task: Task, token: Token, beside: Callable[[str, str], str]) -> Iterator[tuple[str, Any]]:
-    """Yield the keys of a token with their values."""
+    """Yield the keys and values of a token's entry."""
     names = [member.name for member in token.classes if member is not TOKEN]
     yield "classes", one_line(names or [TOKEN.name])
     if token.unknown:
@@ -151,19 +151,20 @@ def _shape(shape: Any, beside: Callable[[str, str], str]) -> Mapping[str, Any]:
 def _mesh_text(shape: MeshShape) -> str:
     text = read_text(shape.path, "a mesh file", MOST_BYTES)
     if digest_of(text) != shape.digest:
-        raise InputError([Issue(str(shape.path), "the mesh file that the task was made with", "another content")])
+        raise InputError([Issue(str(shape.path), "the mesh file has changed since the task was made")])
     return text
 
 
 def _goal(task: Task) -> CommentedSeq:
     negative = [atom for atom in task.goal if not atom.positive]
     if negative:
-        raise InputError([Issue("goal", "a task file says what holds at the end", f"not {negative[0].predicate}")])
+        wanted = "a task file cannot express a negated goal atom"
+        raise InputError([Issue("goal", wanted, f"not {negative[0].predicate}")])
     return CommentedSeq([{atom.predicate: one_line(atom.arguments)} for atom in task.goal])
 
 
 def _changed(value: Any, default: Any) -> dict[str, Any]:
-    """Return the attributes of a record that differ from those of another one."""
+    """Return the attributes of a record that differ from the attributes of a default record."""
     found = {field.name: getattr(value, field.name) for field in fields(value)}
     return {key: _plain(each) for key, each in found.items() if each != getattr(default, key)}
 
@@ -175,22 +176,27 @@ def _plain(value: Any) -> Any:
 
 
 def _is_free(path: Path, content: str) -> bool:
-    """Say whether no file has this name, or the file has the same content."""
+    """Return whether no file exists at the path or the existing file has the same content."""
     return not path.exists() or (path.is_file() and path.read_bytes() == content.encode("utf-8"))
 
 
 def _check_same(task: Task, written: Path, path: Path) -> None:
-    """Refuse a task that a task file cannot express."""
+    """Check that the written file loads as the same task.
+
+    Raises:
+        InputError: the loaded task differs.
+    """
     again = load_task(written, lambda _: task.domain).replaced(name=task.name)
     different = [
-        Issue(str(path), "a task that a file can say", f"one whose {what}") for what in differences(task, again)
+        Issue(str(path), f"a task file cannot express this task, because after loading the {what}")
+        for what in differences(task, again)
     ]
     if different:
         raise InputError(different)
 
 
 def differences(task: Task, other: Task) -> list[str]:
-    """Return the differences of two tasks of one domain, up to `TOLERANCE`, as phrases."""
+    """Return phrases about the differences between two tasks of one domain. Numbers may differ by `TOLERANCE`."""
     found = [
         f"{name} differs"
         for name in ("name", "goal", "agents", "assignment", "planner", "limits", "seed", "objective", "midlevel")

@@ -1,7 +1,7 @@
-"""The JSON Schema of task files (draft 2020-12), so that editors complete and check them.
+"""The JSON Schema of task files (draft 2020-12), with which editors complete and check task files.
 
-The package ships the generic form, which comes from `entries`. ``hybrid-tamp schema`` adds the classes, properties,
-predicates and blocks of every installed domain, under a condition on the key ``domain``.
+The package contains the generic schema, which is derived from `entries`. ``hybrid-tamp schema`` adds the classes,
+properties, predicates and blocks of every installed domain. A condition on the key ``domain`` selects the domain.
 """
 
 from collections.abc import Iterable, Sequence
@@ -23,7 +23,7 @@ def json_schema(domains: Sequence[Domain] = ()) -> JsonObject:
     """Return the JSON Schema of task files.
 
     Args:
-        domains: the domains whose names the schema knows; it checks only the form of other domains' files.
+        domains: the domains whose names the schema contains. Files of other domains are checked by the generic schema.
     """
     form = form_of(TaskFile)
     keys, definitions = dict(form.keys), dict(form.definitions)
@@ -36,7 +36,7 @@ def json_schema(domains: Sequence[Domain] = ()) -> JsonObject:
     schema = {
         "$schema": DIALECT,
         "title": "A task of hybrid_tamp",
-        "description": "Tokens of a domain, where they are, and what is wanted. All numbers are in SI units.",
+        "description": "Tokens of a domain, their initial poses and the goal. All numbers are in SI units.",
         "type": "object",
         "properties": keys,
         "required": list(form.required),
@@ -54,7 +54,7 @@ def _equals(key: str, value: str) -> JsonObject:
 
 
 def _of_domain(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) -> JsonObject:
-    """Return the schema of a file of the domain beyond the generic form."""
+    """Return the part of a task file's schema that depends on the domain."""
     starts = [_choice(block.name, block.description) for block in domain.blocks if can_start(block)]
     return {
         "properties": {
@@ -96,7 +96,7 @@ def _choice(value: str, description: str) -> JsonObject:
 
 
 def _token(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) -> JsonObject:
-    """Return the schema of a token: any property of the domain's classes, and those that its own classes require."""
+    """Return the schema of a token, which requires the properties that the token's classes require."""
     known: dict[str, list[JsonObject]] = {}
     needs = []
     for number, object_class in enumerate(known_classes(domain).values()):
@@ -154,6 +154,6 @@ def _arguments(predicate: Predicate) -> JsonObject:
 def _argument(parameter: Parameter) -> JsonObject:
     if isinstance(parameter.sort, SymbolSort):
         symbols = [*parameter.sort.symbols, ANY]
-        return {"enum": symbols, "description": f"{parameter.name}: a {parameter.sort.name}, {ANY} for any"}
-    description = f"{parameter.name}: a token of the class {parameter.sort.name}, {ANY} for any"
+        return {"enum": symbols, "description": f"{parameter.name}: a {parameter.sort.name}, or {ANY} for any"}
+    description = f"{parameter.name}: a token of the class {parameter.sort.name}, or {ANY} for any"
     return {"type": "string", "description": description}

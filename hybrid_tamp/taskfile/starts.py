@@ -1,4 +1,4 @@
-"""Check the initial poses of a task file: above the floor, clear of each other, accepted by the tokens' classes."""
+"""Check the initial poses of a task file against the floor, the other tokens and the tokens' classes."""
 
 from typing import Any
 
@@ -16,11 +16,11 @@ from hybrid_tamp.taskfile.wording import subject
 
 
 def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
-    """Record every token that starts in the floor, inside another one, or where its own classes refuse it.
+    """Record every token that starts below the floor, inside another token or in a pose that its classes refuse.
 
     Args:
-        data: the file's plain data.
-        faults: the faults found so far; tokens that have one are skipped.
+        data: the plain data of the file.
+        faults: the faults found so far. Tokens with a fault are skipped.
         scene: the tokens.
     """
     sound = [token for token in scene.tokens if faults.sound(("tokens", token.name)) and _placed(data, token)]
@@ -49,16 +49,16 @@ def _path(token: Token) -> KeyPath:
 
 
 def _check_floor(token: Token, body: Body, faults: Faults) -> None:
-    """Refuse a body below the floor, which is the plane z = 0."""
+    """Record a fault if a body is below the floor, which is the plane z = 0."""
     lowest = lowest_height(body)
     if lowest < -CONTACT:
-        wanted = f"{subject(_path(token))} must put it above the floor, which is z = 0"
-        came = f"its lowest point at z = {_metres(lowest)} m"
-        faults.at(_path(token), wanted, came, remedy=f"raise it by {_metres(-lowest)} m")
+        wanted = f"{subject(_path(token))} must be above the floor (z = 0)"
+        came = f"a lowest point at z = {_metres(lowest)} m"
+        faults.at(_path(token), wanted, came, remedy=f"raise the token by {_metres(-lowest)} m")
 
 
 def _check_overlaps(bodies: list[tuple[Token, Body]], faults: Faults) -> None:
-    # If a hand is inside a thing, the hand has to move: it comes later.
+    # The later of two overlapping tokens has to move. Hands come last, so hands move rather than objects.
     ordered = sorted(bodies, key=lambda body: is_capability(body[0]))
 
     def may_share(earlier: int, later: int) -> bool:
@@ -66,16 +66,16 @@ def _check_overlaps(bodies: list[tuple[Token, Body]], faults: Faults) -> None:
 
     for earlier, later, way in overlaps([body for _, body in ordered], may_share):
         one, other = ordered[earlier][0], ordered[later][0]
-        wanted = f"{subject(_path(other))} must put it clear of the other tokens"
-        came = f"a place inside token {shown(one.name)}{faults.on_line(_path(one), 'whose position is')}"
-        faults.at(_path(other), wanted, came, remedy=f"moved by {_vector(way)} m it is clear of it")
+        wanted = f"{subject(_path(other))} must not overlap other tokens"
+        came = f"an overlap with token {shown(one.name)}{faults.on_line(_path(one), 'whose position is')}"
+        faults.at(_path(other), wanted, came, remedy=f"move token {shown(other.name)} by {_vector(way)} m")
 
 
 def _check_classes(token: Token, state: State, scene: Scene, faults: Faults) -> None:
     for member in token.classes:
         complaint = member.consistent_start(token, state, scene.tokens) if faults.sound(_path(token)) else None
         if complaint is not None:
-            faults.at(_path(token)[:-1], f"{subject(_path(token)[:-1])} is refused: {complaint}", key=True)
+            faults.at(_path(token)[:-1], f"{subject(_path(token)[:-1])} is not valid: {complaint}", key=True)
 
 
 def _metres(length: float) -> str:
@@ -83,6 +83,6 @@ def _metres(length: float) -> str:
 
 
 def _vector(way: FloatArray) -> str:
-    """Return a vector [m] to a tenth of a millimetre, rounded away from zero so that it is long enough."""
+    """Return a vector [m] as text, rounded away from zero to 0.1 mm so that the vector is long enough."""
     rounded = np.copysign(np.ceil(np.abs(way) * 1e4 - 1e-6) / 1e4, way)
     return f"[{', '.join(f'{component + 0.0:g}' for component in rounded)}]"

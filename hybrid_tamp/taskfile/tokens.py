@@ -26,13 +26,13 @@ _SHAPE: TypeAdapter[WrittenShape | None] = TypeAdapter(WrittenShape | None)
 
 @dataclass
 class Scene:
-    """The tokens of a task file, as far as it is sound.
+    """The tokens of a task file, as far as they have no faults.
 
     Attributes:
-        names: every token's name to its entry in the file; None if the entries cannot be read.
-        outlines: name to a token whose classes are sound; its properties may be wrong.
+        names: maps the name of each token to its entry in the file; None if the entries cannot be read.
+        outlines: maps the name of each token with valid classes to a token without properties.
         tokens: the tokens without faults.
-        given: (token, varying property) to its initial value.
+        given: maps each pair of (token, varying property) to its initial value.
     """
 
     names: Mapping[str, Any] | None = None
@@ -45,10 +45,10 @@ def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None, fold
     """Read the tokens and record their faults.
 
     Args:
-        data: the file's plain data.
-        faults: the faults of its form.
-        domain: the domain, or None if it is unknown; then only names are read.
-        folder: relative paths of mesh files start here.
+        data: the plain data of the file.
+        faults: the faults found so far.
+        domain: the domain. If None, only the names of tokens are read.
+        folder: folder at which relative paths of mesh files start.
     """
     entries = data.get("tokens")
     if not isinstance(entries, dict):
@@ -64,7 +64,7 @@ def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None, fold
 
 
 def known_classes(domain: Domain) -> Mapping[str, type[ObjectClass]]:
-    """Return name to class, the root class included."""
+    """Return a mapping of names to the domain's classes, including the root class."""
     return {TOKEN.name: TOKEN, **domain.class_by_name}
 
 
@@ -90,13 +90,13 @@ def _read_token(name: str, entry: dict[str, Any], faults: Faults, domain: Domain
 def _classes(
     entry: dict[str, Any], path: KeyPath, faults: Faults, domain: Domain
 ) -> tuple[type[ObjectClass], ...] | None:
-    """Return the classes that a token names, or None if they are not sound."""
+    """Return the classes of a token, or None if they have faults."""
     path = (*path, "classes")
     if "classes" not in entry or not faults.sound(path):
         return None
     if not entry["classes"]:
-        remedy = f"write [{TOKEN.name}] for a thing with which nothing is done"
-        faults.at(path, "a token is a member of one class at least", "[]", sorted(domain.class_by_name), remedy)
+        remedy = f"write [{TOKEN.name}] for a thing without affordances"
+        faults.at(path, "a token must have at least one class", "[]", sorted(domain.class_by_name), remedy)
         return None
     return _named(entry["classes"], path, (), faults, domain)
 
@@ -104,7 +104,7 @@ def _classes(
 def _named(
     names: list[str], path: KeyPath, others: tuple[type[ObjectClass], ...], faults: Faults, domain: Domain
 ) -> tuple[type[ObjectClass], ...] | None:
-    """Return the classes of these names, or None if they cannot share a token with each other and with the others."""
+    """Return the classes with these names, or None if one token cannot be a member of these and the other classes."""
     known = known_classes(domain)
     found: list[type[ObjectClass]] = [*others]
     for index, class_name in enumerate(names):
@@ -113,7 +113,7 @@ def _named(
             wanted = f"unknown class in the domain {domain.name}"
             faults.at(here, wanted, shown(class_name), sorted(domain.class_by_name))
         elif known[class_name] in found:
-            faults.at(here, "a token names each of its classes once", shown(class_name), remedy="remove one")
+            faults.at(here, "a class must not be listed twice", shown(class_name), remedy="remove one")
         else:
             _check_company(known[class_name], found, here, faults, domain)
             found.append(known[class_name])
@@ -124,7 +124,7 @@ def _named(
     except PropertyConflictError as error:
         for issue in error.issues:
             wanted = f"{issue.where} are in conflict: {issue.wanted}"
-            faults.at(path, wanted, issue.came, remedy="use one of the two classes, or mend the domain")
+            faults.at(path, wanted, issue.came, remedy="use only one of the two classes, or correct the domain")
         return None
     return tuple(found[len(others) :])
 
@@ -132,19 +132,19 @@ def _named(
 def _check_company(
     one: type[ObjectClass], others: list[type[ObjectClass]], path: KeyPath, faults: Faults, domain: Domain
 ) -> None:
-    """Refuse a class that cannot share a token with one of the others."""
+    """Record a fault for a class that cannot share a token with one of the other classes."""
     for other in others:
         if is_place(one) != is_place(other):
             place, thing = (one, other) if is_place(one) else (other, one)
             came = f"the place {place.name} and the thing {thing.name}"
-            faults.at(path, "a token is a place or a thing, not both", came, remedy="make two tokens of it")
+            faults.at(path, "a token must not be both a place and a thing", came, remedy="split it into two tokens")
         elif not domain.relations.can_share_token(one, other):
-            wanted = f"no token is a member of both {other.name} and {one.name}"
+            wanted = f"no token can be a member of both {other.name} and {one.name}"
             faults.at(path, wanted, shown(one.name), remedy=f"the domain {domain.name} declares them disjoint")
 
 
 def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Token | None:
-    """Make the token from its properties and shape, and let its classes check that they are consistent."""
+    """Return the token with its properties and shape, or None if they have faults. Record the faults."""
     properties, base = entry.get("properties", {}), (*path, "properties")
     if not isinstance(properties, dict) or not faults.sound(base):
         return None
@@ -157,17 +157,17 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
         add_validation_faults(faults, error, union, base, lambda key: _needed_by(outline, key))
         return None
     except ArithmeticError:
-        faults.at(base, f"the properties of token {shown(outline.name)} must be numbers of a physical size")
+        faults.at(base, f"the properties of token {shown(outline.name)} must have physically possible sizes")
         return None
     if not has_shape:
         return None
     for complaint in dict.fromkeys(_complaints(token)):
-        faults.at(path, f"token {shown(token.name)} contradicts itself: {complaint}", key=True, sound=True)
+        faults.at(path, f"token {shown(token.name)} is inconsistent: {complaint}", key=True, sound=True)
     return token
 
 
 def _shape(entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Shape | None:
-    """Return the shape in a token's entry; read a mesh from its file."""
+    """Return the shape in a token's entry. Mesh files are read."""
     written = _SHAPE.validate_python(entry.get("shape")) if faults.sound(path) else None
     if not isinstance(written, MeshFile):
         return written
@@ -177,7 +177,7 @@ def _shape(entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -
 
 
 def _needed_by(outline: Token, key: str) -> str:
-    return "; needed by " + ", ".join(member.name for member in outline.classes if key in member.model_fields)
+    return "; required by " + ", ".join(member.name for member in outline.classes if key in member.model_fields)
 
 
 def _complaints(token: Token) -> list[str]:
@@ -186,14 +186,14 @@ def _complaints(token: Token) -> list[str]:
 
 
 def _read_pose(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Read the pose of a token; a token that has a position needs one."""
+    """Read the pose of a token. A pose is required for tokens with a position."""
     here = (*path, "pose")
     if not faults.sound(here):
         return
     varying = {one.name for one in outline.varying}
     if entry.get("pose") is None:
         if "position" in varying:
-            wanted = f"missing key 'pose' in token {shown(outline.name)}: where it is at the beginning"
+            wanted = f"missing key 'pose' in token {shown(outline.name)}: the initial pose"
             faults.at(here, wanted, remedy="write pose: {position: [x, y, z]}")
         return
     pose = Pose.model_validate(entry["pose"])
@@ -203,7 +203,9 @@ def _read_pose(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Fau
             scene.given[outline.name, key] = value
         elif value is not None:
             faults.at(
-                here, f"token {shown(outline.name)} has no {key}", remedy="remove it: none of its classes has one"
+                here,
+                f"no class of token {shown(outline.name)} has the property {key}",
+                remedy=f"remove {key}",
             )
 
 

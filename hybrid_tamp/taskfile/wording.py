@@ -1,4 +1,4 @@
-"""Translate pydantic's errors into faults of a file."""
+"""Translate pydantic's validation errors to faults of a file."""
 
 from collections.abc import Callable
 from types import NoneType
@@ -30,16 +30,16 @@ _WANTED = {
     "string_pattern_mismatch": "must be a name of letters, digits, '-', '_', '.', '[' and ']'",
     "string_too_short": "must not be empty",
     "string_type": "must be text",
-    "too_long": "must be a list of {max_length}",
+    "too_long": "must be a list of {max_length} entries",
     "too_short": "must have at least {min_length} entry",
     "tuple_type": "must be a list",
-    "union_tag_not_found": "needs the key 'kind'",
+    "union_tag_not_found": "must have the key 'kind'",
 }
 _NUMBERS = ("finite_number", "float_type", "greater_than", "greater_than_equal", "less_than", "less_than_equal")
 
 
 def no_reason(key: str) -> str:
-    """Say nothing about why a key is needed."""
+    """Return an empty text as the reason for a required key."""
     return ""
 
 
@@ -51,15 +51,15 @@ def add_validation_faults(
     why: Callable[[str], str] = no_reason,
     whole: str = _TASK_FILE,
 ) -> None:
-    """Record every error that pydantic found, each at its place.
+    """Record every error that pydantic found, at its place in the file.
 
     Args:
-        faults: receives the errors.
+        faults: the faults to which the errors are added.
         error: the error that pydantic raised.
-        model: the validated model; its fields have the units, descriptions and known keys.
+        model: the validated model, whose fields give the units, descriptions and known keys.
         base: path of the validated part within the file.
-        why: returns why a missing key is needed, to follow its description.
-        whole: name of the file itself in messages.
+        why: function that returns the reason why a key is required. The message appends the reason.
+        whole: name of the whole file in messages.
     """
     for details in error.errors(include_url=False):
         way = _Way(model, details["loc"])
@@ -72,10 +72,10 @@ def add_validation_faults(
         elif details["type"] == "union_tag_invalid":
             tags = [tag.strip(" '") for tag in details["ctx"]["expected_tags"].split(",")]
             path = (*path, details["ctx"]["discriminator"].strip("'"))
-            faults.at(path, f"{subject(path)} is not a known one", shown(details["ctx"]["tag"]), tags)
+            faults.at(path, f"{subject(path)} must be a known kind", shown(details["ctx"]["tag"]), tags)
         else:
             wanted = _wanted(details, way.unit)
-            # The message lists all choices; one is suggested only if it is close.
+            # The message lists all choices and suggests a choice that is close to the given value.
             close = did_you_mean(str(details["input"]), way.choices) if details["type"] == "literal_error" else None
             came = faults.shown(path, details["input"])
             faults.at(path, f"{subject(path, whole)} {wanted}", came, (close,) if close else ())
@@ -86,7 +86,7 @@ def _wanted(details: ErrorDetails, unit: str) -> str:
         key: f"{value:g}" if isinstance(value, float) else value for key, value in details.get("ctx", {}).items()
     }
     if details["type"] == "value_error":
-        return f"is refused: {context['error']}"
+        return f"is not valid: {context['error']}"
     template = _WANTED.get(details["type"])
     if template is None:
         return details["msg"].replace("Input should", "must", 1)
@@ -96,20 +96,20 @@ def _wanted(details: ErrorDetails, unit: str) -> str:
 def _add_missing(faults: Faults, way: "_Way", path: KeyPath, came: Any, why: Callable[[str], str], whole: str) -> None:
     last = path[-1]
     if isinstance(last, int):
-        faults.at(path[:-1], f"{subject(path[:-1])} must be a list of {way.length}", shown(came))
+        faults.at(path[:-1], f"{subject(path[:-1])} must be a list of {way.length} entries", shown(came))
         return
     description = ": " + way.field.description if way.field and way.field.description else ""
     faults.at(path, f"missing key {last!r}{way.unit} in {subject(path[:-1], whole)}{description}{why(last)}")
 
 
 class _Way:
-    """The path through a model's declarations along the location of an error.
+    """Path through the declarations of a model to the location of an error.
 
     Attributes:
-        path: the location without the tags of unions, which do not occur in the file.
+        path: the location without the tags of unions, which are not in the file.
         field: the innermost declared field on the path, or None.
         siblings: the keys of the innermost model on the path.
-        length: number of entries of the innermost tuple on the path.
+        length: number of entries in the innermost tuple on the path.
     """
 
     def __init__(self, model: type[BaseModel], loc: tuple[int | str, ...]) -> None:
@@ -128,12 +128,12 @@ class _Way:
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """The values that the innermost field accepts, if they are listed."""
+        """Accepted values of the innermost field; empty if the field's type does not list them."""
         return tuple(map(str, get_args(self.field.annotation))) if self.field else ()
 
     @property
     def unit(self) -> str:
-        """The unit of the innermost field, to follow a number; empty for pure numbers."""
+        """Unit of the innermost field in brackets; empty for pure numbers."""
         extra = self.field.json_schema_extra if self.field else None
         unit = extra.get("unit", "1") if isinstance(extra, dict) else "1"
         return "" if unit == "1" else f" [{unit}]"
@@ -146,18 +146,18 @@ class _Way:
             return self.field.annotation if self.field else Any
         if get_origin(here) is tuple:
             self.length = len(arguments)
-        # The last argument is the type of a mapping's values; a tuple of any length has an ellipsis there.
+        # The last argument is the type of the values of a mapping, list or tuple. Skip the ellipsis of a tuple.
         return next((one for one in reversed(arguments) if one is not Ellipsis), Any)
 
 
 def _tags(member: Any) -> tuple[Any, ...]:
-    """Return the names by which error locations call a member of a union: its kinds, or the name of its type."""
+    """Return the tags of a union member in error locations: the member's kinds, or else the name of its type."""
     kinds = member.model_fields.get("kind") if issubclass(member, BaseModel) else None
     return get_args(kinds.annotation) if kinds else (member.__name__,)
 
 
 def _members(annotation: Any) -> tuple[Any, ...]:
-    """Return the members of a union without None; any other type is its only member."""
+    """Return the members of a union without None. For any other type, return the type itself."""
     if get_origin(annotation) is Annotated:
         return _members(get_args(annotation)[0])
     if get_origin(annotation) in (None, list, dict, tuple):
@@ -166,7 +166,7 @@ def _members(annotation: Any) -> tuple[Any, ...]:
 
 
 def subject(path: KeyPath, whole: str = _TASK_FILE) -> str:
-    """Return the name of a value of a task file in messages, e.g. ``pose.position[2] of token 'drum'``."""
+    """Return the name of a task file's value for messages, e.g. ``pose.position[2] of token 'drum'``."""
     if not path:
         return whole
     if path[0] != "tokens" or len(path) == 1:

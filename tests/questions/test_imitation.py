@@ -147,15 +147,15 @@ LINES = ["time [s], hand.x, hand.y, hand.z", *(f"0.{n}, {n}.5, 0, 0.3" for n in 
     [
         (1, "", "1:1", ("time, then token.x", "got '0.0'")),
         (1, "t, hand.x, hand.y, hand.z", "1:1", ("time, then token.x",)),
-        (1, "time, hand.x, hnd.y, hand.z", "1:15", ("column of a token", "did you mean 'hand.y'")),
-        (1, "time, hand.x, hand.y, hand.y", "1:23", ("each column once", "hand.y")),
-        (1, "time, hand.x, hand.y, drum.z", "1:7", ("hand.x, hand.y, hand.z together", "no hand.z")),
-        (1, "time, goal.x, goal.y, goal.z", "1:7", ("column of a token",)),
-        (3, "0.1, 1.5, 0", "3:11", ("every line has 4 columns",)),
+        (1, "time, hand.x, hnd.y, hand.z", "1:15", ("must belong to a token", "did you mean 'hand.y'")),
+        (1, "time, hand.x, hand.y, hand.y", "1:23", ("must not occur twice", "hand.y")),
+        (1, "time, hand.x, hand.y, drum.z", "1:7", ("hand.x, hand.y, hand.z must occur together", "no hand.z")),
+        (1, "time, goal.x, goal.y, goal.z", "1:7", ("must belong to a token",)),
+        (3, "0.1, 1.5, 0", "3:11", ("every line must have 4 columns",)),
         (3, "0.1, 1.5, 0, abc", "3:14", ("a number", "abc")),
         (3, "0.1, 1.5, 0, nan", "3:14", ("finite",)),
         (3, "0.0, 1.5, 0, 0.3", "3:1", ("time must increase",)),
-        (7, "1e4, 1.5, 0, 0.3", "7:1", ("at most 600 s",)),
+        (7, "1e4, 1.5, 0, 0.3", "7:1", ("must not be longer than 600 s",)),
     ],
 )
 def test_faults_of_a_table_of_poses(tmp_path: Path, number: int, line: str, place: str, words: tuple[str, ...]) -> None:

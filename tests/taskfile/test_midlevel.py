@@ -97,23 +97,23 @@ FAULTS = {
     "{seconds: «0}": ("midlevel.seconds must be more than 0 [s]",),
     "{seconds: «.nan}": ("must be a finite number [s]",),
     "{«evalutions: 5}": ("unknown key in midlevel", "did you mean 'evaluations'?"),
-    "{weights: {«ROLLING.efort: 1}}": ("unknown measure", "did you mean 'ROLLING.effort'?"),
-    "{weights: {«ROLING.effort: 1}}": ("unknown measure", "did you mean 'ROLLING.effort'?"),
-    "{weights: {«effort: 1}}": ("unknown measure", "it is 'BLOCK.name'"),
+    "{weights: {«ROLLING.efort: 1}}": ("a measure of the domain", "did you mean 'ROLLING.effort'?"),
+    "{weights: {«ROLING.effort: 1}}": ("a measure of the domain", "did you mean 'ROLLING.effort'?"),
+    "{weights: {«effort: 1}}": ("must be 'BLOCK.name' with a measure",),
     "{weights: {ROLLING.effort: «.nan}}": ("must be a finite number",),
     "{weights: {ROLLING.effort: «much}}": ("must be a number", "got 'much'"),
-    "{hyperparameters: {«ROLLING.sped: 1}}": ("unknown hyperparameter", "did you mean 'ROLLING.speed'?"),
+    "{hyperparameters: {«ROLLING.sped: 1}}": ("a hyperparameter of the domain", "did you mean 'ROLLING.speed'?"),
     "{hyperparameters: {«'TIPPING:lowr.rate': 1}}": ("did you mean 'TIPPING:lower.rate'?",),
-    "{hyperparameters: {ROLLING.speed: «{lower: 0.5, upper: 0.2}}}": ("needs lower <= upper", "got 0.5 and 0.2"),
-    "{hyperparameters: {ROLLING.speed: {lower: 0.3, default: «0.2}}}": ("default", "bounds, 0.3 to 0.6 [m/s]"),
-    "{hyperparameters: {ROLLING.speed: {default: «0.7}}}": ("default", "0.05 to 0.6 [m/s]", "got 0.7"),
-    "{hyperparameters: {ROLLING.speed: {lower: «0.01}}}": ("lower narrows the bounds of ROLLING.speed, 0.05 to 0.6",),
-    "{hyperparameters: {ROLLING.speed: {upper: «0.61}}}": ("upper narrows the bounds of ROLLING.speed, 0.05 to 0.6",),
-    "{hyperparameters: {ROLLING.speed: «0.9}}": ("ROLLING.speed is fixed within its bounds, 0.05 to 0.6 [m/s]",),
+    "{hyperparameters: {ROLLING.speed: «{lower: 0.5, upper: 0.2}}}": ("lower must not exceed upper", "got 0.5 and 0.2"),
+    "{hyperparameters: {ROLLING.speed: {lower: 0.3, default: «0.2}}}": ("default", "between 0.3 and 0.6 [m/s]"),
+    "{hyperparameters: {ROLLING.speed: {default: «0.7}}}": ("default", "between 0.05 and 0.6 [m/s]", "got 0.7"),
+    "{hyperparameters: {ROLLING.speed: {lower: «0.01}}}": ("lower of ROLLING.speed must be between 0.05 and 0.6",),
+    "{hyperparameters: {ROLLING.speed: {upper: «0.61}}}": ("upper of ROLLING.speed must be between 0.05 and 0.6",),
+    "{hyperparameters: {ROLLING.speed: «0.9}}": ("fixed value of ROLLING.speed must be between 0.05 and 0.6 [m/s]",),
     "{hyperparameters: {ROLLING.speed: «.nan}}": ("must be a finite number",),
     "{hyperparameters: {ROLLING.speed: {upper: «.inf}}}": ("must be a finite number",),
     "{hyperparameters: {ROLLING.speed: {«lowr: 0.1}}}": ("unknown key", "did you mean 'lower'?"),
-    "{hyperparameters: {TIPPING.rate: «5}}": ("TIPPING.rate", "0.1 to 1 [rad/s]"),
+    "{hyperparameters: {TIPPING.rate: «5}}": ("TIPPING.rate", "between 0.1 and 1 [rad/s]"),
 }
 
 
@@ -136,7 +136,7 @@ def test_bounds_that_no_token_of_the_task_allows_are_refused() -> None:
     changed = [replace(h, within=reach) if h.name == "speed" else h for h in rolling.hyperparameters]
     domain = DOMAIN.with_blocks([replace(rolling, hyperparameters=tuple(changed))])
     assert hyperparameter(load("{hyperparameters: {ROLLING.speed: 0.2}}", domain), "ROLLING", "speed").upper == 0.2
-    with pytest.raises(InputError, match=r"t:37:45: .* tokens of the task allow: 0.1 to 0.2; got 0.3"):
+    with pytest.raises(InputError, match=r"t:37:45: .* tokens of the task, which are 0.1 to 0.2; got 0.3"):
         load("{hyperparameters: {ROLLING.speed: 0.3}}", domain)
 
 
@@ -173,7 +173,7 @@ def test_a_goal_may_leave_a_choice() -> None:
 @pytest.mark.parametrize(
     ("goal", "words"),
     [
-        ("at_face: [hand, «'*', left]", ("'*' stands for a member of TUMBLABLE", "got none", "add such a token")),
+        ("at_face: [hand, «'*', left]", ("no token can replace '*'", "add a token of class TUMBLABLE")),
         ("inside: [drum, «'*', near]", ()),
         ("inside: ['*', near]\n  - inside: [drum, far]", ("with which all its atoms can hold together", "got none")),
     ],

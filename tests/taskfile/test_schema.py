@@ -114,18 +114,18 @@ def test_the_packaged_schema_is_that_of_any_domain(text: str) -> None:
 def test_the_reference_page_names_everything(toy: Domain) -> None:
     page = reference_page([toy])
     for words in (
-        "| `time` | number | s | > 0, ≤ 1000000 | `60` | wall-clock time of the planner |",
+        "| `time` | number | s | > 0, ≤ 1000000 | `60` | limit of the planner's wall-clock time |",
         "| `seed` | whole number |  | ≥ 0, ≤ 4294967295 | `0` | seed of everything random |",
         "| `axis` | list of 3 numbers |  |  | required | axis of rotation |",
         "| `friction` | number |  | ≥ 0, ≤ 5 | `0.5` | friction coefficient |",
         "#### `HAND` (capability class)",
         "#### `REGION` (place)",
         "Basic action `force`: 3 numbers [N], at most its `force`",
-        "| `within(object: ROLLABLE, region: REGION)` | object is within region | m | at most one region each |",
+        "| `within(object: ROLLABLE, region: REGION)` | object is within region | m | at most one region at a time |",
         "- slot `object`: ROLLABLE (anchor)",
         "- target `region`: REGION",
         "- exit: `not within(object, *)`, `within(object, region)`",
-        "a task may start in this block",
+        "tokens may start in this block",
     ):
         assert words in page
     assert page == reference_page([toy])

@@ -32,38 +32,38 @@ def refused(text: str) -> list[str]:
 @pytest.mark.parametrize(
     ("text", "messages"),
     [
-        ("", ["f:1:1: a task file is a mapping with the keys domain, tokens and goal; got an empty file"]),
-        ("# nothing\n---\n", ["f:1:1: a task file is a mapping"]),
-        ("- a", ["f:1:1: a task file is a mapping with the keys domain, tokens and goal; got ['a']"]),
-        ("a: 1\n\tb: 2\n", ["f:2:1: spaces are needed here; got a tab"]),
-        ("a:\n\tb: 1\n  \tc: 2\n", ["f:2:1: spaces are needed", "f:3:3: spaces are needed"]),
-        ("a: 1\n---\nb: 2\n", ["f:2:1: a task file is one document; got a second one"]),
-        ("%YAML 1.1\n---\na: no\n", ["f:1:1: a task file is YAML 1.2; got YAML 1.1"]),
-        ("a: [1, 2\nb: 3\n", ["f:2:2: a list needs a comma or its ']' here; got 'b: 3'"]),
-        ("a: {b: 1\nc: 2\n", ["f:2:2: a mapping needs a comma or its '}' here; got 'c: 2'"]),
-        ("a: 'x\n", ["f:1:4: a text in quotes needs its closing quote"]),
-        ("a: b: c\n", ["f:1:5: a line holds one key, and text with ': ' in it stands in quotes; got 'a: b: c'"]),
-        ("a: 1\n b: 2\n", ["f:2:3: a line holds one key"]),
-        ("a:\n  b: 1\n c: 2\n", ["f:3:2: the lines of a list or mapping need one indentation"]),
-        ("a: @b\n", ["f:1:4: text that begins with this character stands in quotes"]),
-        ('a: "\\q"\n', ["f:1:6: double quotes need an escape that YAML knows"]),
-        ('a: "\\UFFFFFFFF"\n', ["f:1:1: not valid YAML 1.2: a part after this place cannot be read"]),
-        ("a: \x07b\n", ["f:1:4: a task file is printable text; got the control character U+0007"]),
-        ("a: !!python/object/apply:os.system [ls]\n", ["f:1:4: a task file is plain data", "!!python/object/apply"]),
-        ("a: !x b\n!!set c: d\n", ["f:1:4: a task file is plain data", "f:2:1: a task file is plain data"]),
+        ("", ["f:1:1: a task file must be a mapping with the keys domain, tokens and goal; got an empty file"]),
+        ("# nothing\n---\n", ["f:1:1: a task file must be a mapping"]),
+        ("- a", ["f:1:1: a task file must be a mapping with the keys domain, tokens and goal; got ['a']"]),
+        ("a: 1\n\tb: 2\n", ["f:2:1: lines must be indented with spaces; got a tab"]),
+        ("a:\n\tb: 1\n  \tc: 2\n", ["f:2:1: lines must be indented", "f:3:3: lines must be indented"]),
+        ("a: 1\n---\nb: 2\n", ["f:2:1: a task file must be one document; got a second document"]),
+        ("%YAML 1.1\n---\na: no\n", ["f:1:1: a task file must be YAML 1.2; got YAML 1.1"]),
+        ("a: [1, 2\nb: 3\n", ["f:2:2: expected a comma or ']' in a list; got 'b: 3'"]),
+        ("a: {b: 1\nc: 2\n", ["f:2:2: expected a comma or '}' in a mapping; got 'c: 2'"]),
+        ("a: 'x\n", ["f:1:4: a text in quotes must have a closing quote"]),
+        ("a: b: c\n", ["f:1:5: a line must have only one key, and text with ': ' must be in quotes; got 'a: b: c'"]),
+        ("a: 1\n b: 2\n", ["f:2:3: a line must have only one key"]),
+        ("a:\n  b: 1\n c: 2\n", ["f:3:2: the lines of a list or mapping must have the same indentation"]),
+        ("a: @b\n", ["f:1:4: text that begins with this character must be in quotes"]),
+        ('a: "\\q"\n', ["f:1:6: YAML does not know this escape"]),
+        ('a: "\\UFFFFFFFF"\n', ["f:1:1: not valid YAML 1.2: cannot read the text after this place"]),
+        ("a: \x07b\n", ["f:1:4: a task file must be printable text; got the control character U+0007"]),
+        ("a: !!python/object/apply:os.system [ls]\n", ["f:1:4: a task file must be plain", "!!python/object/apply"]),
+        ("a: !x b\n!!set c: d\n", ["f:1:4: a task file must be plain data", "f:2:1: a task file must be plain data"]),
         ("a: !!int x\n", ["f:1:4: a value must fit its tag !!int; got 'x'"]),
-        ("a: !!seq {b: c}\n", ["f:1:4: a task file is plain data"]),
-        ("a: &x 1\nb: *x\n", ["f:2:4: a task file has no aliases; got *x; write the value out"]),
-        ("a: &x [*x]\n", ["f:1:8: a task file has no aliases"]),
-        ("a: {<<: *x}\n", ["f:1:9: a task file has no aliases"]),
+        ("a: !!seq {b: c}\n", ["f:1:4: a task file must be plain data"]),
+        ("a: &x 1\nb: *x\n", ["f:2:4: a task file must not contain aliases; got *x; write the value itself"]),
+        ("a: &x [*x]\n", ["f:1:8: a task file must not contain aliases"]),
+        ("a: {<<: *x}\n", ["f:1:9: a task file must not contain aliases"]),
         ("*a : b\n", ["f:1:1: a key must be text; got *a"]),
         ("? [a, b]\n: c\n", ["f:1:3: a key must be text; got a list or mapping"]),
         ("a: {1: b, ~: c, true: d, : e}\n", ["f:1:5: a key must be text; got 1; write \"1\" in quotes",
                                             "f:1:11: a key must be text", "f:1:17: a key must be text",
                                             "f:1:27: a key must be text; got nothing; write a key before the ':'"]),
         ('a: "\\ud800"\n"\\udfff": b\n', ["f:1:4: text must be whole characters", "f:2:1: text must be whole"]),
-        ("a: {b: 1, c: 2, b: 3}\na: 2\nd: 3\nd: 3\n", ["f:1:17: a key may stand only once; got a second key 'b'",
-                                                       "f:2:1: a key may stand only once", "f:4:1: a key may"]),
+        ("a: {b: 1, c: 2, b: 3}\na: 2\nd: 3\nd: 3\n", ["f:1:17: a key must occur only once; got a second key 'b'",
+                                                       "f:2:1: a key must occur only once", "f:4:1: a key must occur"]),
     ],
 )  # fmt: skip
 def test_a_fault_of_the_text_is_named_with_its_place(text: str, messages: list[str]) -> None:
@@ -135,7 +135,7 @@ def test_a_text_is_refused_by_size_too(tmp_path: Path) -> None:
 def test_deep_nesting_is_refused_before_it_hurts(piece: str) -> None:
     *others, message = refused(piece * (9_999 // len(piece)))
     # Lists as keys are refused one by one before.
-    assert f"nest at most {MAX_DEPTH} deep" in message
+    assert f"not be nested more than {MAX_DEPTH} deep" in message
     assert all("a key must be text" in other for other in others)
 
 
@@ -143,7 +143,7 @@ def test_deep_nesting_is_refused_before_it_hurts(piece: str) -> None:
 def test_endless_words_are_refused_at_once(piece: str) -> None:
     start = time.perf_counter()
     (message,) = refused("a:\n  b: " + piece * 500_000)
-    assert message == "f:2:6: words have at most 10000 characters; got a longer one; put blanks in between"
+    assert message == "f:2:6: a word must have at most 10000 characters; got a longer word; put blanks in between"
     assert time.perf_counter() - start < 1.0
 
 
@@ -162,14 +162,16 @@ def test_messages_stay_short(issues: Issues, text: str) -> None:
 
 def test_nesting_by_indentation_is_refused_too() -> None:
     (message,) = refused("".join(" " * depth + "a:\n" for depth in range(1400)))
-    assert message.startswith(f"f:{MAX_DEPTH + 1}:{MAX_DEPTH + 1}: lists and mappings nest at most {MAX_DEPTH} deep")
+    assert message.startswith(
+        f"f:{MAX_DEPTH + 1}:{MAX_DEPTH + 1}: lists and mappings must not be nested more than {MAX_DEPTH} deep"
+    )
 
 
 def test_too_many_values_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(yaml_builder, "MAX_NODES", 1000)
     assert refused("a: [" + "1, " * 997 + "]") == []
     (message,) = refused("a: [" + "1, " * 998 + "]")
-    assert message.startswith("f:1:2996: a task file has at most 1000 keys and values")
+    assert message.startswith("f:1:2996: a task file must have at most 1000 keys and values")
 
 
 def test_aliases_cannot_blow_up() -> None:
@@ -191,19 +193,19 @@ def test_what_cannot_be_read_is_not_called_wrong_as_well(issues: Issues, text: s
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"none\.yaml: a task file; got no file of this name"):
+    with pytest.raises(InputError, match=r"none\.yaml: must be a task file; got no file of this name"):
         load_task(tmp_path / "none.yaml")
 
 
 def test_a_folder_is_no_task_file(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="a task file; got a folder"):
+    with pytest.raises(InputError, match="must be a task file; got a folder"):
         load_task(tmp_path)
 
 
 def test_a_name_that_no_file_can_have_is_refused() -> None:
-    with pytest.raises(InputError, match="a file that can be read"):
+    with pytest.raises(InputError, match="cannot read the file"):
         load_task(Path("a\0b"))
-    with pytest.raises(InputError, match="a file that can be read"):
+    with pytest.raises(InputError, match="cannot read the file"):
         load_task(Path("a" * 5000))
 
 

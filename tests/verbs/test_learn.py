@@ -223,11 +223,11 @@ def write(path: Path, weights: np.ndarray) -> Path:
 @pytest.mark.parametrize(
     ("entry", "words"),
     [
-        ("REACHNG: p3.json", ("40:3", "no block", "'REACHNG'", "did you mean 'REACHING'")),
-        ("ROLLING: p3.json", ("40:3", "has a motor primitive", "'ROLLING'")),
-        ("TIPPING: p3.json", ("40:12", "TIPPING takes a primitive in 1 dimensions", "got one in 3")),
-        ("REACHING:behind: p1.json", ("40:", "REACHING:behind takes a primitive in 3 dimensions", "got one in 1")),
-        ("REACHING: no.json", ("40:13", "no.json: a primitive file", "no file of this name")),
+        ("REACHNG: p3.json", ("40:3", "must be a block", "'REACHNG'", "did you mean 'REACHING'")),
+        ("ROLLING: p3.json", ("40:3", "with a motor primitive", "'ROLLING'")),
+        ("TIPPING: p3.json", ("40:12", "the primitive of TIPPING must have dimension 1", "got 3")),
+        ("REACHING:behind: p1.json", ("40:", "primitive of REACHING:behind must have dimension 3", "got 1")),
+        ("REACHING: no.json", ("40:13", "no.json: must be a primitive file", "no file of this name")),
         ("REACHING: ''", ("40:13", "must not be empty")),
         ("REACHING: 3", ("40:13", "must be text", "got 3")),
         ("REACHING: bad.json", ("40:13", "bad.json:2:12: alpha must be more than 0", "got -1")),

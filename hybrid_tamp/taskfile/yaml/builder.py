@@ -1,4 +1,4 @@
-"""Build plain data from parser events, on an explicit stack, so that deep nesting cannot exhaust Python's."""
+"""Build plain data from parser events. An explicit stack prevents Python's recursion limit from being reached."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -18,19 +18,19 @@ from hybrid_tamp.taskfile.places import Faults, KeyPath, Mark, cut, shown
 from hybrid_tamp.taskfile.yaml.scalars import Unresolvable, check_tag, resolve
 
 MAX_DEPTH = 50
-"""Deepest nesting of lists and mappings."""
+"""Maximum nesting of lists and mappings."""
 MAX_NODES = 50_000
-"""Largest number of keys and values in a file: about a thousand tokens, a few seconds of parsing."""
+"""Maximum number of keys and values in a file. This suffices for about 1000 tokens and takes seconds to parse."""
 
 
 def mark_of_event(event: Event) -> Mark:
-    """Return where an event begins."""
+    """Return the place at which an event begins."""
     return Mark(event.start_mark.line + 1, event.start_mark.column + 1)
 
 
 @dataclass
 class _Frame:
-    """A list or mapping that is being filled; `key` is the key whose value comes next, or None."""
+    """A list or mapping that is being filled. `key` is the key whose value comes next, or None."""
 
     container: dict[str, Any] | list[Any]
     path: KeyPath
@@ -38,11 +38,11 @@ class _Frame:
 
 
 class Builder:
-    """Builds the data of one document event by event.
+    """Builder of the data of one document from parser events.
 
     Attributes:
-        roots: the document's data; empty if there is none.
-        faults: the places of all values, and the faults that leave the rest readable.
+        roots: list with the data of the document; empty if there is no document.
+        faults: the places of all values, and the faults after which the rest is still readable.
     """
 
     def __init__(self, source: str) -> None:
@@ -52,10 +52,10 @@ class Builder:
         self._nodes = 0
 
     def take(self, event: Event) -> bool:
-        """Take one event and return whether to continue.
+        """Process one event and return whether to continue.
 
         Raises:
-            InputError: the document is too deep or too large.
+            InputError: the document is nested too deeply or is too large.
         """
         if isinstance(event, DocumentStartEvent):
             return self._take_document(event)
@@ -73,10 +73,10 @@ class Builder:
     def _take_document(self, event: DocumentStartEvent) -> bool:
         if event.version not in (None, (1, 2)):
             came = f"YAML {'.'.join(map(str, event.version))}"
-            self.faults.add(Mark(), "a task file is YAML 1.2", came, remedy="remove the line that begins with %YAML")
+            self.faults.add(Mark(), "a task file must be YAML 1.2", came, remedy="remove the line with %YAML")
         if self.roots:
             self.faults.add(
-                mark_of_event(event), "a task file is one document", "a second one", remedy="split the file"
+                mark_of_event(event), "a task file must be one document", "a second document", remedy="split the file"
             )
         return not self.roots
 
@@ -84,21 +84,21 @@ class Builder:
         self._nodes += 1
         mark = mark_of_event(event)
         if self._nodes > MAX_NODES:
-            self.faults.add(mark, f"a task file has at most {MAX_NODES} keys and values", "more")
+            self.faults.add(mark, f"a task file must have at most {MAX_NODES} keys and values", "more")
             self.faults.raise_all()
         if isinstance(event, CollectionStartEvent) and len(self._frames) > MAX_DEPTH:
-            self.faults.add(mark, f"lists and mappings nest at most {MAX_DEPTH} deep", "deeper nesting")
+            self.faults.add(mark, f"lists and mappings must not be nested more than {MAX_DEPTH} deep", "deeper nesting")
             self.faults.raise_all()
 
     def _take_key(self, event: NodeEvent, frame: _Frame, container: dict[str, Any]) -> None:
-        """Read a key; if it is not text, record the fault and continue with a stand-in."""
+        """Read a key. If the key is not text, record the fault and continue with a substitute key."""
         mark = mark_of_event(event)
         frame.key = self._key(event, frame, mark)
         path = (*frame.path, frame.key)
         if frame.key in container:
-            kind = "a second token of the name" if frame.path == ("tokens",) else "a second key"
+            kind = "a second token named" if frame.path == ("tokens",) else "a second key"
             came = f"{kind} {shown(frame.key)}, first on line {self.faults.keys[path].line}"
-            self.faults.add(mark, "a key may stand only once", came, remedy="rename or remove one")
+            self.faults.add(mark, "a key must occur only once", came, remedy="rename or remove one")
         self.faults.keys.setdefault(path, mark)
         if isinstance(event, CollectionStartEvent):
             self._frames.append(_Frame(_empty(event), path))
@@ -117,8 +117,8 @@ class Builder:
                 return str(event.value)
         else:
             came = cut(f"*{event.anchor}") if isinstance(event, AliasEvent) else "a list or mapping"
-            self.faults.add(mark, "a key must be text", came, remedy="write the key out")
-        # The place makes the stand-in different from every key of the file.
+            self.faults.add(mark, "a key must be text", came, remedy="write the key as text")
+        # The place makes the substitute key different from every key of the file.
         stand_in = f"? {mark.line}:{mark.column}"
         self.faults.unreadable((*frame.path, stand_in))
         return stand_in
@@ -127,13 +127,13 @@ class Builder:
         mark = mark_of_event(event)
         path = self._next_path(frame)
         if isinstance(event, ScalarEvent) and not event.value and not event.style and path in self.faults.keys:
-            # An empty value has no place: the parser gives it that of the next event.
+            # The parser gives an empty value the place of the next event, so the place of the key is used.
             mark = self.faults.keys[path]
         value = self._value(event, path, mark)
         self.faults.values.setdefault(path, mark)
         self.faults.spans.setdefault(path, (event.start_mark.index, event.end_mark.index))
         if isinstance(frame.container, dict):
-            # The first of two equal keys stays.
+            # Of two equal keys, keep the value of the first.
             frame.container.setdefault(str(frame.key), value)
             frame.key = None
         else:
@@ -147,7 +147,7 @@ class Builder:
         return (*frame.path, len(frame.container) if frame.key is None else frame.key)
 
     def _value(self, event: NodeEvent, path: KeyPath, mark: Mark) -> Any:
-        """Return a scalar's value, or an empty list or mapping that the next events fill."""
+        """Return the value of a scalar, or an empty list or mapping that the next events fill."""
         try:
             if isinstance(event, ScalarEvent):
                 value = resolve(event)
@@ -157,7 +157,8 @@ class Builder:
             if isinstance(event, CollectionStartEvent):
                 check_tag(event)
             else:
-                raise Unresolvable("a task file has no aliases", cut(f"*{event.anchor}"), "write the value out")
+                wanted = "a task file must not contain aliases"
+                raise Unresolvable(wanted, cut(f"*{event.anchor}"), "write the value itself")
         except Unresolvable as error:
             self.faults.add(mark, error.wanted, error.came, remedy=error.remedy)
             self.faults.unreadable(path)

@@ -1,4 +1,4 @@
-"""Write plain data as YAML 1.2 text that `nodes.parse` reads as the same data."""
+"""Write plain data as YAML 1.2. `nodes.parse` reads the same data from the text."""
 
 import io
 import re
@@ -13,11 +13,11 @@ from hybrid_tamp.taskfile.yaml.scalars import value_of
 
 _WORDS = re.compile(r"\w[\w./-]*([ :][\w./-]+)*")
 _WIDTH = 4096
-"""Longer than any line, so that no line is wrapped."""
+"""Maximum line length, large enough that no line is wrapped."""
 
 
 def round_trip_yaml() -> YAML:
-    """Return a reader and writer that keeps comments, quotes and the order of keys."""
+    """Return a YAML reader and writer that keeps comments, quotes and the order of keys."""
     yaml = YAML(typ="rt")
     yaml.preserve_quotes = True
     yaml.width = _WIDTH
@@ -26,7 +26,7 @@ def round_trip_yaml() -> YAML:
 
 
 def one_line(value: Any) -> Any:
-    """Return a value whose lists and mappings are written on one line each."""
+    """Return a copy of a value whose lists and mappings are written on one line."""
     if isinstance(value, Mapping):
         mapping = CommentedMap((key, one_line(each)) for key, each in value.items())
         mapping.fa.set_flow_style()
@@ -39,14 +39,14 @@ def one_line(value: Any) -> Any:
 
 
 def dump(data: Any) -> str:
-    """Return data as YAML text, with the comments, quotes and layout that `round_trip_yaml` has read."""
+    """Return data as YAML text. Data read by `round_trip_yaml` keep their comments, quotes and layout."""
     out = io.StringIO()
     round_trip_yaml().dump(data, out)
     return out.getvalue()
 
 
 def quoted(data: Any) -> Any:
-    """Return data in which text has quotes if YAML would read it as something else without them."""
+    """Return a copy of data with quotes around each text that YAML would otherwise read as another type."""
     if isinstance(data, Mapping):
         mapping = CommentedMap((quoted(key), quoted(value)) for key, value in data.items())
         return _like(data, mapping)
@@ -58,7 +58,7 @@ def quoted(data: Any) -> Any:
 
 
 def _like(data: Any, copy: Any) -> Any:
-    """Return a copy that is written on one line if the original is."""
+    """Return `copy`, set to be written on one line if `data` is written on one line."""
     if isinstance(data, CommentedMap | CommentedSeq) and data.fa.flow_style():
         copy.fa.set_flow_style()
     return copy

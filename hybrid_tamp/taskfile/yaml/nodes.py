@@ -1,4 +1,4 @@
-"""Read YAML 1.2 (core schema, bounded size, no objects) as plain data with the place of every value."""
+"""Read YAML 1.2 as plain data with the place of every value. Only the core schema and a bounded size are allowed."""
 
 import os
 import re
@@ -15,12 +15,12 @@ from hybrid_tamp.taskfile.yaml.builder import Builder, mark_of_event
 from hybrid_tamp.taskfile.yaml.syntax import add_syntax_fault
 
 MAX_BYTES = 1024 * 1024
-"""Largest task file that is read [bytes]."""
+"""Maximum size of a task file [bytes]."""
 MAX_RUN = 10_000
-"""Longest run without blanks and quotes [characters]: the time of the parser may be quadratic in it."""
+"""Maximum length of a word in characters. The parser may take time quadratic in the length of a word."""
 _ENDLESS = re.compile(rf"[^\s\"']{{{MAX_RUN + 1}}}")
 
-_TASK_FILE = "a task file is a mapping with the keys domain, tokens and goal"
+_TASK_FILE = "a task file must be a mapping with the keys domain, tokens and goal"
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class Document:
     """One YAML document as plain data.
 
     Attributes:
-        data: the root mapping; it contains mappings with text keys, lists, texts, numbers, truth values and None.
-        faults: the place of every value, and the faults found while reading.
+        data: root mapping of mappings with text keys, lists, texts, numbers, truth values and None.
+        faults: the places of all values, and the faults found while reading.
     """
 
     data: dict[str, Any]
@@ -40,32 +40,32 @@ def read_text(path: Path, what: str = "a task file", most: int = MAX_BYTES) -> s
     """Read a file of bounded size as UTF-8.
 
     Args:
-        path: the file.
-        what: its name in messages.
-        most: its largest size [bytes].
+        path: path of the file.
+        what: kind of the file in messages.
+        most: maximum size of the file [bytes].
 
     Raises:
-        InputError: it is missing, a folder, too large, unreadable or not UTF-8.
+        InputError: the file is missing, a folder, too large, unreadable or not UTF-8.
     """
     try:
         if path.is_dir():
-            raise InputError([Issue(str(path), what, "a folder", remedy="name a file in it")])
+            raise InputError([Issue(str(path), f"must be {what}", "a folder", remedy="name a file in the folder")])
         with open(path, "rb", opener=_open_at_once) as file:
             raw = file.read(most + 1)
             size = max(os.fstat(file.fileno()).st_size, len(raw))
     except FileNotFoundError as error:
-        raise InputError([Issue(str(path), what, "no file of this name")]) from error
+        raise InputError([Issue(str(path), f"must be {what}", "no file of this name")]) from error
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InputError([Issue(str(path), "a file that can be read", reason)]) from error
+        raise InputError([Issue(str(path), "cannot read the file", reason)]) from error
     if size > most:
-        wanted = f"{what} has at most {most} bytes ({most // 1024**2} MiB)"
+        wanted = f"{what} must have at most {most} bytes ({most // 1024**2} MiB)"
         raise InputError([Issue(f"{path}:1:1", wanted, f"{size} bytes")])
     return decode(raw, str(path), what)
 
 
 def _open_at_once(name: str, flags: int) -> int:
-    """Open a file; a pipe without a writer reads as an empty file instead of blocking."""
+    """Open a file without blocking. A pipe without a writer is read as an empty file."""
     descriptor = os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
     os.set_blocking(descriptor, True)
     return descriptor
@@ -75,12 +75,12 @@ def decode(raw: bytes, source: str, what: str = "a task file") -> str:
     """Decode UTF-8, with or without a byte order mark.
 
     Raises:
-        InputError: a byte is not UTF-8, with its line and column.
+        InputError: a byte is not UTF-8. The message gives its line and column.
     """
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        # The codec counts from the end of the byte order mark.
+        # The codec counts bytes from the end of the byte order mark.
         before = error.object[: error.start].decode("utf-8")
         mark = mark_of(before, len(before))
         where, came = f"{source}:{mark.line}:{mark.column}", f"the byte 0x{error.object[error.start]:02x}"
@@ -91,27 +91,27 @@ def parse(text: str, source: str, wanted: str = _TASK_FILE) -> Document:
     """Build plain data from YAML text.
 
     Args:
-        text: the whole file.
-        source: its name in messages.
+        text: content of the file.
+        source: name of the file in messages.
         wanted: message for a text that is not a mapping.
 
     Returns:
-        The data, with the faults that leave the rest readable, e.g. duplicate keys.
+        The data and the faults after which the rest is still readable, e.g. duplicate keys.
 
     Raises:
-        InputError: the text is empty, not YAML, not a mapping, too deep or too large.
+        InputError: the text is empty, not YAML, not a mapping, nested too deeply or too large.
     """
     builder, last = Builder(source), Mark()
     if run := _ENDLESS.search(text):
-        limit = f"words have at most {MAX_RUN} characters"
-        builder.faults.add(mark_of(text, run.start()), limit, "a longer one", remedy="put blanks in between")
+        limit = f"a word must have at most {MAX_RUN} characters"
+        builder.faults.add(mark_of(text, run.start()), limit, "a longer word", remedy="put blanks in between")
         builder.faults.raise_all()
     try:
         for event in YAML(typ="safe", pure=True).parse(text):
             last = mark_of_event(event)
             if not builder.take(event):
                 break
-    # For malformed escapes and directives the parser raises Python's own exceptions.
+    # The parser raises Python's own exceptions for malformed escapes and directives.
     except (YAMLError, ValueError, OverflowError, IndexError, TypeError, AttributeError) as error:
         add_syntax_fault(builder.faults, text, error, last)
         builder.faults.raise_all()

@@ -1,6 +1,6 @@
-"""Resolve scalars by the core schema of YAML 1.2 (Sec. 10.3.2): `no` is text, `010` is ten.
+"""Resolve scalars by the core schema of YAML 1.2 (Sec. 10.3.2). For example, `no` is text and `010` is ten.
 
-The parser's own tables also accept underscores, binary numbers and dates, which YAML 1.2 does not have.
+The tables of the parser are not used, because they accept underscores, binary numbers and dates, unlike YAML 1.2.
 """
 
 import re
@@ -30,7 +30,7 @@ _TYPES: dict[str, type | tuple[type, ...]] = {
 
 @dataclass(eq=False)
 class Unresolvable(Exception):
-    """A scalar or tag without a value: what was expected, what was found, and a remedy."""
+    """Exception for a scalar or tag that has no value. The attributes are the parts of an `Issue`."""
 
     wanted: str
     came: str
@@ -41,7 +41,8 @@ def resolve(event: ScalarEvent) -> Any:
     """Return the value of a scalar: text, number, truth value or None.
 
     Raises:
-        Unresolvable: its tag is not in the core schema or does not fit, or its text has half a surrogate pair.
+        Unresolvable: the tag is not in the core schema, the text does not fit the tag, or the text has half of a
+            surrogate pair.
     """
     text = _whole_characters(event.value)
     tag = _tag(event)
@@ -61,10 +62,10 @@ def resolve(event: ScalarEvent) -> Any:
 
 
 def check_tag(event: CollectionStartEvent) -> None:
-    """Refuse a list or mapping whose tag names another type.
+    """Check that the tag of a list or mapping names its own type.
 
     Raises:
-        Unresolvable: the tag is not that of its kind in the core schema.
+        Unresolvable: the tag names another type.
     """
     own = _CORE + ("map" if isinstance(event, MappingStartEvent) else "seq")
     tag = _tag(event)
@@ -77,7 +78,7 @@ def _tag(event: ScalarEvent | CollectionStartEvent) -> str | None:
 
 
 def _refused(tag: str) -> Unresolvable:
-    wanted = "a task file is plain data and never constructs objects"
+    wanted = "a task file must be plain data that constructs no objects"
     return Unresolvable(wanted, f"the tag {_written(tag)}", "remove the tag")
 
 
@@ -95,13 +96,13 @@ def _whole_characters(text: str) -> str:
 
 
 def value_of(text: str) -> Any:
-    """Return the value of a scalar without quotes: number, truth value, None, or its text."""
+    """Return the value of a scalar without quotes: a number, a truth value, None or the text itself."""
     if _NULL.fullmatch(text):
         return None
     if _BOOLEAN.fullmatch(text):
         return text.lower() == "true"
     if _DECIMAL.fullmatch(text):
-        # Python refuses to convert very long integers; infinity is refused later, with its place.
+        # Python cannot convert very long integers. Infinity is returned here and later refused with its place.
         return int(text) if len(text) <= _LONGEST_INTEGER else float(text)
     for base, pattern in _BASES.items():
         if digits := pattern.fullmatch(text):

@@ -1,4 +1,4 @@
-"""Translate the parser's errors into faults at their places."""
+"""Translate errors of the YAML parser to faults with places."""
 
 import re
 
@@ -11,33 +11,33 @@ _LINE_END = re.compile("\r\n|\r|\n")
 _TAB_IN_INDENTATION = re.compile(r" *\t")
 _END = "unexpected end of stream"
 _WANTED = (
-    ("mapping values are not allowed", "a line holds one key, and text with ': ' in it stands in quotes"),
-    ("expected ',' or ']'", "a list needs a comma or its ']' here"),
-    ("expected ',' or '}'", "a mapping needs a comma or its '}' here"),
-    (_END, "a text in quotes needs its closing quote"),
-    ("could not find expected ':'", "a key needs a ':' after it"),
-    ("expected <block end>", "the lines of a list or mapping need one indentation"),
-    ("unknown escape character", "double quotes need an escape that YAML knows; single quotes take no escapes"),
-    ("undefined tag handle", "a task file is plain data without tags"),
-    ("cannot start any token", "text that begins with this character stands in quotes"),
+    ("mapping values are not allowed", "a line must have only one key, and text with ': ' must be in quotes"),
+    ("expected ',' or ']'", "expected a comma or ']' in a list"),
+    ("expected ',' or '}'", "expected a comma or '}' in a mapping"),
+    (_END, "a text in quotes must have a closing quote"),
+    ("could not find expected ':'", "a key must be followed by ':'"),
+    ("expected <block end>", "the lines of a list or mapping must have the same indentation"),
+    ("unknown escape character", "YAML does not know this escape in double quotes; use single quotes for plain text"),
+    ("undefined tag handle", "a task file must not contain tags"),
+    ("cannot start any token", "text that begins with this character must be in quotes"),
 )
 
 
 def add_syntax_fault(faults: Faults, text: str, error: Exception, last: Mark) -> None:
-    """Record why a text is not YAML, and every later tab in an indentation.
+    """Record the reason why a text is not YAML, and all later tabs in indentations.
 
     Args:
-        faults: receives the faults.
+        faults: the faults to which the new faults are added.
         text: the whole text.
         error: the error that the parser raised.
-        last: the place of the last event, for errors without a place.
+        last: the place of the last event, used for errors without a place.
     """
     if isinstance(error, ReaderError):
         remedy = "remove it, or write it as an escape in double quotes"
         came = f"the control character U+{error.character:04X}"
-        faults.add(mark_of(text, error.position), "a task file is printable text", came, remedy=remedy)
+        faults.add(mark_of(text, error.position), "a task file must be printable text", came, remedy=remedy)
         return
-    mark, problem = last, "a part after this place cannot be read"
+    mark, problem = last, "cannot read the text after this place"
     if isinstance(error, MarkedYAMLError):
         problem = str(error.problem or error.context or problem)
         place = (error.context_mark if _END in problem else None) or error.problem_mark or error.context_mark
@@ -55,4 +55,4 @@ def _add_tabs(faults: Faults, lines: list[str], first: Mark) -> None:
     tabs = ((number, _TAB_IN_INDENTATION.match(line)) for number, line in enumerate(lines, start=1))
     places = {Mark(number, tab.end()) for number, tab in tabs if tab and number > first.line}
     for place in {first, *places}:
-        faults.add(place, "spaces are needed here", "a tab", remedy="replace it by spaces")
+        faults.add(place, "lines must be indented with spaces", "a tab", remedy="replace the tab by spaces")
