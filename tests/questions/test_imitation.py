@@ -145,8 +145,8 @@ LINES = ["time [s], hand.x, hand.y, hand.z", *(f"0.{n}, {n}.5, 0, 0.3" for n in 
 @pytest.mark.parametrize(
     ("number", "line", "place", "words"),
     [
-        (1, "", "1:1", ("time, then token.x", "got '0.0'")),
-        (1, "t, hand.x, hand.y, hand.z", "1:1", ("time, then token.x",)),
+        (1, "", "1:1", ("must name the columns time, token.x", "got '0.0'")),
+        (1, "t, hand.x, hand.y, hand.z", "1:1", ("must name the columns time, token.x",)),
         (1, "time, hand.x, hnd.y, hand.z", "1:15", ("must belong to a token", "did you mean 'hand.y'")),
         (1, "time, hand.x, hand.y, hand.y", "1:23", ("must not occur twice", "hand.y")),
         (1, "time, hand.x, hand.y, drum.z", "1:7", ("hand.x, hand.y, hand.z must occur together", "no hand.z")),
