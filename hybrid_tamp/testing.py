@@ -32,7 +32,7 @@ class Disagreement:
         if not self.binding:
             return f"{self.block}: {self.literal}"
         bound = ", ".join(f"{role}={name}" for role, name in self.binding)
-        return f"{self.block}({bound}): the rollout ends with {self.literal} at margin {self.margin:.4g}"
+        return f"{self.block}({bound}): {self.literal} has margin {self.margin:.4g} at the end of the rollout"
 
 
 def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 / 240) -> list[Disagreement]:

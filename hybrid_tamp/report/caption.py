@@ -1,4 +1,4 @@
-"""Captions under pictures. A caption shows the step, the time and the tokens in each block, as the paper's Fig. 3."""
+"""Captions for pictures of a run: the step, the time and the tokens in each block (as in the paper's Fig. 3)."""
 
 from dataclasses import dataclass
 

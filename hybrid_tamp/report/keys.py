@@ -47,7 +47,7 @@ Keys = tuple[str | Key, ...]
 
 
 def _of(attribute: str, *names: str) -> Keys:
-    """Return a key for each named attribute of an attribute's value, under the same names."""
+    """Return keys for parts of an attribute: the key ``name`` shows ``attribute.name``."""
     return tuple(Key(name, f"{attribute}.{name}") for name in names)
 
 
@@ -98,7 +98,7 @@ QUESTION_KEYS: Mapping[type, Keys] = {
         *("successes", "trials", "interval", "obstacle"),
     ),
 }
-"""Maps each dataclass of answers to questions to its keys."""
+"""Maps the dataclasses for answers to questions about a task to their keys."""
 
 _RESULT: Keys = (
     Key("task", "task.name"),

@@ -1,4 +1,4 @@
-"""The report page of a run, report.html, with the documents, pictures and video in the folder of the run."""
+"""The page report.html, which presents the documents, pictures and video of a run."""
 
 from importlib.resources import files
 from pathlib import Path

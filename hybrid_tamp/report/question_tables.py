@@ -14,10 +14,10 @@ from hybrid_tamp.report.tables import explanation_text, new_table, roles_text
 
 
 def explanation_table(result: TaskExplanation) -> RenderableType:
-    """Return the reasons why there is no plan, or a table of the reasons why the plan uses each token or not."""
+    """Return the reasons why there is no plan, or a table of the tokens with the reasons why the plan uses them."""
     if result.explanation is not None:
         return explanation_text(document(result)["explanation"])
-    table = new_table(f"Why the plan of {result.task.name} uses each token", "token", "in the plan", "why")
+    table = new_table(f"Tokens in the plan of {result.task.name}", "token", "in the plan", "why")
     for cause in result.tokens:
         table.add_row(Text(cause.token), "yes" if cause.used else "no", Text("\n".join(_reasons_of(cause))))
     return table
@@ -56,8 +56,8 @@ def _affordances(title: str, affordances: Iterable[Affordance]) -> Table:
 
 
 def _implied(implications: Iterable[Implication]) -> Table:
-    title = "What an observer with the same capability classes can do, given what it sees"
-    table = new_table(title, "seen", "with", "in", "so", "can too?", "e.g. with")
+    title = "What other agents with the same capability classes can do"
+    table = new_table(title, "seen agent", "object", "block", "observer", "can do it too?", "e.g. with")
     for each in implications:
         answer = "yes" if each.holds else "allowed by class, but ruled out by a feasibility fact"
         seen = each.affordance
@@ -77,7 +77,7 @@ def resting_text(result: MembershipResult) -> str:
 
 def membership_table(result: MembershipResult) -> RenderableType:
     """Return a table with a row for each class of which the token may be a member."""
-    table = new_table("", "class", "likelihood", "as", "verdict", "trials", "95 % of")
+    table = new_table("", "class", "likelihood", "like", "verdict", "trials", "95 % interval")
     for verdict in result.verdicts:
         low, high = verdict.interval
         table.add_row(

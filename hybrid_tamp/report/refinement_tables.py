@@ -46,7 +46,7 @@ def efforts(entry: Json) -> Iterable[str]:
         tried = entry["physics"]
         before, best = ("a failed run" if tried[key] is None else _value(tried[key]) for key in ("before", "best"))
         spent = f"{tried['evaluations']} runs in {tried['seconds']:.1f} s ({tried['stopped']})"
-        yield f"in physics: {before} with the optimum of the forward models, {best} after {spent}"
+        yield f"in physics: {before} at the optimum of the forward models, then {best} after {spent}"
 
 
 def values(entry: Json) -> Iterable[tuple[str, str, str]]:
@@ -94,7 +94,7 @@ def _performance(measures: Iterable[Json]) -> Table:
 
 
 def _hyperparameters(entries: Iterable[Json], numbers: Mapping[str, int]) -> Table:
-    table = _table("Hyperparameters", "", ">value", ">default", ">apart", "bounds", "", "moves #")
+    table = _table("Hyperparameters", "", ">value", ">default", ">apart", "bounds", "", "affects #")
     before = ""
     for each in entries:
         if each["instance"] != before:
@@ -109,7 +109,7 @@ def _hyperparameters(entries: Iterable[Json], numbers: Mapping[str, int]) -> Tab
 
 
 def _values(entry: Json) -> Table:
-    table = _table("Value of the plan, optimised", "", ">value", ">planning ahead gains")
+    table = _table("Value of the plan", "optimised", ">value", ">gain by planning ahead")
     for row in values(entry):
         table.add_row(*map(Text, row))
     return table

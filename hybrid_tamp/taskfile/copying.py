@@ -69,9 +69,9 @@ def _with_files(path: Path) -> tuple[str, dict[str, str]]:
 
 
 def teach_task(task: Task, primitives: Mapping[str, PrimitiveFile], folder: Path, find_domain: FindDomain) -> Task:
-    """Return the task with additional motor primitives, loaded from a new task file that names them.
+    """Write a task file that names additional motor primitives, and return the task loaded from the file.
 
-    A task that already names primitives is returned unchanged.
+    A task that already names motor primitives is returned unchanged.
 
     Args:
         task: the task.

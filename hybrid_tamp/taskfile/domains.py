@@ -39,7 +39,7 @@ def installed_domain(name: str) -> Domain:
     remedy = ""
     if name.endswith(".py") or ":" in name:
         remedy = (
-            f"a task file cannot name code, so install the domain under the entry point group {GROUP} "
+            f"a task file cannot refer to code, so install the domain under the entry point group {GROUP} "
             "or pass find_domain to load_task"
         )
     raise InputError([Issue("", "unknown domain", shown(name), available_domains(), remedy)])
@@ -66,7 +66,7 @@ def find_domain(name_or_path: str) -> Domain:
     module, colon, attribute = name_or_path.partition(":")
     if colon and attribute.isidentifier() and all(part.isidentifier() for part in module.split(".")):
         return _domain(_loaded(lambda: import_module(module), module), name_or_path, attribute)
-    remedy = "or name a module as package.module:ATTRIBUTE, or a Python file by its path"
+    remedy = "a domain can also be given as package.module:ATTRIBUTE or as the path of a Python file"
     raise InputError([Issue("", "unknown domain", shown(name_or_path), available_domains(), remedy)])
 
 

@@ -36,7 +36,7 @@ class Pose(_Entry):
 
     position: tuple[Bounded, Bounded, Bounded] = quantity("m", "x, y, z of the body frame's origin")
     rpy: tuple[Bounded, Bounded, Bounded] | None = quantity(
-        "rad", "rotation about the world's fixed axes x, y, z in this order: roll, pitch, yaw", default=None
+        "rad", "roll, pitch and yaw: rotations about the fixed world axes x, y, z, applied in this order", default=None
     )
     quaternion: Quaternion | None = quantity(
         "1", "rotation as a quaternion x, y, z, w instead of rpy; the reader normalises the quaternion", default=None
@@ -82,8 +82,8 @@ class LimitsEntry(_Entry):
 class RangeEntry(_Entry):
     """Bounds and default of a hyperparameter, in the hyperparameter's unit. A missing key keeps the block's value."""
 
-    lower: Number | None = Field(default=None, description="lower bound, at least the lower bound of the block")
-    upper: Number | None = Field(default=None, description="upper bound, at most the upper bound of the block")
+    lower: Number | None = Field(default=None, description="lower bound, not below the block's lower bound")
+    upper: Number | None = Field(default=None, description="upper bound, not above the block's upper bound")
     default: Number | None = Field(default=None, description="value without optimisation, within the bounds")
 
 
@@ -137,8 +137,8 @@ class TaskFile(_Entry):
     )
     primitives: dict[str, Text] = Field(
         default_factory=dict,
-        description="maps each block, or action with all its modes, to the file of a motor primitive, which "
-        "'hybrid-tamp learn' writes; paths are relative to the task file",
+        description="maps each block or action to the file of its motor primitive, written by 'hybrid-tamp learn'; an "
+        "action stands for all its modes; paths are relative to the task file",
     )
     planner: Annotated[Text, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\[\]-]*$")] = Field(
         default=DEFAULT_PLANNER, description="name of the planning engine"

@@ -11,7 +11,7 @@ _FORM = "an atom of the goal must be 'predicate: [tokens]'"
 
 
 def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> tuple[Atom, ...]:
-    """Read the goal's atoms and record their faults. Return the atoms without faults, without duplicates."""
+    """Read the atoms of the goal, record their faults and return the distinct atoms that have no faults."""
     items = data.get("goal")
     if not isinstance(items, list):
         return ()

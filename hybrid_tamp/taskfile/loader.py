@@ -39,7 +39,7 @@ def load_task(
         source: a task, the path of a YAML file, or the name of a bundled task.
         find_domain: function that finds the domain by the name in the file. The default finds only installed domains,
             so that task files cannot run code. `domains.find_domain` also finds modules and Python files.
-        check_planner: function that checks the name of the planner in the file. If None, only planning checks the name.
+        check_planner: function that checks the name of the planner in the file. If None, the name is not checked.
 
     Raises:
         InputError: the file has faults; the issues list all faults with their lines and columns, in order.
@@ -63,7 +63,7 @@ def read_task(
     """Return the task described by the data of a task file.
 
     Args:
-        data: the data: a mapping with the keys of a task file.
+        data: mapping with the keys of a task file.
         faults: the places of the values, and the faults found so far.
         name: name of the task if the data have no name.
         folder: folder at which relative paths in the data start.

@@ -70,7 +70,7 @@ def make_task(
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as the data of a task file."""
+    """Return a value as plain data, as in a task file."""
     if isinstance(value, type) and issubclass(value, ObjectClass):
         return value.name
     if isinstance(value, Atom):

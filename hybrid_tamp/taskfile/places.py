@@ -112,7 +112,7 @@ class Faults:
         self._unreadable.add(path)
 
     def sound(self, path: KeyPath) -> bool:
-        """Return whether neither the value, nor a value inside it, nor a value around it has a fault."""
+        """Return False if the value, a value inside it or a value that contains it has a fault, else True."""
         return path not in self._above and not any(prefix in self._faulty for prefix in _prefixes(path))
 
     def mark(self, path: KeyPath, *, key: bool = False) -> Mark:

@@ -171,9 +171,10 @@ def _deviation(values: FloatArray) -> float:
 
 
 def _rates(values: FloatArray, span: float) -> FloatArray:
-    """Return the rates of change of values, by the slower of the rates before and after each instant.
+    """Return the rates of change of values.
 
-    A mean over both sides would never show rest between two movements that follow each other immediately.
+    The rate at an instant is the slower of the rates before and after the instant. A mean of these two rates would miss
+    a short rest between two movements.
 
     Args:
         values: the values at the control period, shape ``(t, c)``.

@@ -48,7 +48,7 @@ class PrimitiveFile(BaseModel):
 
     @classmethod
     def of(cls, primitive: DMP, block: str, sources: Sequence[str], rms: float, unit: str) -> "PrimitiveFile":
-        """Return the file of a primitive.
+        """Return a file that contains a primitive.
 
         Args:
             primitive: the primitive.

@@ -109,7 +109,7 @@ def _notes(predicate: Predicate) -> str:
 
 
 def _block(block: Block) -> str:
-    after = "; afterwards the block maintains its exit conditions until another block relieves it" if block.hold else ""
+    after = "; it maintains its exit conditions until another block relieves it" if block.hold else ""
     lines = [
         f"#### `{block.name}`\n",
         f"{block.description}\n" if block.description else "",

@@ -78,12 +78,12 @@ def _writing(path: Path) -> Iterator[None]:
 def task_text(
     task: Task, stem: str | None = None, free: Callable[[str, str], bool] = lambda name, content: True
 ) -> tuple[str, dict[str, str]]:
-    """Return the text of a task file, and the files that belong into the same folder.
+    """Return the text of a task file, and the files that belong in the same folder.
 
     Args:
         task: the task.
         stem: name of the task file without its ending. If the task has the same name, the text omits the name.
-        free: function of a name and content that returns whether the folder can take this file.
+        free: function of (name, content) that returns whether a file with this name and content may be written.
 
     Returns:
         The text, and a mapping of the name of each mesh and primitive file to its content.
@@ -188,7 +188,7 @@ def _check_same(task: Task, written: Path, path: Path) -> None:
     """
     again = load_task(written, lambda _: task.domain).replaced(name=task.name)
     different = [
-        Issue(str(path), f"a task file cannot express this task, because after loading the {what}")
+        Issue(str(path), f"a task file cannot express this task, because the {what} after loading")
         for what in differences(task, again)
     ]
     if different:

@@ -23,7 +23,7 @@ def json_schema(domains: Sequence[Domain] = ()) -> JsonObject:
     """Return the JSON Schema of task files.
 
     Args:
-        domains: the domains whose names the schema contains. Files of other domains are checked by the generic schema.
+        domains: the domains that the schema describes. For files of other domains, only the generic schema applies.
     """
     form = form_of(TaskFile)
     keys, definitions = dict(form.keys), dict(form.definitions)

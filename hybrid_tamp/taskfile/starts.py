@@ -52,7 +52,7 @@ def _check_floor(token: Token, body: Body, faults: Faults) -> None:
     """Record a fault if a body is below the floor, which is the plane z = 0."""
     lowest = lowest_height(body)
     if lowest < -CONTACT:
-        wanted = f"{subject(_path(token))} must be above the floor (z = 0)"
+        wanted = f"{subject(_path(token))} must place the token above the floor (z = 0)"
         came = f"a lowest point at z = {_metres(lowest)} m"
         faults.at(_path(token), wanted, came, remedy=f"raise the token by {_metres(-lowest)} m")
 
@@ -83,6 +83,6 @@ def _metres(length: float) -> str:
 
 
 def _vector(way: FloatArray) -> str:
-    """Return a vector [m] as text, rounded away from zero to 0.1 mm so that the vector is long enough."""
+    """Return a vector [m] as text. Rounding away from zero to 0.1 mm ensures that the move suffices."""
     rounded = np.copysign(np.ceil(np.abs(way) * 1e4 - 1e-6) / 1e4, way)
     return f"[{', '.join(f'{component + 0.0:g}' for component in rounded)}]"

@@ -26,11 +26,11 @@ _SHAPE: TypeAdapter[WrittenShape | None] = TypeAdapter(WrittenShape | None)
 
 @dataclass
 class Scene:
-    """The tokens of a task file, as far as they have no faults.
+    """The tokens of a task file that have no faults.
 
     Attributes:
         names: maps the name of each token to its entry in the file; None if the entries cannot be read.
-        outlines: maps the name of each token with valid classes to a token without properties.
+        outlines: maps the name of each token with valid classes to a token with the same classes and no properties.
         tokens: the tokens without faults.
         given: maps each pair of (token, varying property) to its initial value.
     """
@@ -104,7 +104,10 @@ def _classes(
 def _named(
     names: list[str], path: KeyPath, others: tuple[type[ObjectClass], ...], faults: Faults, domain: Domain
 ) -> tuple[type[ObjectClass], ...] | None:
-    """Return the classes with these names, or None if one token cannot be a member of these and the other classes."""
+    """Return the classes with the given names, or None if there are faults.
+
+    A token must be able to be a member of all named classes and of the classes `others`.
+    """
     known = known_classes(domain)
     found: list[type[ObjectClass]] = [*others]
     for index, class_name in enumerate(names):
@@ -157,7 +160,7 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
         add_validation_faults(faults, error, union, base, lambda key: _needed_by(outline, key))
         return None
     except ArithmeticError:
-        faults.at(base, f"the properties of token {shown(outline.name)} must have physically possible sizes")
+        faults.at(base, f"the properties of token {shown(outline.name)} must have realistic magnitudes")
         return None
     if not has_shape:
         return None

@@ -44,7 +44,7 @@ class Settings:
 def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: bool = False) -> Task:
     """Load a task.
 
-    A task file cannot name a domain by a module or Python file. Only the settings can, because this imports code.
+    Only the settings can name a module or Python file as the domain. A task file cannot, because it must not run code.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
@@ -71,9 +71,10 @@ def _replaced(record: Record, **values: Any) -> Record:
 
 
 def domain_finder(name: str | None) -> Callable[[str], Domain]:
-    """Return a function that finds the domain of a task file by its name in the file.
+    """Return a function that returns the domain for the domain name in a task file.
 
-    The function always returns the domain `name`, unless `name` is None. Then it finds an installed domain.
+    If `name` is given, the function ignores its argument and returns the domain `name`. Otherwise the function returns
+    the installed domain with the name in the file.
     """
     if name is None:
         return installed_domain

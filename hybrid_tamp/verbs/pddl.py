@@ -18,7 +18,7 @@ from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
 from hybrid_tamp.verbs.loading import Settings, load
 
 Encoding = Literal["classical", "temporal"]
-"""How blocks become planning actions: classical has one action per slot, temporal one durative action per block."""
+"""How blocks become planning actions: one action per slot (classical) or one durative action per block (temporal)."""
 
 
 def pddl(
@@ -67,7 +67,7 @@ def export(task: Task, folder: RunFolder, plan: TaskPlan | None = None, encoding
         encoding: how blocks become planning actions.
 
     Raises:
-        InputError: the goal has wildcards, and no plan is given from which they could be bound.
+        InputError: the goal has wildcards and no plan is given that binds the wildcards.
     """
     if plan is not None and len(task.alternatives()) > 1:
         task = next(each for each in task.alternatives() if not check_law(each, plan))

@@ -67,9 +67,10 @@ def plan(
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Replace the files of a folder by the plan, its PDDL, its convergence curve, the task file and files named in it.
+    """Replace the files of an earlier run in a folder by the files of a plan.
 
-    If there is no plan, PDDL is left out for goals with wildcards or with tokens of unknown classes.
+    The files are plan.json, the PDDL, the convergence curve, the task file and the files named in the task file. If
+    there is no plan, the PDDL is left out for goals with wildcards or with tokens of unknown classes.
     """
     # Read the task file before the folder is cleared, because the task file may be in this folder.
     text, named = portable(outcome.task)

@@ -20,7 +20,7 @@ def write_report(directory: Path | str, settings: Settings = Settings()) -> Path
         settings: settings that name the domain of the task, if the domain is not installed.
 
     Raises:
-        InputError: a document is missing or wrong, or the folder cannot be written to.
+        InputError: a document is missing or wrong, or the folder is not writable.
     """
     folder = Path(directory)
     try:

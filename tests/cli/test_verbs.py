@@ -269,7 +269,7 @@ def test_a_domain_of_ones_own_is_named_on_the_command_line_only(command: Command
     task.write_text(ROLL.read_text().replace("domain: rolling_tumbling", f"domain: {mine}"))
     refused = command("plan", task)
     assert refused.returncode == 30
-    assert "cannot start code" in refused.stderr
+    assert "cannot refer to code" in refused.stderr
     done = command("plan", task, "--domain", mine, "--json")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["domain"] == "mine"

@@ -113,7 +113,9 @@ def test_a_task_file_cannot_start_code(file: Path, text: str, monkeypatch: pytes
     file.write_text("raise SystemExit('ran')")
     monkeypatch.syspath_prepend(str(file.parent))
     wrong = text.replace("domain: toy", f'domain: "{form.format(file=file)}"')
-    with pytest.raises(InputError, match=r"t:2:9: unknown domain.*a task file cannot name code, so install the domain"):
+    with pytest.raises(
+        InputError, match=r"t:2:9: unknown domain.*a task file cannot refer to code, so install the domain"
+    ):
         load_task_text(wrong, "t")
 
 

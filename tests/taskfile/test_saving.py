@@ -162,7 +162,7 @@ def _entry(task: Task, name: str) -> dict[str, object]:
     ("tokens", "goal", "where", "wanted"),
     [
         ({**TOKENS, "drum": {**DRUM, "pose": {"position": [0, 0, 0.05]}}}, [WITHIN], "tokens.drum.pose.position",
-         "must be above the floor"),
+         "must place the token above the floor"),
         ({**TOKENS, "twin": DRUM}, [WITHIN], "tokens.twin.pose.position", "must not overlap other tokens"),
         ({**TOKENS, "drum": {k: v for k, v in DRUM.items() if k != "shape"}}, [WITHIN], "tokens.drum",
          "is inconsistent: it rolls and has no shape"),

@@ -41,7 +41,7 @@ def test_bundled_tasks_start_well() -> None:
 
 def test_a_box_in_the_floor() -> None:
     said = str(refused(TWO_HANDS, BOX, "pose: {position: «[0, 0, 0.12]}"))
-    assert "pose.position of token 'box' must be above the floor" in said
+    assert "pose.position of token 'box' must place the token above the floor" in said
     assert "lowest point at z = -0.06 m; raise the token by 0.06 m" in said
 
 
