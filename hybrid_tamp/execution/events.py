@@ -22,8 +22,7 @@ class Event:
         ending: names of the instances that end in a reassignment.
         starting: names of the instances that start in a reassignment.
         hyperparameters: maps each hyperparameter of the instance to its value.
-        margins: measured margins of the instance's entry conditions ("begin"), of its exit conditions ("end"), of the
-            unmet conditions ("failure") or of the goal atoms ("goal").
+        margins: margins of the entry ("begin"), exit ("end"), unmet ("failure") or goal conditions ("goal").
         reason: reason for the failure of the run; empty for other events.
     """
 

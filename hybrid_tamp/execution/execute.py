@@ -24,8 +24,7 @@ def execute(
 
     Args:
         task: task that the plan solves.
-        plan: plan that obeys the law of assignment. A hyperparameter without a value in the plan takes its block's
-            initial value when the instance begins.
+        plan: plan that obeys the law of assignment. Missing hyperparameters take their initial values.
         backend: physics backend, which is reset to the task's initial state.
         progress: callback for the simulated time, called ten times per simulated second.
         observer: callback for the events of the run.
@@ -54,8 +53,7 @@ def execute_variants(
         task: task that the plans solve.
         plans: plans that differ only in their hyperparameters, at least one.
         backend: physics backend, which is reset to the task's initial state.
-        until: name of an instance. Every run stops when this instance ends. Instances that are still running are not
-            recorded.
+        until: name of an instance at whose end every run stops. Instances that are still running are not recorded.
 
     Yields:
         The recording of each plan, in the order of `plans`.
@@ -90,8 +88,7 @@ def add_predictions(measured: Recording, expected: Mapping[tuple[str, Atom], flo
 
     Args:
         measured: recording of a run.
-        expected: maps each pair (instance name or `GOAL`, atom) to the margin that the forward models predict.
-            Conditions outside this mapping get no prediction.
+        expected: maps each pair (instance name or `GOAL`, atom) to the margin predicted by the forward models.
     """
 
     def add(where: str, margins: tuple[AtomMargin, ...]) -> tuple[AtomMargin, ...]:

@@ -80,11 +80,8 @@ class Logbook:
     def record_step(self, state: State, row: FloatArray, cut: tuple[Key, ...], running: Iterable[Running]) -> float:
         """Record one control period and return the simulated time at its end [s].
 
-        Args:
-            state: state at the end of the control period. Shape ``(n,)``.
-            row: limited commands of all tokens. Shape ``(m,)``.
-            cut: pairs of (token, action) whose commands were limited.
-            running: instances that ran during the control period.
+        The final state has shape ``(n,)``, and the row of limited commands has shape ``(m,)``. `cut` contains the pairs
+        of (token, action) whose commands were limited.
         """
         self._states.append(state.values)
         self._commands.append(row)

@@ -83,10 +83,7 @@ class Running:
         return measure_conditions(self._task, self._exits, self.instance, state)
 
     def is_ready(self, time: float, state: State) -> bool:
-        """Return whether the minimum duration is over and all exit conditions hold.
-
-        The result is cached. `reached` stores the first time at which the result is True.
-        """
+        """Return whether the minimum duration is over and all exit conditions hold. The result is cached."""
         if time - self.begin < self.block.duration.minimum - TIME_TOLERANCE:
             return False
         if time != self._asked:

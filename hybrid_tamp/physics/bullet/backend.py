@@ -30,9 +30,7 @@ _BODY = tuple(varying.name for varying in BODY_STATE)
 
 
 class BulletBackend(Client):
-    """A simulation of rigid bodies on a floor.
-
-    The robot applies bounded forces and torques to its hands. Hands hold objects by friction only.
+    """A simulation of rigid bodies on a floor. Bounded forces and torques move hands, which grip by friction only.
 
     Args:
         gravity: acceleration of free fall, shape ``(3,)`` [m/s^2]. An inclined vector represents an inclined floor.
@@ -50,12 +48,10 @@ class BulletBackend(Client):
     def reset(self, task: Task, state: State) -> State:
         """Build the scene in a given state, shape ``(n,)``, and return this state.
 
-        The state is not read back from Bullet. Bullet converts quaternions to matrices and back, so a run that starts
-        from a state read back would differ in the last bit.
+        The state is not read back, because Bullet's conversion of quaternions to matrices may change the last bit.
 
         Raises:
-            InputError: a token lacks a shape or a property that its simulation requires, or has an unknown basic
-                action.
+            InputError: a token cannot be simulated (see `make_bodies`).
         """
         scene = make_bodies(task)
         self._commands = CommandLayout.of(task)
@@ -106,10 +102,7 @@ class BulletBackend(Client):
         return state
 
     def contact_forces(self) -> list[ContactForce]:
-        """Return each pair of tokens in contact with its largest normal force during the last control period [N].
-
-        The normal force of a pair is the sum over its contact points.
-        """
+        """Return each pair in contact with the largest sum of its normal forces in the last control period [N]."""
         return [(one, other, force) for (one, other), force in sorted(self._forces.items())]
 
     @contextmanager
