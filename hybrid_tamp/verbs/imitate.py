@@ -1,7 +1,6 @@
 """The verb ``imitate`` (paper, Sec. II-E): an agent imitates another agent with the same capability classes.
 
-The demonstration is segmented into a plan. The plan and the learnt motor primitives are transferred to the imitator,
-which then executes the plan.
+The demonstration is segmented into a plan, and the imitator executes this plan with the learnt motor primitives.
 """
 
 import logging
