@@ -69,7 +69,7 @@ def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
 
 
 def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Return how deep [m] the hand is at least inside its workspace, beside the standing box and the lifted box."""
+    """Return the smallest depth [m] of the hand inside its workspace, beside the standing box and the lifted box."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
     beside = place_at(state, hand, thing, place)
     return np.asarray(np.minimum(beside - lower, upper - beside - LIFT * UP).min(axis=-1))

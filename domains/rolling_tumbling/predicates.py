@@ -33,7 +33,7 @@ def _closeness_of_line(state: State, thing: Token, region: Token) -> FloatArray:
 
 
 def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Return how deep [m] the hand is inside its workspace when the object has arrived in the region.
+    """Return the depth [m] of the hand inside its workspace when the object has arrived in the region.
 
     The direction of the roll is unknown before the search, so the direction with the larger depth counts. A positive
     depth is thus necessary for every initial position of the object. After the roll, IN_WORKSPACE measures whether the

@@ -68,7 +68,7 @@ def _strength(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return how deep [m] the hand is at least inside its workspace, beside the box and above the tipped box."""
+    """Return the smallest depth [m] of the hand inside its workspace, beside the box and above the tipped box."""
     beside = [
         place_at(state, hand, thing, face)
         for face in sides_across(state, hand, thing)

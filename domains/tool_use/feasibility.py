@@ -71,7 +71,7 @@ def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
 
 
 def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
-    """Return how deep [m] the hand is inside its workspace at the end of a push, for the worst grasp."""
+    """Return the depth [m] of the hand inside its workspace at the end of a push, for the worst grasp."""
     ahead, _ = way(state, thing, region)
     back = half_depth(state, thing, ahead) + tool["pushing_point"][2]
     place = (state[region, "position"] - ahead * back[..., None]) * HORIZONTAL
