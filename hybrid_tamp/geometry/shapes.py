@@ -94,7 +94,7 @@ class MeshFile(_Shape):
         description="path of the OBJ file, relative to the task file; each object ('o' or 'g') must be a convex part"
     )
     scale: Annotated[float, Strict(), Field(gt=0, le=1000, allow_inf_nan=False)] = Field(
-        default=1.0, description="length of the file's unit", json_schema_extra={"unit": "m"}
+        default=1.0, description="length of one unit of the file", json_schema_extra={"unit": "m"}
     )
 
 

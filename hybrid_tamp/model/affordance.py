@@ -62,10 +62,10 @@ class VaryingProperty:
     description: str = ""
 
 
-POSITION = VaryingProperty("position", 3, "m", (0.0, 0.0, 0.0), "of the body's frame in the world")
-ORIENTATION = VaryingProperty("orientation", 4, "1", (0.0, 0.0, 0.0, 1.0), "quaternion x, y, z, w")
-VELOCITY = VaryingProperty("velocity", 3, "m/s", (0.0, 0.0, 0.0), "of the body's frame in the world")
-ANGULAR_VELOCITY = VaryingProperty("angular_velocity", 3, "rad/s", (0.0, 0.0, 0.0), "in the world")
+POSITION = VaryingProperty("position", 3, "m", (0.0, 0.0, 0.0), "position of the body frame in the world")
+ORIENTATION = VaryingProperty("orientation", 4, "1", (0.0, 0.0, 0.0, 1.0), "orientation as a quaternion (x, y, z, w)")
+VELOCITY = VaryingProperty("velocity", 3, "m/s", (0.0, 0.0, 0.0), "velocity of the body frame in the world")
+ANGULAR_VELOCITY = VaryingProperty("angular_velocity", 3, "rad/s", (0.0, 0.0, 0.0), "angular velocity in the world")
 BODY_STATE = (POSITION, ORIENTATION, VELOCITY, ANGULAR_VELOCITY)
 
 

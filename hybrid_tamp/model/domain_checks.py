@@ -168,7 +168,7 @@ def _exit(block: Block, literal: Literal) -> Iterator[Issue]:
         yield Issue(where, "a positive exit condition must not have wildcards")
     if not literal.positive and wild and not predicate.maintained and wild != [predicate.functional_index]:
         remedy = "declare the predicate as functional in this parameter, or as maintained"
-        yield Issue(where, "a wildcard must be the functional parameter of the predicate", remedy=remedy)
+        yield Issue(where, "a wildcard must replace the functional parameter of the predicate", remedy=remedy)
 
 
 def fits(sort: type[ObjectClass] | SymbolSort, parameter: Parameter) -> bool:

@@ -151,4 +151,5 @@ def _ends(task: Task, plan: TaskPlan) -> Iterator[Violation]:
     """Check law 7: only blocks with `hold` run at the end of the plan."""
     for instance in plan.instances:
         if at(instance.end, plan.makespan) and not task.domain.block_by_name[instance.block].hold:
-            yield Violation(7, plan.makespan, instance.name, "only blocks with a hold can run at the end of the plan")
+            said = "an instance at the end of the plan must be of a block with hold=True"
+            yield Violation(7, plan.makespan, instance.name, said)

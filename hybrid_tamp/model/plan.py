@@ -148,7 +148,7 @@ class TaskPlan(Tabular):
         return self._timelines.get(token, ())
 
     def before(self, instance: BlockInstance, token: str) -> tuple[BlockInstance, str] | None:
-        """Return the pair of (instance, slot) from which a token enters an instance, or None for its first instance."""
+        """Return the pair of (instance, slot) in which a token was before an instance, or None if there is none."""
         timeline = self.timeline(token)
         index = next(i for i, (other, _) in enumerate(timeline) if other is instance)
         return timeline[index - 1] if index else None

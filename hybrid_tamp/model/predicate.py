@@ -124,7 +124,7 @@ class Predicate:
     def _faults(self) -> Iterator[Issue]:
         names = tuple(parameter.name for parameter in self.parameters)
         if (self.kind is Kind.FUNCTIONAL) != (self.value_of is not None):
-            yield Issue(self.name, "'value_of' must be set for a functional predicate and only for such a predicate")
+            yield Issue(self.name, "'value_of' must be set if the predicate is functional, and must be None otherwise")
         elif self.value_of is not None and self.value_of not in names:
             yield Issue(self.name, "'value_of' must be a parameter of the predicate", repr(self.value_of), names)
         sorts = list(map(_symbols, self.parameters))

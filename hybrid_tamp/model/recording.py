@@ -45,7 +45,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Contact:
-    """The largest contact force between two tokens during a pair of instances.
+    """The largest contact force between two tokens for one assignment of both tokens to instances.
 
     Attributes:
         tokens: names of the two tokens.

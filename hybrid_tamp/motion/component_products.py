@@ -39,9 +39,9 @@ TURN = sums(
     {(1, 2): 2.0, (0, 3): 2.0},
     {(0, 0): -2.0, (1, 1): -2.0},
 )
-"""Table of the rotation matrix minus the identity, in row-major order. Both factors are the quaternion."""
+"""Table that gives the rotation matrix minus the identity, row by row, if both factors are the same quaternion."""
 EACH_ROW, ROW_SUMS = np.tile(np.arange(3), 3), np.kron(np.eye(3), np.ones((3, 1)))
-"""Index of the vector component for each matrix element, and the matrix that sums each row. Both are for `TURN`."""
+"""Indices and a matrix that multiply the result of `TURN` by a vector: vector component of each element, row sums."""
 
 
 def products(a: FloatArray, b: FloatArray, table: tuple[IntArray, IntArray, FloatArray]) -> FloatArray:

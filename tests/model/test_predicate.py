@@ -32,12 +32,12 @@ def margin(state: State, *values: object) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", [Kind.CHANGING, Kind.MAINTAINED, Kind.STATIC])
 def test_only_a_functional_predicate_has_a_parameter_with_one_value(kind: Kind) -> None:
-    with pytest.raises(DomainError, match="must be set for a functional predicate"):
+    with pytest.raises(DomainError, match="must be set if the predicate is functional"):
         Predicate("painted", (PART, NEW), margin, kind=kind, value_of="new")
 
 
 def test_a_functional_predicate_names_one_of_its_parameters() -> None:
-    with pytest.raises(DomainError, match="must be set for a functional predicate"):
+    with pytest.raises(DomainError, match="must be set if the predicate is functional"):
         Predicate("painted", (PART, NEW), margin, kind=Kind.FUNCTIONAL)
     with pytest.raises(DomainError, match="'value_of' must be a parameter of the predicate; got 'colour'"):
         Predicate("painted", (PART, NEW), margin, kind=Kind.FUNCTIONAL, value_of="colour")
