@@ -41,7 +41,7 @@ TURN = sums(
 )
 """Table that gives the rotation matrix minus the identity, row by row, if both factors are the same quaternion."""
 EACH_ROW, ROW_SUMS = np.tile(np.arange(3), 3), np.kron(np.eye(3), np.ones((3, 1)))
-"""Indices and a matrix that multiply the result of `TURN` by a vector: vector component of each element, row sums."""
+"""Indices of the vector components that multiply the elements of the `TURN` result, and a matrix of row sums."""
 
 
 def products(a: FloatArray, b: FloatArray, table: tuple[IntArray, IntArray, FloatArray]) -> FloatArray:
