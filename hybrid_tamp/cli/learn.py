@@ -19,7 +19,9 @@ def learn(
     output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.json", help="file for the primitive")],
     as_json: options.Json = False,
     domain: options.Domain = None,
-    token: Annotated[str | None, typer.Option("--token", metavar="NAME", help="token to follow in a run")] = None,
+    token: Annotated[
+        str | None, typer.Option("--token", metavar="NAME", help="use only movements of this token")
+    ] = None,
     weights: Annotated[int, typer.Option("--weights", min=1, max=1000, help="number of basis functions")] = 20,
     force: options.Force = False,
 ) -> None:

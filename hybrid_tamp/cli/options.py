@@ -24,11 +24,11 @@ Optimiser = Annotated[
 ]
 Evaluations = Annotated[
     int | None,
-    typer.Option("--evaluations", min=1, max=10**9, metavar="N", help="largest number of rollouts of the optimiser"),
+    typer.Option("--evaluations", min=1, max=10**9, metavar="N", help="maximum number of rollouts of the optimiser"),
 ]
 Refine = Annotated[
     Literal["none", "physics"] | None,
-    typer.Option("--refine", help="physics: continue in the physics backend from the optimum of the forward models"),
+    typer.Option("--refine", help="physics: continue the optimisation in the physics backend"),
 ]
 Backend = Annotated[str, typer.Option("--backend", metavar="NAME", help="physics backend")]
 Force = Annotated[bool, typer.Option("--force", help="replace the files of another run")]

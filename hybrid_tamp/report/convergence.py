@@ -24,7 +24,7 @@ def convergence_picture(entry: Json) -> bytes | None:
 
     figure = Figure(figsize=(7.2, 3.6), dpi=120, layout="constrained")
     axes = figure.add_subplot(xlabel="rollouts of the optimiser [1]", ylabel="best value of the plan [1]")
-    # The first candidate of the optimiser is the defaults.
+    # The optimiser evaluates the defaults first.
     first = {"evaluations": 1, **entry["defaults"]}
     history = [first, *entry["history"]]
     _draw_value(axes, entry, history)

@@ -73,7 +73,7 @@ def _object(value: Any, keys: Keys | None) -> Json:
 
 
 def _data(value: Any, keys: Keys | None = None) -> Any:
-    """Return a value as plain data. Infinity and NaN become null, because JSON has no such numbers."""
+    """Return a value as plain data. Infinity and NaN become null, because JSON cannot express them."""
     text = TEXTS.get(type(value))
     if text is not None:
         return text(value)

@@ -18,7 +18,7 @@ def progress_bar(wanted: bool = True) -> Iterator[Callable[[float, str], None]]:
         wanted: whether to show a bar. No bar is shown if standard error is a file.
     """
     columns = (TextColumn("{task.description:<24}"), BarColumn(), TimeElapsedColumn())
-    # console.is_terminal does not serve, because FORCE_COLOR makes it true for files.
+    # console.is_terminal is not used, because FORCE_COLOR makes it true for files.
     console = Console(stderr=True)
     with Progress(*columns, console=console, transient=True, disable=not wanted or not console.file.isatty()) as bar:
         task = bar.add_task("planning", total=1.0)

@@ -59,7 +59,7 @@ class TokenEntry(_Entry):
     )
     properties: dict[str, Any] = Field(
         default_factory=dict,
-        description="fixed properties that the token's classes declare; those of unknown classes may be missing",
+        description="properties that the token's classes declare; properties of unknown classes may be missing",
     )
     shape: WrittenShape | None = Field(
         default=None, description="geometry of the token; default: the shape that the token's classes imply, if any"
@@ -107,7 +107,7 @@ class MidLevelEntry(_Entry):
     )
     seconds: Number = quantity("s", "time limit of the optimisation", default=MidLevel.seconds, gt=0, le=1e6)
     refine: Literal["none", "physics"] = Field(
-        default="none", description="physics: continue in the physics backend from the optimum of the forward models"
+        default="none", description="physics: continue the optimisation in the physics backend"
     )
     weights: dict[str, Number] = Field(
         default_factory=dict,

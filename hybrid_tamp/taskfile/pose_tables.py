@@ -173,8 +173,8 @@ def _deviation(values: FloatArray) -> float:
 def _rates(values: FloatArray, span: float) -> FloatArray:
     """Return the rates of change of values.
 
-    The rate at an instant is the slower of the rates before and after the instant. A mean of these two rates would miss
-    a short rest between two movements.
+    One rate is estimated before each instant and one after it. The slower rate is returned, because a mean would miss a
+    short rest between two movements.
 
     Args:
         values: the values at the control period, shape ``(t, c)``.

@@ -34,7 +34,7 @@ class PrimitiveFile(BaseModel):
 
     schema_: Literal["hybrid-tamp/primitive/1"] = Field(alias="schema", description="name and version of the format")
     block: str = Field(description="the demonstrated block or action", min_length=1)
-    dimensions: Literal[1, 3] = Field(description="3 for a position, 1 for the fraction of the path")
+    dimensions: Literal[1, 3] = Field(description="3 for a position, 1 for a fraction of a path")
     weights: list[list[Weight]] = Field(
         description="one row per basis function [m, or fraction of the path]", min_length=1
     )

@@ -83,7 +83,7 @@ def _class(object_class: type[ObjectClass]) -> str:
     if object_class.model_fields:
         text += f"\n{_keys(object_class)}"
     for action in object_class.basic_actions:
-        limit = f", at most its `{action.limit}`" if action.limit else ""
+        limit = f", at most the token's `{action.limit}`" if action.limit else ""
         text += f"\nBasic action `{action.name}`: {action.size} numbers [{action.unit}]{limit}; {action.description}\n"
     return text
 
@@ -109,7 +109,7 @@ def _notes(predicate: Predicate) -> str:
 
 
 def _block(block: Block) -> str:
-    after = "; it maintains its exit conditions until another block relieves it" if block.hold else ""
+    after = "; the block maintains its exit conditions until another block relieves it" if block.hold else ""
     lines = [
         f"#### `{block.name}`\n",
         f"{block.description}\n" if block.description else "",

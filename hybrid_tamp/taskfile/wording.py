@@ -151,7 +151,7 @@ class _Way:
 
 
 def _tags(member: Any) -> tuple[Any, ...]:
-    """Return the tags of a union member in error locations: the member's kinds, or else the name of its type."""
+    """Return the names of a union member in error locations: the kinds of a model, or else the name of the type."""
     kinds = member.model_fields.get("kind") if issubclass(member, BaseModel) else None
     return get_args(kinds.annotation) if kinds else (member.__name__,)
 

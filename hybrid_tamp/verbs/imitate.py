@@ -58,7 +58,7 @@ def imitate(
             the states and the task of a run are read.
         source: the imitator's task, the path of its file, or the name of a bundled task.
         folder: folder for the files of the run.
-        settings: settings that replace those of the task file.
+        settings: settings that replace settings of the task file.
         actor: the demonstrator's task, if the demonstration is a file of poses; by default the imitator's task.
         backend: name of the physics backend.
         force: whether to replace the files of another run.
@@ -100,7 +100,7 @@ def read_shown(
     Args:
         path: the folder of a run, or a file of token poses.
         task: the imitator's task. If `path` is a file, the task is also the demonstrator's, unless `actor` is given.
-        settings: settings that replace those of the task file.
+        settings: settings that replace settings of the task file.
         actor: the demonstrator's task, if `path` is a file.
 
     Raises:
@@ -133,7 +133,7 @@ def _learn_primitives(shown: Shown, plan: TaskPlan, task: Task) -> dict[str, Pri
             movements = demonstrated_movements(shown.source, seen.times, seen.trajectory, instances, block.movement)
             found[name] = fit_primitive(name, list(movements), block.movement)
         except InputError as error:
-            _logger.warning("no motor primitive was learnt for %s, which keeps that of the domain: %s", name, error)
+            _logger.warning("%s keeps the motor primitive of the domain, because none was learnt: %s", name, error)
     return found
 
 

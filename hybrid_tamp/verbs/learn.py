@@ -32,7 +32,7 @@ def learn(
         demonstrations: CSV files of time and position or pose, or folders of runs. Every instance of the block in a
             run is a demonstration, from its start until its exit conditions hold.
         domain: the domain or its name; by default the installed domain that has the block.
-        token: the token to follow in the runs, if several tokens take part in the block.
+        token: name of a token. Only instances of the block that move this token are used; by default all instances.
         weights: number of basis functions.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Loading of tasks, with settings that replace those of the task file."""
+"""Load tasks with settings that replace settings of the task file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -26,8 +26,8 @@ class Settings:
         time_limit: wall-clock time limit of the planner [s].
         memory_limit: memory limit of the planner [MiB].
         optimiser: optimiser of hyperparameters, ``cma`` or ``grid``.
-        evaluations: largest number of rollouts of the optimiser.
-        refine: ``none``, or ``physics`` to continue in the physics backend from the optimum of the forward models.
+        evaluations: maximum number of rollouts of the optimiser.
+        refine: ``none``, or ``physics`` to continue the optimisation in the physics backend.
     """
 
     domain: str | None = None
@@ -48,7 +48,7 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: settings that replace those of the task file.
+        settings: settings that replace settings of the task file.
         plans: whether the verb plans. If true, the planner of the file is checked unless the settings replace it.
 
     Raises:

@@ -39,7 +39,7 @@ def probe(
             serve as hands and as known members of classes.
         token: name of the token.
         classes: names of the classes to test; by default all classes whose membership is unknown.
-        settings: settings that replace those of the task file. The seed determines the start states.
+        settings: settings that replace settings of the task file. The seed determines the start states.
         starts: initial number of trials of each class, each from another start state.
         most_starts: maximum number of trials of each class, used if fewer trials give no clear verdict.
         seconds: wall-clock time limit [s]; unlimited by default.
