@@ -253,7 +253,7 @@ def test_without_a_labelled_member_it_is_not_tried(task: Task) -> None:
     with open_backend("analytic") as physics:
         (verdict,) = Prober(no_plan, physics).probe(alone, "P5", ["TUMBLABLE"]).verdicts
     assert verdict.verdict == "not tried"
-    assert "no token of the task is a member" in verdict.obstacle
+    assert "no labelled member of this class" in verdict.obstacle
 
 
 def test_a_trial_that_never_settles_ends_and_says_so(task: Task) -> None:
