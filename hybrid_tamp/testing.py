@@ -72,10 +72,7 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
 
 
 def _displaced(task: Task, rng: np.random.Generator) -> State:
-    """Return the initial state with slightly displaced hands.
-
-    Other tokens keep their positions, so that the facts of the task still hold.
-    """
+    """Return the initial state with slightly displaced hands. Other tokens stay, so that the task's facts hold."""
     moves = {
         (token.name, "position"): task.state[token, "position"] + rng.uniform(-0.05, 0.05, 3)
         for token in task.tokens

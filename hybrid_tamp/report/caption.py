@@ -59,15 +59,7 @@ class Captions:
         self._height = 2 * _MARGIN + _LINE + _LINE * max(map(len, self._lines))
 
     def under(self, picture: Picture, time: float) -> Picture:
-        """Return a picture with the caption of an instant added below.
-
-        Args:
-            picture: the picture, shape ``(h, w, 3)``.
-            time: the instant [s].
-
-        Returns:
-            A picture of shape ``(h + caption height, w, 3)``.
-        """
+        """Return a picture ``(h, w, 3)`` with the caption of an instant [s] added below it."""
         height = picture.shape[0] + self._height
         canvas = Image.new("RGB", (self._width, height + height % 2), _BACKGROUND)
         canvas.paste(Image.fromarray(picture), (0, 0))

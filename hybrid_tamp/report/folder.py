@@ -98,11 +98,7 @@ class RunFolder:
         return target
 
     def write_json(self, name: str, document: dict[str, Any]) -> Path:
-        """Write a JSON document.
-
-        Raises:
-            ValueError: the document contains NaN or infinity.
-        """
+        """Write a JSON document. Raise ValueError if the document contains NaN or infinity."""
         return self.write_text(name, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 

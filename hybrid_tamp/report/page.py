@@ -64,10 +64,7 @@ def _content(path: Path, plan: Json, result: Json | None, resting: str) -> dict[
 
 
 def lanes(plan: Json, resting: str) -> dict[str, list[Json]]:
-    """Return the timeline as a mapping of each token to its bars.
-
-    `left` and `width` of a bar are in percent of the makespan. A token has no bar while it rests.
-    """
+    """Return the timeline bars of each token, with sizes in percent of the makespan. Rest has no bar."""
     found: dict[str, list[Json]] = {}
     for step in plan["steps"]:
         for entry in step["blocks"]:

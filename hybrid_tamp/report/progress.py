@@ -9,13 +9,9 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 @contextmanager
 def progress_bar(wanted: bool = True) -> Iterator[Callable[[float, str], None]]:
-    """Show a progress bar while the context is active.
+    """Show a progress bar if wanted and standard error is a terminal.
 
-    The context yields a function that updates the bar. Its arguments are the finished share (0 to 1) and the current
-    activity.
-
-    Args:
-        wanted: whether to show a bar. No bar is shown if standard error is a file.
+    The context yields a function that updates the bar with the finished share (0 to 1) and the current activity.
     """
     columns = (TextColumn("{task.description:<24}"), BarColumn(), TimeElapsedColumn())
     # console.is_terminal is not used, because FORCE_COLOR makes it true for files.

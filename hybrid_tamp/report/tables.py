@@ -68,10 +68,7 @@ def plan_footer(document: Json) -> str:
 
 
 def network_text(network: Json) -> str:
-    """Return lines about the parts that a reduced network leaves out and the tokens that were added as tools.
-
-    The text is empty for a network that was not reduced.
-    """
+    """Return lines about the parts left out of a reduced network and the tokens added as tools, if there are any."""
     whole, expanded = network["reduced_from"], network["expanded_with"]
     lines = []
     if whole is not None:

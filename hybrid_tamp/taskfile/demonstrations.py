@@ -62,11 +62,7 @@ def read_demonstration(path: Path | str) -> ShownMovement:
 
 
 def _check_header(cells: list[Cell], faults: Faults) -> int:
-    """Return the number of columns.
-
-    Raises:
-        InputError: the columns are not the columns of a demonstration.
-    """
+    """Return the number of columns, or raise `InputError` if the columns are wrong."""
     found = [_NAME.match(cell.text.casefold()) for cell in cells]
     names = tuple(match.group(1) if match else "" for match in found)
     if names not in (_POSITION, _POSE):

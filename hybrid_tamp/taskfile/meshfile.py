@@ -157,11 +157,7 @@ def _size(vertices: FloatArray, surfaces: list[_Surface]) -> float:
 
 
 def _solid(vertices: FloatArray, surface: _Surface, size: float, source: str) -> Hull:
-    """Return an object of the mesh as a convex solid with equal corners merged.
-
-    Raises:
-        InputError: the object is degenerate, not watertight, not in one piece or not convex.
-    """
+    """Return an object of the mesh as a convex solid with equal corners merged, or raise `InputError`."""
     corners = vertices[np.array(surface.triangles)].reshape(-1, 3)
     _, first, names = np.unique(np.round(corners / (_SAME * size)), axis=0, return_index=True, return_inverse=True)
     solid = Hull(corners[first], names.reshape(-1, 3).astype(np.intp))
@@ -209,14 +205,7 @@ def _fault(solid: Hull) -> tuple[str, str] | None:
 
 
 def _partners(edges: NDArray[np.intp]) -> NDArray[np.intp] | None:
-    """Return the index of the opposite edge of each directed edge.
-
-    Args:
-        edges: pairs of vertex indices, shape ``(e, 2)``.
-
-    Returns:
-        Indices of shape ``(e,)``, or None if an edge does not have exactly one opposite edge.
-    """
+    """Return the index of the opposite of each directed edge ``(e, 2)``, or None unless each has exactly one."""
     count = int(edges.max()) + 1
     keys, mirrored = edges @ [count, 1], edges @ [1, count]
     order = np.argsort(keys)

@@ -41,7 +41,7 @@ class _Constant:
 
 
 def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -> Domain | None:
-    """Return the domain with the task's weights and bounds, and record faults. Without any, return the same domain."""
+    """Return the domain with the weights and bounds of the task file, and record faults."""
     if domain is None:
         return None
     weights = _said(data, "weights", faults, domain)

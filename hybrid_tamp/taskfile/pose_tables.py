@@ -171,17 +171,10 @@ def _deviation(values: FloatArray) -> float:
 
 
 def _rates(values: FloatArray, span: float) -> FloatArray:
-    """Return the rates of change of values.
+    """Return the rates of change [1/s] of values ``(t, c)``.
 
-    One rate is estimated before each instant and one after it. The slower rate is returned, because a mean would miss a
-    short rest between two movements.
-
-    Args:
-        values: the values at the control period, shape ``(t, c)``.
-        span: span over which a rate is estimated [s].
-
-    Returns:
-        Rates of change [1/s], shape ``(t, c)``.
+    One rate is estimated over the span [s] before each instant and one over the span after the instant. The slower rate
+    is returned, because a mean would miss a short rest between two movements.
     """
     count = max(2, min(round(span / CONTROL_PERIOD), len(values) - 1))
     offsets = np.arange(count + 1) - count / 2.0

@@ -48,15 +48,7 @@ class PrimitiveFile(BaseModel):
 
     @classmethod
     def of(cls, primitive: DMP, block: str, sources: Sequence[str], rms: float, unit: str) -> "PrimitiveFile":
-        """Return a file that contains a primitive.
-
-        Args:
-            primitive: the primitive.
-            block: name of the demonstrated block or action.
-            sources: names of the demonstrations.
-            rms: root mean square error over the demonstrations [unit].
-            unit: unit of `rms`.
-        """
+        """Return a file with a primitive, the names of its demonstrations and its error over them."""
         return cls.model_validate(
             {
                 "schema": PRIMITIVE,

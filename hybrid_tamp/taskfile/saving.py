@@ -181,11 +181,7 @@ def _is_free(path: Path, content: str) -> bool:
 
 
 def _check_same(task: Task, written: Path, path: Path) -> None:
-    """Check that the written file loads as the same task.
-
-    Raises:
-        InputError: the loaded task differs.
-    """
+    """Raise `InputError` unless the written file loads as the same task."""
     again = load_task(written, lambda _: task.domain).replaced(name=task.name)
     different = [
         Issue(str(path), f"a task file cannot express this task, because the {what} after loading")

@@ -104,10 +104,7 @@ def _classes(
 def _named(
     names: list[str], path: KeyPath, others: tuple[type[ObjectClass], ...], faults: Faults, domain: Domain
 ) -> tuple[type[ObjectClass], ...] | None:
-    """Return the classes with the given names, or None if there are faults.
-
-    A token must be able to be a member of all named classes and of the classes `others`.
-    """
+    """Return the named classes, or None if a name is wrong or the classes and `others` cannot share a token."""
     known = known_classes(domain)
     found: list[type[ObjectClass]] = [*others]
     for index, class_name in enumerate(names):

@@ -138,10 +138,7 @@ def _learn_primitives(shown: Shown, plan: TaskPlan, task: Task) -> dict[str, Pri
 
 
 def _outcome(task: Task, moved: Transfer, seconds: float) -> PlanOutcome:
-    """Return the transferred plan as the outcome of planning.
-
-    Replanning may have excluded bindings of the plan from the task.
-    """
+    """Return the transferred plan as the outcome of planning, or a failure if the plan does not solve the task."""
     outcome = PlanOutcome(task, PlannerFigures(_WAY, seconds, _WAY), PlannedNetwork.of(task, task))
     breaches = check_law(task, moved.plan)
     if breaches:

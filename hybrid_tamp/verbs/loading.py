@@ -71,11 +71,7 @@ def _replaced(record: Record, **values: Any) -> Record:
 
 
 def domain_finder(name: str | None) -> Callable[[str], Domain]:
-    """Return a function that returns the domain for the domain name in a task file.
-
-    If `name` is given, the function ignores its argument and returns the domain `name`. Otherwise the function returns
-    the installed domain with the name in the file.
-    """
+    """Return a function from a task file's domain name to a domain: always the domain `name`, if `name` is given."""
     if name is None:
         return installed_domain
     chosen = find_domain(name)
