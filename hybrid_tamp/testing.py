@@ -44,7 +44,7 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
 
     Args:
         task: a task of the domain, with tokens for every block to check.
-        samples: minimum number of rollouts of each block. A block has fewer if its entry conditions hold less often.
+        samples: minimum number of rollouts of each block, if the entry conditions of the block hold often enough.
         seed: seed of the displacements and choices.
         dt: time step of the rollouts [s].
 

@@ -24,8 +24,8 @@ class Key:
 
     Attributes:
         name: the key.
-        source: source of the key's value. Either the path of an attribute or a function of the whole object. By
-            default the attribute of the same name.
+        source: path of an attribute, or function of the whole object, that gives the key's value. The default is the
+            attribute of the same name.
         default: value for a document without the key. A type stands for an empty object of the type. A key without a
             default is required.
         nullable: whether the value may be null, which stands for a number that is not finite.

@@ -71,7 +71,10 @@ def _replaced(record: Record, **values: Any) -> Record:
 
 
 def domain_finder(name: str | None) -> Callable[[str], Domain]:
-    """Return a function from a task file's domain name to a domain: always the domain `name`, if `name` is given."""
+    """Return the function with which a verb finds the domain of a task file.
+
+    If `name` is given, the function always returns the domain `name`. Otherwise it finds installed domains by name.
+    """
     if name is None:
         return installed_domain
     chosen = find_domain(name)
