@@ -28,7 +28,7 @@ class Reason:
 
     Attributes:
         goal: unreachable goal atoms.
-        block: name of the block that could achieve the goal atoms, or empty. Only the action if several modes fail.
+        block: name of the block that could achieve the goal atoms, or of the action if several modes fail, or empty.
         kind: kind of the reason.
         message: description of the reason.
         atom: condition that fails, or None.

@@ -32,7 +32,7 @@ def test_with_none_left_block_atom_and_margin_are_told() -> None:
     assert outcome.plan is None
     assert outcome.error is not None
     assert outcome.error.exit_status == 11
-    assert "ROLLING with hand=hand, object=drum, region=near: inside(drum, near) fails by at least 0.001 m" in str(outcome.error)
+    assert "hand=hand, object=drum, region=near: inside(drum, near) fails by at least 0.001 m" in str(outcome.error)
     assert outcome.status == "unknown"
     assert outcome.explanation is not None
     (reason,) = outcome.explanation.reasons
