@@ -82,13 +82,22 @@ def test_a_timeline_comes_back_from_durative_actions(tumble: tuple[Task, TaskPla
     compilation = compile_durative(task)
     problem, actions = reencode_durative(compilation, plan)
     assert val_accepts_temporal(tmp_path, problem, actions)
-    begun = [i for i in plan.instances if i.start > 0 or len(i.slots) > 1]
-    assert len(actions) == len(begun)
-    for action in actions:
+    left = [i for i in plan.instances if i.start > 0 or len(i.slots) > 1]
+    assert len(actions) == len(left)
+    for number, action in enumerate(actions, start=1):
         running = compilation.encoding.running[action.name]
-        at = [i for i in begun if 0 < action.start - i.start < 0.01 * (len(begun) + 1) and i.block == running.block]
         roles = {role: action.arguments[index] for role, index in running.roles.items()}
-        assert roles in [{role: compilation.words.name(name) for role, name in i.roles.items()} for i in at]
+        [instance] = [
+            i
+            for i in left
+            if i.block == running.block
+            and roles == {role: compilation.words.name(name) for role, name in i.roles.items()}
+            # Actions of one instant start 0.01 s apart, in the order of the plan.
+            and action.start == pytest.approx(i.start + 0.01 * number, abs=1e-6)
+        ]
+        assert action.duration == pytest.approx(instance.active.end - instance.start, abs=1e-3)
+        left.remove(instance)
+    assert left == []
 
 
 @pytest.mark.parametrize("index", range(6))

@@ -68,6 +68,13 @@ def test_a_task_built_in_python_is_the_one_that_its_file_says(
     assert np.array_equal(built.state.values, load(text).state.values)
 
 
+@pytest.mark.parametrize("name", ["x" * 3000, "☃" * 1100, "\N{GRINNING FACE}" * 90], ids=["ascii", "snowman", "face"])
+def test_a_name_longer_than_a_simple_key_of_yaml_is_saved(name: str, toy: Domain, tmp_path: Path) -> None:
+    task = make_task(toy, {"hand": HAND, "goal": GOAL, name: DRUM}, [{"within": [name, "goal"]}])
+    save_task(task, tmp_path / "t.yaml")
+    assert differences(task, load_task(tmp_path / "t.yaml", lambda _: toy)) == []
+
+
 names = st.text(st.characters(codec="utf-8"), min_size=1, max_size=4) | st.sampled_from(
     [
         "no",
