@@ -64,13 +64,9 @@ class Estimates:
         return found
 
     def _event(self, instance: OrderedInstance) -> int:
-        """Return the first reassignment by which an instance has reached its exit.
-
-        After the exit of an instance with a hold, other instances may read its tokens.
-        """
-        if self.task.domain.block_by_name[instance.block].hold:
-            return instance.begin + 1
-        return instance.begin + 1 if instance.end is None else instance.end
+        """Return the first reassignment by which an instance has reached its exit and others may read its tokens."""
+        hold = self.task.domain.block_by_name[instance.block].hold
+        return instance.begin + 1 if hold or instance.end is None else instance.end
 
     def _estimate(self, instance: OrderedInstance, state: State) -> Estimate:
         roles = {**instance.slots, **instance.targets}

@@ -83,14 +83,7 @@ def _rebind(search: Search, best: Candidate, shortening: float) -> Candidate:
 
 
 def _plan_alternatives(task: Task, alternatives: Sequence[Task], planner: Planner) -> SearchResult:
-    """Plan the alternatives of a goal with a choice and return the best result.
-
-    The nearest alternative is planned first. Each alternative gets an equal share of the remaining time. If several
-    plans are equally good, the plan of the nearest alternative is returned.
-
-    Raises:
-        LimitReached: If no plan was found and a limit ended the search for some alternative.
-    """
+    """Return the best result of all alternatives of a goal. The nearest alternative is planned first and wins ties."""
     began = time.monotonic()
     found: list[SearchResult] = []
     undecided: list[LimitReached] = []

@@ -45,10 +45,7 @@ def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
 
 
 def plan_actions(compilation: Compilation, plan: TaskPlan) -> Sequence[PlannedAction]:
-    """Return the actions of a plan in a compiled task.
-
-    If the plan's own actions belong to another network, its timeline is re-encoded.
-    """
+    """Return the plan's own actions, or its re-encoded timeline if the actions belong to another network."""
     return plan.actions if compilation.reaches_goal(plan.actions) else reencode(compilation, plan)
 
 
@@ -84,10 +81,7 @@ def group_by_source(plan: TaskPlan, starting: list[BlockInstance]) -> list[list[
 
 
 def _in_order(domain: Domain, plan: TaskPlan, groups: list[list[BlockInstance]]) -> list[list[BlockInstance]]:
-    """Return the reassignments of one instant in an applicable order.
-
-    Reassignments that release or require a token or fact come before reassignments that change it.
-    """
+    """Return the groups in an applicable order. Groups that free or need a token or fact precede its changes."""
 
     def first(one: list[BlockInstance], other: list[BlockInstance]) -> bool:
         return _frees(plan, one, other) or _needs(domain, one, other)

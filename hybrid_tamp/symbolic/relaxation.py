@@ -38,11 +38,7 @@ def reachable(problem: PlanningProblem) -> set[Fact]:
 
 
 class _Lifted:
-    """An operator with the possible values of its parameters.
-
-    Attributes:
-        conditions: Preconditions of the operator.
-    """
+    """An operator with its preconditions and the possible values of its parameters."""
 
     def __init__(self, operator: Operator, problem: PlanningProblem) -> None:
         self.conditions = operator.precondition
@@ -55,10 +51,7 @@ class _Lifted:
         self._added = {argument for fact in operator.add for argument in fact[1:] if argument.startswith("?")}
 
     def list_added(self, condition: Fact | None, fact: Fact, known: FactIndex) -> list[Fact]:
-        """Return the new facts that the operator adds if a fact satisfies one of its conditions.
-
-        Without a condition, all applications of the operator are considered.
-        """
+        """Return the new facts that the operator adds if `fact` satisfies `condition`, or if `condition` is None."""
         bound = bind_condition(condition, fact, {}, self._ranges) if condition else {}
         if bound is None:
             return []

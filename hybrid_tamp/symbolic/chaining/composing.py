@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from hybrid_tamp.model.affordance import TOKEN, is_place
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
-from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort
+from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort, key
 from hybrid_tamp.symbolic.pddl.naming import unused
 
 
@@ -77,11 +77,7 @@ def _twice(link: Link) -> bool:
 
 
 def _determined(series: Series, block: Block, roles: Mapping[str, str]) -> dict[str, str]:
-    """Return the given roles, extended by the targets that known facts determine.
-
-    A known fact determines a target only if its predicate is functional or maintained. Any other predicate may hold for
-    several targets.
-    """
+    """Return the given roles, extended by the targets that known facts determine (see `_pins`)."""
     found = dict(roles)
     targets = {target.name for target in block.targets}
     progress = True
@@ -100,6 +96,7 @@ def _determined(series: Series, block: Block, roles: Mapping[str, str]) -> dict[
 
 
 def _pins(wanted: Literal, open_roles: list[str]) -> bool:
+    """Return whether a known fact determines the open roles. Most predicates may hold for several targets."""
     index = wanted.predicate.functional_index
     return wanted.predicate.maintained or (index is not None and open_roles == [wanted.arguments[index]])
 
@@ -145,12 +142,6 @@ def _composed(series: Series, link: Link, sorts: Mapping[str, Sort]) -> tuple[Li
         if not any(key(each) == key(literal) for each in later):
             kept.append(literal)
     return tuple(dict.fromkeys((*kept, *link.exit)))
-
-
-def key(literal: Literal) -> tuple[str, ...]:
-    """Return the arguments except the functional argument. Literals with equal keys replace each other."""
-    index = literal.predicate.functional_index
-    return literal.arguments if index is None else (*literal.arguments[:index], *literal.arguments[index + 1 :])
 
 
 def _undone(fact: Literal, exits: Iterable[Literal], sorts: Mapping[str, Sort]) -> bool:

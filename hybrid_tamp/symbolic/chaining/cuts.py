@@ -19,8 +19,8 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.chaining.composing import key, within
-from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort, list_deleted, rename_roles
+from hybrid_tamp.symbolic.chaining.composing import within
+from hybrid_tamp.symbolic.chaining.series import Link, Series, Sort, key, list_deleted, rename_roles, with_any_value
 from hybrid_tamp.symbolic.encoding.conditions import Conditions
 from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
@@ -166,7 +166,5 @@ def _there(junction: Series, literal: Literal) -> Iterator[Literal]:
         return
     same = [each for each in junction.exit if each.predicate is literal.predicate and key(each) == key(literal)]
     held = [each for each in junction.known if each.predicate is literal.predicate and key(each) == key(literal)]
-    if held or same:
-        yield from held  # If there is no such fact, an earlier exit has deleted the value.
-        return
-    yield Literal(literal.predicate, (*literal.arguments[:index], ANY, *literal.arguments[index + 1 :]))
+    # If an earlier exit has deleted the value, there is no such fact.
+    yield from held if held or same else [with_any_value(literal, index)]

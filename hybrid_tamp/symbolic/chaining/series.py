@@ -129,11 +129,22 @@ def rename_roles(literal: Literal, roles: Mapping[str, str]) -> Literal:
     return replace(literal, arguments=tuple(roles.get(argument, argument) for argument in literal.arguments))
 
 
+def key(literal: Literal) -> tuple[str, ...]:
+    """Return the arguments except the functional argument. Literals with equal keys replace each other."""
+    index = literal.predicate.functional_index
+    return literal.arguments if index is None else (*literal.arguments[:index], *literal.arguments[index + 1 :])
+
+
+def with_any_value(literal: Literal, index: int) -> Literal:
+    """Return a positive literal with `ANY` in place of the value of a functional predicate."""
+    return Literal(literal.predicate, (*literal.arguments[:index], ANY, *literal.arguments[index + 1 :]))
+
+
 def list_deleted(block: Block) -> Iterator[Literal]:
     """Yield the literals that the block deletes. `ANY` stands for the old value of a functional predicate."""
     for literal in block.exit:
         index = literal.predicate.functional_index
         if index is not None:
-            yield Literal(literal.predicate, (*literal.arguments[:index], ANY, *literal.arguments[index + 1 :]))
+            yield with_any_value(literal, index)
         elif not literal.positive:
             yield ~literal

@@ -1,4 +1,1 @@
-"""Encoder of block declarations as lifted STRIPS operators, for any domain.
-
-The input is the blocks and the network of a domain. The output is a planning domain and the meaning of each operator.
-"""
+"""Encoder of the blocks and the network of a domain as a planning domain, with the meaning of each operator."""

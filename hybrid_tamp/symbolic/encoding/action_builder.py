@@ -1,28 +1,22 @@
 """Builder of one operator, which collects its parameters, preconditions and effects."""
 
-from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort
+from hybrid_tamp.model.predicate import ANY, Literal
+from hybrid_tamp.symbolic.chaining.series import Sort, key
 from hybrid_tamp.symbolic.encoding.assignment import COUNT
 from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 from hybrid_tamp.symbolic.pddl.naming import variable_of
-from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, Typed
+from hybrid_tamp.symbolic.pddl.operators import Fact, Operator
 
-Same = dict[str, type[ObjectClass] | SymbolSort]
+Same = dict[str, Sort]
+"""Maps each role whose token also has a role in the old block to the class of the old role."""
 
 
 class ActionBuilder:
     """Collects the preconditions and effects of one operator. A role becomes a variable of the same name."""
 
     def __init__(self, vocabulary: Vocabulary, block: Block, same: Same | None = None) -> None:
-        """Start an operator that assigns a token to a block.
-
-        Args:
-            vocabulary: PDDL names of the domain.
-            block: Block to which the operator assigns the token.
-            same: Maps each role whose token also has a role in the old block to the class of the old role. The
-                variable gets the narrower type.
-        """
+        """Start an operator that assigns a token to a block. A role in `same` gets the narrower of its two classes."""
         self.vocabulary = vocabulary
         self.block = block
         self._same = same or {}
@@ -53,7 +47,7 @@ class ActionBuilder:
             self._others[role] = self._declare(f"old-{role}", block.roles[role])
         return self._others[role]
 
-    def _declare(self, role: str, sort: type[ObjectClass] | SymbolSort) -> str:
+    def _declare(self, role: str, sort: Sort) -> str:
         variable = self._fresh(role, self.vocabulary.type_of(sort))
         for fact in self.vocabulary.guard(variable, sort):
             self.require(fact)
@@ -126,35 +120,26 @@ class ActionBuilder:
 
     def _clear(self, literal: Literal, name: str, arguments: list[str], index: int) -> None:
         """Delete the old value of a functional predicate. If the exit sets no new value, add the value 'none'."""
-        key = (name, *arguments[:index], *arguments[index + 1 :])
+        others = (name, *arguments[:index], *arguments[index + 1 :])
         known = self._known_value(literal, index)
         if known is not None:
             self.consume((name, *arguments[:index], self._argument(known), *arguments[index + 1 :]))
-        elif key not in self._old_values:
+        elif others not in self._old_values:
             sort = literal.predicate.parameters[index].sort
             variable = self._fresh(f"from-{literal.predicate.value_of}", self.vocabulary.type_of(sort))
-            self._old_values[key] = variable
+            self._old_values[others] = variable
             self.consume((name, *arguments[:index], variable, *arguments[index + 1 :]))
-        sets = [
-            other
-            for other in self.block.exit
-            if other.positive
-            and other.predicate is literal.predicate
-            and all(
-                o == a for i, (o, a) in enumerate(zip(other.arguments, literal.arguments, strict=True)) if i != index
-            )
-        ]
-        if not sets:
+        same = [each for each in self.block.exit if each.predicate is literal.predicate and key(each) == key(literal)]
+        if not any(each.positive for each in same):
             none = self.vocabulary.no_value(literal.predicate)
             self.add((name, *arguments[:index], none, *arguments[index + 1 :]))
 
     def _known_value(self, literal: Literal, index: int) -> str | None:
         """Return the role of a functional predicate's old value, or None if no entry condition names the value."""
         for wanted in self.block.entry:
-            value = wanted.arguments[index] if wanted.predicate is literal.predicate and wanted.positive else ANY
-            others = (*wanted.arguments[:index], *wanted.arguments[index + 1 :])
-            if value in self._variables and others == (*literal.arguments[:index], *literal.arguments[index + 1 :]):
-                return value
+            same = wanted.predicate is literal.predicate and wanted.positive and key(wanted) == key(literal)
+            if same and wanted.arguments[index] in self._variables:
+                return wanted.arguments[index]
         return None
 
     def _argument(self, argument: str) -> str:
@@ -172,11 +157,5 @@ class ActionBuilder:
 
     def build(self, name: str) -> Operator:
         """Return the operator. Deletes precede adds, so a fact that is both deleted and added holds afterwards."""
-        parameters: tuple[Typed, ...] = tuple(self._parameters.items())
-        return Operator(
-            name,
-            parameters,
-            tuple(self._precondition),
-            tuple(self._add),
-            tuple(fact for fact in self._delete if fact not in self._add),
-        )
+        deleted = tuple(fact for fact in self._delete if fact not in self._add)
+        return Operator(name, tuple(self._parameters.items()), tuple(self._precondition), tuple(self._add), deleted)

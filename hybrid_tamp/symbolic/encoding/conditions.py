@@ -7,6 +7,7 @@ the same target, the first fill binds the target. Later fills and `begin` use th
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 from hybrid_tamp.model.block import Block, Target
 from hybrid_tamp.model.predicate import Literal, SymbolSort
@@ -25,17 +26,10 @@ class Conditions:
         return [literal for literal in block.entry if keeper(block, literal.arguments) == block.anchor]
 
     def entry_at_fill(self, block: Block, slot: str) -> list[Literal]:
-        """Return the entry conditions that a fill checks.
-
-        These are the conditions that belong to the slot, and the feasibility conditions whose roles are then known.
-        """
+        """Return the entry conditions that a fill checks, including feasibility conditions whose roles are known."""
         mine = [literal for literal in block.entry if keeper(block, literal.arguments) == slot]
         known = {slot, block.anchor} | {a for literal in mine for a in literal.arguments}
-        early = [
-            literal
-            for literal in self.entry_at_begin(block)
-            if literal.predicate.static and set(literal.arguments) <= known
-        ]
+        early = [c for c in self.entry_at_begin(block) if c.predicate.static and set(c.arguments) <= known]
         return mine + early
 
     def exit_at(self, block: Block, slot: str) -> list[Literal]:
@@ -79,12 +73,9 @@ class Conditions:
 
     def claimable(self, block: Block, slot: str) -> bool:
         """Return whether a token in this slot may also fit the anchor slot of a block with several slots."""
-        mine = block.slot(slot).object_class
-        return any(
-            other.others
-            and self.vocabulary.domain.relations.can_share_token(mine, other.slot(other.anchor).object_class)
-            for other in self.vocabulary.domain.blocks
-        )
+        domain, mine = self.vocabulary.domain, block.slot(slot).object_class
+        anchors = (other.slot(other.anchor).object_class for other in domain.blocks if other.others)
+        return any(domain.relations.can_share_token(mine, anchor) for anchor in anchors)
 
     def _reads(self, block: Block, slot: str) -> Iterator[set[str]]:
         mine = block.slot(slot).object_class
@@ -104,27 +95,19 @@ class Conditions:
         return any(written & read for read in self._reads(block, slot))
 
     def disturbs(self, block: Block, slot: str) -> bool:
-        """Return whether the block changes a readable property of the slot's token until the block ends.
-
-        A block with a hold stops changing the property at its exit.
-        """
+        """Return whether the block changes a readable property of the slot's token until the block ends."""
+        # A block with a hold stops changing the property at its exit.
         return not block.hold and self.changes(block, slot)
 
     def to_keep_apart(self, block: Block, bound: set[str]) -> list[tuple[str, str]]:
-        """Return the pairs of (slot, target) that need the condition `distinct`.
-
-        Pairs in a common static condition are left out, because feasibility is computed for different tokens only.
-        """
+        """Return the pairs of (slot, target) that need the condition `distinct`."""
+        # Pairs in a common static condition are left out, because feasibility is computed for different tokens only.
         pairs = []
-        for slot in block.slots:
-            for target in block.targets:
-                sort = target.sort
-                if isinstance(sort, SymbolSort) or not {slot.name, target.name} <= bound:
-                    continue
-                guarded = any(
-                    literal.positive and {slot.name, target.name} <= set(literal.arguments)
-                    for literal in block.static_entry
-                )
-                if not guarded and self.vocabulary.domain.relations.can_share_token(slot.object_class, sort):
-                    pairs.append((slot.name, target.name))
+        for slot, target in product(block.slots, block.targets):
+            sort, names = target.sort, {slot.name, target.name}
+            if isinstance(sort, SymbolSort) or not names <= bound:
+                continue
+            guarded = any(c.positive and names <= set(c.arguments) for c in block.static_entry)
+            if not guarded and self.vocabulary.domain.relations.can_share_token(slot.object_class, sort):
+                pairs.append((slot.name, target.name))
         return pairs

@@ -18,10 +18,8 @@ class EdgeOperators(OperatorMaker):
     # -- fill ---------------------------------------------------------------------------------------------------
 
     def fill(self, old: Block, slot_before: str, new: Block, slot: str) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield the operator that reserves a token for a slot, if there is one.
-
-        The token comes from a block with one slot, or from the current block of the anchor.
-        """
+        """Yield the operator that reserves a token for a slot, if there is one."""
+        # The token comes from a block with one slot, or from the current block of the anchor.
         name = f"fill-{legal(new.name)}-{legal(slot)}-from-{legal(old.name)}"
         if len(old.slots) > 1:
             if old is new or slot_before == old.anchor:
@@ -66,13 +64,9 @@ class EdgeOperators(OperatorMaker):
         """Record the targets in the conditions of a slot, so that later fills and `begin` use the same targets."""
         anchor = action.variable(new.anchor)
         for target, first in self.conditions.bound_by(new).items():
-            if target not in action.bound:
-                continue
-            witness = (self.vocabulary.state("for", new, target), anchor, action.variable(target))
-            if first == slot:
-                action.add(witness)
-            else:
-                action.require(witness)
+            record = action.add if first == slot else action.require
+            if target in action.bound:
+                record((self.vocabulary.state("for", new, target), anchor, action.variable(target)))
 
     def _leave_slot(
         self, action: ActionBuilder, old: Block, slot: str, token: str, unified: dict[str, str], anchor: str
@@ -83,8 +77,6 @@ class EdgeOperators(OperatorMaker):
                 action.require(("unclaimed", token))
             self._leave_anchor(action, old, token, unified)
             return
-        memory = [action.other(old, target, unified) for target in remembered(self.domain, old, slot)]
-        action.consume((self.vocabulary.state("in", old, slot), token, anchor, *memory))
         self._void(action, old, slot, {slot: token, old.anchor: anchor}, unified)
         full, moved = (self.vocabulary.state(kind, old, slot) for kind in ("full", "moved"))
         action.replace((full, anchor), (moved, anchor))
@@ -98,10 +90,9 @@ class EdgeOperators(OperatorMaker):
             for slot in old.others
             if any(self.domain.network.allows((old.name, slot.name), (new.name, to.name)) for to in new.others)
         ]
-        for size in range(len(movable) + 1):
+        for size in range(min(len(movable), len(new.others)) + 1):
             for moved in combinations(movable, size):
-                if len(moved) <= len(new.others):
-                    yield self._begin(old, new, moved)
+                yield self._begin(old, new, moved)
 
     def _begin(self, old: Block, new: Block, moved: tuple[str, ...]) -> tuple[Operator, Meaning]:
         name = "-".join(["begin", legal(new.name), "from", legal(old.name), *(f"with-{legal(s)}" for s in moved)])
@@ -133,17 +124,12 @@ class EdgeOperators(OperatorMaker):
                 action.add((self.vocabulary.state("full", new, slot.name), anchor))
         elif self.conditions.claimable(new, new.anchor):
             action.require(("unclaimed", anchor))
-        for literal in self.conditions.entry_at_begin(new):
-            action.require_literal(literal)
         self._enter(action, old, old.anchor, new)
 
     # -- leave --------------------------------------------------------------------------------------------------
 
     def leave(self, old: Block, slot: str, new: Block) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield the operators that move a token out of an instance after its anchor has left.
-
-        The token enters a block with one slot. There is one operator for each set of tokens that still have to leave.
-        """
+        """Yield an operator that moves a token out of a block after the anchor, for each set of remaining tokens."""
         for rest in remainders(old):
             if rest[0] == slot:
                 yield self._leave(old, slot, new, rest)
@@ -158,12 +144,8 @@ class EdgeOperators(OperatorMaker):
         anchor = action.other(old, old.anchor)
         following = (self.vocabulary.state("leaving", old, *rest[1:]), anchor) if rest[1:] else ("idle",)
         action.replace((self.vocabulary.state("leaving", old, *rest), anchor), following)
-        memory = [action.other(old, target) for target in remembered(self.domain, old, slot)]
-        action.consume((self.vocabulary.state("in", old, slot), token, anchor, *memory))
         self._void(action, old, slot, {slot: token, old.anchor: anchor}, {})
         for target in new.targets:
             action.role(target.name)
-        for literal in self.conditions.entry_at_begin(new):
-            action.require_literal(literal)
         self._enter(action, old, slot, new)
         return action.build(name), Meaning("leave", new.name, new.anchor, (old.name, slot), action.roles)

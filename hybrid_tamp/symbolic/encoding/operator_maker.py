@@ -51,6 +51,8 @@ class OperatorMaker:
 
     def _enter(self, action: ActionBuilder, old: Block, slot_before: str, new: Block) -> None:
         """Add the conditions and effects of an anchor that enters a block."""
+        for literal in self.conditions.entry_at_begin(new):
+            action.require_literal(literal)
         anchor = action.variable(new.anchor)
         kept = [action.variable(target) for target in remembered(self.domain, new, new.anchor)]
         action.add((self.vocabulary.state("in", new), anchor, *kept))
@@ -82,8 +84,6 @@ class OperatorMaker:
     # -- leaving the old block
 
     def _leave_anchor(self, action: ActionBuilder, old: Block, anchor: str, unified: dict[str, str]) -> None:
-        memory = [action.other(old, target, unified) for target in remembered(self.domain, old, old.anchor)]
-        action.consume((self.vocabulary.state("in", old), anchor, *memory))
         self._void(action, old, old.anchor, {old.anchor: anchor}, unified)
         for target in self.conditions.locked(old):
             action.count_readers(action.other(old, target.name, unified), -1)
@@ -91,14 +91,14 @@ class OperatorMaker:
     def _void(
         self, action: ActionBuilder, old: Block, slot: str, variables: dict[str, str], unified: dict[str, str]
     ) -> None:
-        """Delete the facts about the leaving token that the old block maintained."""
+        """Delete the facts that place a token in the old block or that the old block maintains for the token."""
+        # `variables` maps the slot and the anchor to their variables.
+        memory = [action.other(old, target, unified) for target in remembered(self.domain, old, slot)]
+        place = self.vocabulary.state("in", old, *(() if slot == old.anchor else (slot,)))
+        action.consume((place, *variables.values(), *memory))
         for literal in self.conditions.maintained_by(old, slot):
-            known = []
-            for argument in literal.arguments:
-                if argument in variables:
-                    known.append(variables[argument])
-                elif argument in old.roles:
-                    known.append(action.other(old, argument, unified))
-                else:
-                    known.append(self.vocabulary.symbol(argument))
+            known = [
+                variables.get(a) or (action.other(old, a, unified) if a in old.roles else self.vocabulary.symbol(a))
+                for a in literal.arguments
+            ]
             action.delete((self.vocabulary.predicate(literal.predicate.name), *known))

@@ -25,7 +25,7 @@ class Compilation:
         task: Task that is compiled, with a ground goal.
         encoded: Encoded domain of the task.
         words: Translation between the user's names and PDDL names.
-        counts: Largest number of instances that can read one token at the same time.
+        numbers: PDDL names of the numbers 1, 2, ... of instances that can read one token at the same time.
         goal: Facts that must hold at the end of a plan.
         feasible: Feasibility facts of the task, or of a larger task that contains the task.
     """
@@ -33,21 +33,19 @@ class Compilation:
     task: Task
     encoded: EncodedDomain
     words: TaskWords
-    counts: int
+    numbers: tuple[str, ...]
     goal: tuple[Fact, ...]
     feasible: StaticFacts
 
     @cached_property
     def problem(self) -> PlanningProblem:
         """The planning problem. Its number of feasibility facts grows fast with the number of tokens."""
-        writer = _Writer(self.encoded, self.words, self.counts)
+        writer = _Writer(self.encoded, self.words, self.numbers)
+        count = self.encoded.vocabulary.type_of(COUNT)
         return PlanningProblem(
             name=legal(self.task.name),
             domain=self.encoded.planning,
-            objects=(
-                *self.words.objects,
-                *((f"n{i}", self.encoded.vocabulary.type_of(COUNT)) for i in range(1, self.counts + 1)),
-            ),
+            objects=(*self.words.objects, *((number, count) for number in self.numbers)),
             init=tuple(sorted({*writer.changing(), *writer.lasting(self.feasible)})),
             goal=self.goal,
             comments=self.words.tokens.changed,
@@ -56,7 +54,7 @@ class Compilation:
     @cached_property
     def changing(self) -> frozenset[Fact]:
         """The initial facts, except the feasibility and inequality facts, which `always` decides."""
-        return frozenset(_Writer(self.encoded, self.words, self.counts).changing())
+        return frozenset(_Writer(self.encoded, self.words, self.numbers).changing())
 
     def always(self, fact: Fact) -> bool:
         """Return whether a feasibility or inequality fact holds. No action changes these facts."""
@@ -112,36 +110,33 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
     task = settle_goal(task)
     encoded = whole.encoded if whole else encode_task(task) if chains else encode_domain(task.domain)
     own = {name for name, _ in encoded.planning.predicates}
-    counts = _counts(task)
-    taken = encoded.vocabulary.names.all | own | {f"n{i}" for i in range(1, counts + 1)}
-    words = TaskWords.of(task, encoded.vocabulary, taken)
-    goal = tuple(sorted(set(_Writer(encoded, words, counts).goal())))
-    return Compilation(task, encoded, words, counts, goal, whole.feasible if whole else StaticFacts(task))
+    numbers = _numbers(task)
+    words = TaskWords.of(task, encoded.vocabulary, taken=encoded.vocabulary.names.all | own | set(numbers))
+    goal = tuple(sorted(set(_Writer(encoded, words, numbers).goal())))
+    return Compilation(task, encoded, words, numbers, goal, whole.feasible if whole else StaticFacts(task))
 
 
-def _counts(task: Task) -> int:
-    """Return the number of tokens that can anchor an instance with locked targets.
-
-    No more instances can read one token at the same time, because each instance has its own anchor.
-    """
+def _numbers(task: Task) -> tuple[str, ...]:
+    """Return the names of the numbers from 1 to the largest number of instances that can read one token at a time."""
+    # Each instance with locked targets has an anchor of its own.
     anchors = {
         token
         for block in task.domain.blocks
         if locked_targets(task.domain, block)
         for token in task.values_of(block.slot(block.anchor).object_class)
     }
-    return len(anchors)
+    return tuple(f"n{number}" for number in range(1, len(anchors) + 1))
 
 
 class _Writer:
     """Writes the initial facts and the goal of one task with the PDDL names of its encoded domain."""
 
-    def __init__(self, encoded: EncodedDomain, words: TaskWords, counts: int) -> None:
+    def __init__(self, encoded: EncodedDomain, words: TaskWords, numbers: tuple[str, ...]) -> None:
         self.task = words.task
         self.vocabulary = encoded.vocabulary
         self.used = {name for name, _ in encoded.planning.predicates}
         self.words = words
-        self.counts = counts
+        self.numbers = numbers
 
     def fact(self, atom: Atom) -> Fact:
         return (self.vocabulary.predicate(atom.predicate), *map(self.words.name, atom.arguments))
@@ -184,8 +179,7 @@ class _Writer:
             yield (self.vocabulary.state("in", block), name)
             yield from ((word, name) for word in ("settled", "unclaimed", "completed"))
             yield ("readers", name, none)
-        steps = [none, *(f"n{i}" for i in range(1, self.counts + 1))]
-        yield from (("next", one, more) for one, more in pairwise(steps))
+        yield from (("next", one, more) for one, more in pairwise([none, *self.numbers]))
 
     def goal(self) -> Iterator[Fact]:
         """Yield the user's goal, and facts that hold once all reassignments and blocks without a hold are finished."""

@@ -1,5 +1,1 @@
-"""Interface to planning engines.
-
-The input is a planning problem. The output is a validated sequence of actions. Only this package imports
-unified_planning.
-"""
+"""Interface to planning engines, which return validated plans. Only this package imports unified_planning."""

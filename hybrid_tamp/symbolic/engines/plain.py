@@ -23,13 +23,7 @@ Substitution = Mapping[str, str]
 
 @dataclass(frozen=True)
 class _Case:
-    """One case of an operator.
-
-    Attributes:
-        operator: Operator for this case only.
-        origin: Name of the original operator.
-        arguments: Arguments of the original operator, which are parameters of `operator` or constants.
-    """
+    """An operator for one case of the operator `origin`. `arguments` are the arguments of the original operator."""
 
     operator: Operator
     origin: str
@@ -95,11 +89,7 @@ class _Fixed:
 
 
 class PlainProblem:
-    """A planning problem in plain form.
-
-    Attributes:
-        problem: Problem with plain operators.
-    """
+    """The plain form of a planning problem, in the attribute `problem`."""
 
     def __init__(self, source: PlanningProblem) -> None:
         domain = source.domain

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 
-
 Status = Literal["solved", "unsolvable", "not_found", "crashed", "refused"]
 
 
@@ -100,12 +99,7 @@ class PlannerProcess:
 
 
 def _read_answer(reply: dict[str, Any], engine: str, seconds: float) -> PlannerAnswer:
-    """Convert the reply of a worker to an answer.
-
-    Raises:
-        InputError: If the engine is unknown or does not support the problem.
-        LimitReached: If the engine itself ran out of time or memory.
-    """
+    """Convert the reply of a worker to an answer, or raise the exception that the reply stands for."""
     status, message = reply["status"], reply.get("message", "")
     if status == "unknown":
         raise unknown_engine(engine, tuple(reply["available"]))

@@ -10,6 +10,7 @@ import os
 import sys
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -46,12 +47,7 @@ class ProcessTree:
     """A child process and its descendants."""
 
     def __init__(self, root: int, mark: str) -> None:
-        """Start to observe a process tree.
-
-        Args:
-            root: Process ID of the root.
-            mark: Value of `MARK` in the environment of the tree's processes.
-        """
+        """Start to observe the tree of the process with ID `root`. Its processes have the value `mark` in `MARK`."""
         self._root = psutil.Process(root)
         self._mark = mark
         self._seen = {self._root}
@@ -62,10 +58,8 @@ class ProcessTree:
         return sum(map(_resident, self._seen)) / _MIB
 
     def exact_memory(self) -> float:
-        """Return the memory of the tree's processes at the last update [MiB]. A shared page is counted once.
-
-        This method is slower than `memory`. If the system does not account for shared pages, both results are equal.
-        """
+        """Return the memory of the tree's processes at the last update [MiB]. A shared page is counted once."""
+        # This method is slow. If the system does not account for shared pages, the result equals that of `memory`.
         return sum(map(_proportional, self._seen)) / _MIB
 
     def kill(self, *, search: bool) -> None:
@@ -93,12 +87,10 @@ class ProcessTree:
 
     def _marked(self) -> Iterator[psutil.Process]:
         for process in psutil.process_iter():
-            try:
+            # A process that has ended or belongs to another user is not part of this tree.
+            with suppress(psutil.Error, OSError):
                 if process.environ().get(MARK) == self._mark:
                     yield process
-            except (psutil.Error, OSError):
-                # The process has ended or belongs to another user, so it is not part of this tree.
-                continue
 
 
 def adopt_orphans() -> None:
@@ -108,10 +100,8 @@ def adopt_orphans() -> None:
 
 
 def kill_descendants() -> None:
-    """Kill all descendants of this process and leave no zombie.
-
-    Return when no descendant is left, or after 5 s. The parent of this process kills the remaining descendants.
-    """
+    """Kill all descendants of this process and leave no zombie. Return after at most 5 s."""
+    # If a descendant is left, the parent of this process kills it.
     deadline = time.monotonic() + _PATIENCE
     while time.monotonic() < deadline:
         descendants = _descendants(psutil.Process())
@@ -124,12 +114,9 @@ def kill_descendants() -> None:
 
 def _reap() -> None:
     """Reap every child that has ended."""
-    try:
+    with suppress(ChildProcessError):  # No child is left.
         while os.waitpid(-1, os.WNOHANG) != (0, 0):
             pass
-    except ChildProcessError:
-        # No child is left.
-        return
 
 
 def _descendants(process: psutil.Process) -> list[psutil.Process]:
@@ -153,11 +140,9 @@ def _status(process: psutil.Process) -> str:
 
 def _kill(processes: Iterable[psutil.Process]) -> None:
     for process in processes:
-        try:
+        # The process may have ended, or this user may not kill it. In the second case, `ProcessTree.kill` times out.
+        with suppress(psutil.Error):
             process.kill()
-        except psutil.Error:
-            # The process has ended, or this user may not kill it. In the second case, `kill` times out.
-            continue
 
 
 def _resident(process: psutil.Process) -> int:

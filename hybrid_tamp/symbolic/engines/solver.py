@@ -38,13 +38,11 @@ _REMOVERS = {
 
 
 class Solver:
-    """Solves planning problems with the engines of unified_planning.
-
-    By default, unified_planning imports every installed engine. The solver imports only the engine of the request. This
-    is faster, and a broken engine does not affect the others.
-    """
+    """Solves planning problems with the engines of unified_planning."""
 
     def __init__(self) -> None:
+        # By default, unified_planning imports every installed engine. The solver imports only the engine of the
+        # request. This is faster, and a broken engine does not affect the others.
         with _configspace_put_off():
             from unified_planning.engines import factory
 
@@ -83,11 +81,7 @@ class Solver:
         return {"status": "refused" if fault else "solved", "actions": actions, "message": fault}
 
     def _load(self, name: str) -> None:
-        """Import an engine and register it with unified_planning.
-
-        Raises:
-            LookupError: If the engine does not exist or is not a planner.
-        """
+        """Import an engine and register it with unified_planning. Raise LookupError if there is no such planner."""
         if name in self._installable:
             with _configspace_put_off():
                 self._factory.add_engine(name, *self._installable[name])
@@ -171,11 +165,9 @@ class _ConfigurationSpace:
 
 @contextmanager
 def _configspace_put_off() -> Iterator[None]:
-    """Postpone the import of ConfigSpace and most of SciPy, which takes longer than all other imports.
-
-    unified_planning and its engines import one name from ConfigSpace, for an annotation and for a method that is not
-    called here. Any other name is taken from the real module.
-    """
+    """Postpone the import of ConfigSpace and most of SciPy, which takes longer than all other imports."""
+    # unified_planning and its engines import one name from ConfigSpace, for an annotation and for a method that is not
+    # called here. Any other name is taken from the real module.
     stand_in = ModuleType("ConfigSpace")
 
     def from_real_module(name: str) -> Any:

@@ -38,14 +38,10 @@ class UnifiedProblem:
 
         if plan.kind is not PlanKind.SEQUENTIAL_PLAN:
             plan = plan.convert_to(PlanKind.SEQUENTIAL_PLAN, self.problem)
-        operators, objects = self._own_names
-        return tuple(
-            PlannedAction(
-                operators[step.action.name],
-                tuple(objects[value.object().name] for value in step.actual_parameters),
-            )
-            for step in plan.actions
-        )
+        operators = {action.name: own for own, action in self.actions.items()}
+        objects = {thing.name: own for own, thing in self.objects.items()}
+        steps = ((operators[each.action.name], each.actual_parameters) for each in plan.actions)
+        return tuple(PlannedAction(name, tuple(objects[v.object().name] for v in values)) for name, values in steps)
 
     def fault(self, actions: Sequence[PlannedAction]) -> str:
         """Return why the validator of unified_planning rejects a plan, or an empty string for a valid plan."""
@@ -62,14 +58,6 @@ class UnifiedProblem:
         if result.status is ValidationResultStatus.VALID:
             return ""
         return "; ".join(entry.message for entry in result.log_messages or ()) or result.status.name
-
-    @cached_property
-    def _own_names(self) -> tuple[dict[str, str], dict[str, str]]:
-        """Two dictionaries, which map the names of actions and of objects in unified_planning to our names."""
-        return (
-            {action.name: own for own, action in self.actions.items()},
-            {thing.name: own for own, thing in self.objects.items()},
-        )
 
     def _misfit(self, action: PlannedAction) -> str:
         """Return why an action is not an instance of an operator, or an empty string if it is."""
@@ -112,11 +100,9 @@ def unify(source: PlanningProblem, *, sparse: bool = False) -> UnifiedProblem:
 
 
 class _Names:
-    """Gives each item a unique name that is not a PDDL keyword.
+    """Gives each item a unique name that is not a PDDL keyword. If possible, the item keeps its own name."""
 
-    unified_planning and its PDDL writer rename items with colliding names. Unique names stay unchanged, so that our
-    names can be restored. If possible, an item keeps its name.
-    """
+    # unified_planning and its PDDL writer rename only items with colliding names, so our names can be restored.
 
     def __init__(self, keywords: Iterable[str]) -> None:
         self._taken = set(keywords)

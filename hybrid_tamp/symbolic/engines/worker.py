@@ -98,14 +98,12 @@ def _follow_parent(parent: BinaryIO, asked: threading.Event, directory: Path) ->
 
 
 def _end(directory: Path) -> NoReturn:
-    """End this process and its descendants immediately, and remove the directory.
-
-    The interpreter does not shut down normally, because this would wait for the threads of engines.
-    """
+    """End this process and its descendants immediately, and remove the directory."""
     kill_descendants()
     # Other threads may still write to the directory, but none of them creates it again.
     for _ in range(_TRIES):
         shutil.rmtree(directory, ignore_errors=True)
+    # A normal exit of the interpreter would wait for the threads of engines.
     os._exit(0)
 
 

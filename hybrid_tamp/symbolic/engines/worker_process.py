@@ -94,11 +94,7 @@ class WorkerProcess:
             shutil.rmtree(self._directory)
 
     def _start(self, mark: str) -> subprocess.Popen[bytes]:
-        """Start the process.
-
-        The working directory is the process's own directory, because engines write files there. The process has its own
-        session, because only the parent must handle an interrupt from the terminal.
-        """
+        """Start the process in its own directory, because engines write files to the working directory."""
         temporary = self._directory / "tmp"
         temporary.mkdir()
         signs, descriptor = os.pipe()
@@ -113,7 +109,7 @@ class WorkerProcess:
                 cwd=self._directory,
                 env=make_environment(mark, temporary),
                 pass_fds=(descriptor,),
-                start_new_session=True,
+                start_new_session=True,  # Only the parent must handle an interrupt from the terminal.
             )
 
     @property

@@ -17,11 +17,7 @@ _UNLIMITED: Ranges = MappingProxyType({})
 
 
 class FactIndex:
-    """An index of ground facts by predicate and any of their arguments.
-
-    Attributes:
-        facts: All facts of the index.
-    """
+    """An index of ground facts by predicate and any of their arguments. The attribute `facts` has all facts."""
 
     def __init__(self, facts: Iterable[Fact]) -> None:
         self.facts: set[Fact] = set()

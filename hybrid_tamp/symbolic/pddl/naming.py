@@ -72,12 +72,7 @@ class Naming(Generic[Key]):
     """An injective mapping from named things to PDDL names."""
 
     def __init__(self, names: Mapping[Key, str], taken: Iterable[str] = ()) -> None:
-        """Give each thing a different PDDL name (see `name_apart`).
-
-        Args:
-            names: Maps each thing to the user's name of the thing.
-            taken: PDDL names that are not available.
-        """
+        """Give each thing in `names` a different PDDL name, similar to the user's name and not in `taken`."""
         self._names = names
         self._pddl = name_apart(names, taken)
 

@@ -24,12 +24,7 @@ _CHOICES = 8
 
 @dataclass(frozen=True)
 class Demand:
-    """The helpers that a group needs.
-
-    Attributes:
-        group: Group of goals.
-        kinds: Signatures of the helpers, in the order of their roles in the group's plan.
-    """
+    """A group and the signatures of the helpers that its plan needs, in the order of their roles in the plan."""
 
     group: Group
     kinds: tuple[Signature, ...]
@@ -37,17 +32,12 @@ class Demand:
 
 @dataclass(frozen=True)
 class Share:
-    """A group with its assigned helpers.
-
-    Attributes:
-        group: Group of goals.
-        helpers: Names of the helpers, in the order of their roles in the group's plan.
-        returning: Whether a later wave needs one of the helpers again.
-    """
+    """A group with the names of its assigned helpers, in the order of their roles in the group's plan."""
 
     group: Group
     helpers: tuple[str, ...]
     returning: bool = False
+    """Whether a later wave needs one of the helpers again."""
 
 
 class Allocation:
@@ -80,10 +70,7 @@ class Allocation:
         return Demand(group, tuple(map(self._views[group].signature, helpers)))
 
     def shares(self, demands: Sequence[Demand]) -> list[list[Share]] | None:
-        """Assign helpers to the demands in waves, so that each token helps at most one group per wave.
-
-        Return None if a demand cannot be met.
-        """
+        """Return waves in which each token helps at most one group, or None if a demand cannot be met."""
         waves: list[list[Share]] = []
         left = list(demands)
         while left:
@@ -120,10 +107,7 @@ class Allocation:
         return [Share(demand.group, tuple(names[next(chosen)] for _ in demand.kinds)) for demand, _ in met]
 
     def _costs(self, demand: Demand, names: Sequence[str], near: bool) -> FloatArray:
-        """Return the distances of the helpers to the group [m], shape ``(kinds, names)``.
-
-        The distance of a helper that is not considered, or is of another kind, is infinite.
-        """
+        """Return distances to the group [m], shape ``(kinds, names)``. Unsuitable helpers have an infinite distance."""
         view, costs = self._views[demand.group], np.full((len(demand.kinds), len(names)), np.inf)
         candidates = self.considered(demand.group, len(demand.kinds)) if near else view.closest
         for name in candidates:

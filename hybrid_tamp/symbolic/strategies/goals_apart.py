@@ -69,12 +69,7 @@ def plan_goals_apart(search: Search, seconds: float, *, first_will_do: bool) -> 
 
 
 class _Groups:
-    """The groups of a task's goals, with the known plans.
-
-    Attributes:
-        allocation: Allocation of helpers to groups.
-        hopeless: Whether some group has no plan even with all useful helpers.
-    """
+    """The groups of a task's goals, with their known plans and the allocation of helpers."""
 
     def __init__(self, search: Search, seconds: float) -> None:
         self._search = search
@@ -85,7 +80,7 @@ class _Groups:
         self._places = tuple(token.name for token in search.task.tokens if token.place)
         self._known: dict[Key, Actions | None] = {}
         self.allocation = Allocation(search.task, self._groups, self._holding, search.compilation.feasible)
-        self.hopeless = False
+        self.hopeless = False  # Whether some group has no plan even with all useful helpers.
 
     @property
     def smaller_than_the_task(self) -> bool:
@@ -118,29 +113,19 @@ class _Groups:
         return demands
 
     def merge_plans(self, waves: Sequence[Sequence[Share]]) -> list[PlannedAction] | None:
-        """Concatenate the plans of all shares. Return None if the result is not a plan of the whole task.
-
-        If the objective is the makespan, helpers of the same kind are ordered for the shortest plan.
-        """
+        """Concatenate the best plan of each share. Return None if the result is not a plan of the whole task."""
         merged: list[PlannedAction] = []
         for share in (share for wave in waves for share in wave):
-            orders = self._orders(share)
-            plans: list[tuple[float, Actions]] = []
-            for order in orders:
-                found = self.plan_group(order)
-                if found is not None:
-                    plans.append((self._makespan(found) if len(orders) > 1 else 0.0, found))
+            plans = [plan for order in self._orders(share) if (plan := self.plan_group(order)) is not None]
             if not plans:
                 return None
-            merged += min(plans, key=lambda plan: plan[0])[1]
+            best: Actions = min(plans, key=self._makespan) if len(plans) > 1 else plans[0]
+            merged += best
         with self._search.stage("scheduling"):
             return merged if self._search.compilation.reaches_goal(merged) else None
 
     def _orders(self, share: Share) -> list[Share]:
-        """Return the orders of a share's helpers to try.
-
-        If the objective is the makespan, helpers of one kind are permuted. Otherwise only the given order is tried.
-        """
+        """Return the orders of a share's helpers to try. For the makespan, helpers of one kind are permuted."""
         if self._task.objective != "makespan":
             return [share]
         kinds = self.allocation.demand(share.group, share.helpers).kinds
@@ -158,11 +143,9 @@ class _Groups:
             return float("inf")
 
     def plan_group(self, share: Share) -> Actions | None:
-        """Return the actions of a group with the PDDL names of the whole task, or None if no plan is found.
-
-        The group is planned with the places in its goal. If this gives no plan, the group is planned with all places.
-        """
+        """Return the actions of a group with the PDDL names of the whole task, or None if no plan is found."""
         search, own = self._search, share.group.places
+        # The group is planned with the places in its goal. If this gives no plan, it is planned with all places.
         for places in (own, self._places) if len(own) < len(self._places) else (own,):
             posed = self._pose(share, places)
             if posed.key not in self._known:
@@ -191,13 +174,7 @@ class _Groups:
 
 @dataclass(frozen=True)
 class _Posed:
-    """The planning problem of a group, with labels for its objects. Equal groups have equal labels.
-
-    Attributes:
-        problem: Planning problem of the group.
-        labels: Maps PDDL names in the problem to labels.
-        names: Maps labels to PDDL names in the whole task.
-    """
+    """The planning problem of a group, with a label for each object. `names` has the PDDL names of the whole task."""
 
     problem: PlanningProblem
     labels: Mapping[str, str]

@@ -53,12 +53,7 @@ class Group:
 
 
 def goal_groups(task: Task, holding: Collection[Atom]) -> list[Group]:
-    """Return the groups of goal atoms. Groups whose atoms all hold in the initial state are left out.
-
-    Args:
-        task: Task whose goal is divided into groups.
-        holding: Atoms that hold in the initial state.
-    """
+    """Return the groups of goal atoms, except groups whose atoms all hold in the initial state (`holding`)."""
     sets: list[tuple[set[str], list[Atom]]] = []
     for atom in task.goal:
         names = {name for name in atom.arguments if name in task.token_by_name and not task.token_by_name[name].place}
@@ -111,14 +106,7 @@ class Helpers:
     """The distances and signatures of all helpers relative to one group."""
 
     def __init__(self, task: Task, group: Group, holding: Collection[Atom], feasible: StaticFacts) -> None:
-        """Store the task and the group.
-
-        Args:
-            task: Whole task.
-            group: Group of goals of the task.
-            holding: Atoms that hold in the initial state.
-            feasible: Feasibility facts of the task.
-        """
+        """Store the whole task, one of its groups, its initial atoms (`holding`) and its feasibility facts."""
         self._task = task
         self._group = group
         self._holding = holding
@@ -131,10 +119,7 @@ class Helpers:
         return sorted((token.name for token in helpers(self._task)), key=lambda name: (self.distance(name), name))
 
     def distance(self, name: str) -> float:
-        """Return the distance between a helper and the closest token of the group [m].
-
-        If the helper or all tokens of the group have no position, the distance is 0.
-        """
+        """Return the distance from a helper to the closest token of the group [m], or 0 if a position is missing."""
         here = self._position(name)
         there = [place for place in map(self._position, self._group.tokens) if place is not None]
         if here is None or not there:

@@ -26,12 +26,7 @@ Use = tuple[int, int]
 
 @dataclass
 class Episode:
-    """The uses of a token between two rests.
-
-    Attributes:
-        token: PDDL name of the token.
-        uses: Arguments of actions that name the token.
-    """
+    """The uses of a token, which is given by its PDDL name, between two rests."""
 
     token: str
     uses: list[Use]
@@ -107,14 +102,12 @@ def _rebind(
 ) -> Iterator[list[PlannedAction]]:
     """Yield an action sequence for each other token of the group, with the episode rebound to this token."""
     groups = [list(map(compilation.words.name, group)) for group in interchangeable(compilation.task)]
-    for group in groups:
-        for other in group if episode.token in group else ():
-            if other != episode.token:
-                changed = list(actions)
-                for row, place in episode.uses:
-                    arguments = changed[row].arguments
-                    changed[row] = replace(changed[row], arguments=(*arguments[:place], other, *arguments[place + 1 :]))
-                yield changed
+    for other in (name for group in groups if episode.token in group for name in group if name != episode.token):
+        changed = list(actions)
+        for row, place in episode.uses:
+            arguments = changed[row].arguments
+            changed[row] = replace(changed[row], arguments=(*arguments[:place], other, *arguments[place + 1 :]))
+        yield changed
 
 
 def _schedule(compilation: Compilation, actions: Sequence[PlannedAction], estimates: Estimates) -> TaskPlan | None:

@@ -33,12 +33,7 @@ class Planner(Protocol):
 
 @dataclass(frozen=True)
 class Candidate:
-    """A candidate plan.
-
-    Attributes:
-        way: Description of the strategy that found the plan.
-        plan: Scheduled plan.
-    """
+    """A scheduled plan, with a description of the strategy that found the plan (`way`)."""
 
     way: str
     plan: TaskPlan

@@ -31,13 +31,7 @@ class ActionMaker:
     """Builder of one durative action."""
 
     def __init__(self, words: Words, block: Block, along: frozenset[str]) -> None:
-        """Start the action that runs a block.
-
-        Args:
-            words: PDDL names of the encoder.
-            block: Block that the action runs.
-            along: Slots whose tokens come from the same instance as the anchor.
-        """
+        """Start the action that runs a block. Tokens of the slots `along` come from the anchor's last instance."""
         self.words, self.vocabulary = words, words.vocabulary
         self.block, self.along = block, along
         self.parameters: dict[str, str] = {}

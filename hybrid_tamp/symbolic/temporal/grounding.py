@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.network import SlotName
-from hybrid_tamp.model.predicate import Atom, Literal, name_of
+from hybrid_tamp.model.predicate import Atom, name_of
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import OrderedInstance
 from hybrid_tamp.symbolic.estimates import Estimate, Estimates, Poses
@@ -125,16 +125,12 @@ class _Reaching:
             for literal in block.entry
             if literal.positive
         ]
-        denied = [literal for literal in block.static_entry if not literal.positive]
+        denied = [~literal for literal in block.static_entry if not literal.positive]
         index = FactIndex((atom.predicate, *atom.arguments) for atom in self.atoms)
         for binding in join(conditions, {}, index, ranges):
             roles = {role: binding[f"?{role}"] for role in block.roles}
-            if not any(self._holds(literal, roles) for literal in denied) and self._distinct(roles):
+            if not any(literal.ground(roles) in self.atoms for literal in denied) and self._distinct(roles):
                 yield roles
-
-    def _holds(self, literal: Literal, roles: dict[str, str]) -> bool:
-        atom = literal.ground(self.task.bind(roles))
-        return Atom(atom.predicate, atom.arguments) in self.atoms
 
     def _distinct(self, roles: Mapping[str, str]) -> bool:
         tokens = [name for name in roles.values() if name in self.task.token_by_name]

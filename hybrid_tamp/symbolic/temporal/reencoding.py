@@ -122,11 +122,9 @@ class _Following:
     # -- order --------------------------------------------------------------------------------------------------
 
     def _ordered(self) -> Iterator[tuple[BlockInstance, str]]:
-        """Yield pairs of (instance, action name) in the order of the instants.
-
-        At one instant, readers of a token leave before a block changes the token. Instances that take tokens from the
-        same instance are consecutive, and the new instance of the anchor is first.
-        """
+        """Yield pairs of (instance, action name) in the order of the instants."""
+        # At one instant, readers of a token leave before a block changes the token. Instances that take tokens from the
+        # same instance are consecutive, and the new instance of the anchor is first.
         everything = list(_actions_of(self.compilation, self.plan))
         for time in self.plan.instants:
             names = {id(instance): name for instance, name in everything if at(instance.start, time)}
