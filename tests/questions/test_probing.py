@@ -299,7 +299,7 @@ def test_unknown_classes_are_checked_as_classes_are() -> None:
     assert dict(token.properties) == {"mass": 12.0, "friction": 0.6}
     for wrong, said in (
         ("[ROLABLE]", "did you mean 'ROLLABLE'"),
-        ("[STATIC END-EFFECTOR, ROLLABLE]", "no token is a member of both"),
+        ("[STATIC END-EFFECTOR, ROLLABLE]", "no token can be a member of both"),
         ("[TOKEN]", "names each of its classes once"),
     ):
         with pytest.raises(InputError, match=said):
