@@ -1,7 +1,7 @@
 """Object classes: affordance classes, capability classes and places (paper, Sec. II-A).
 
-A class is a pydantic model of *fixed* properties. A class also declares which *varying* properties its members have.
-The values of varying properties are stored in arrays (see `model.state`).
+A class is a pydantic model of *fixed* properties. A class also declares the *varying* properties of its members. The
+values of varying properties are stored in arrays (see `model.state`).
 """
 
 import math
@@ -23,7 +23,7 @@ def _has_length(vector: Vector3) -> Vector3:
     if length < 1e-9:
         raise ValueError("a direction must not be a vector of length zero")
     if abs(length - 1.0) < 1e-15:
-        return vector  # A second division could change the last bit when a saved vector is loaded.
+        return vector  # Another division could change the last bit of a saved vector.
     x, y, z = (component / length for component in vector)
     return (x, y, z)
 
@@ -51,7 +51,7 @@ class VaryingProperty:
         name: name of the property in the state of a token.
         size: number of components.
         unit: SI unit.
-        default: initial value if the task gives none, with one number per component.
+        default: initial value if the task gives no value. One number per component.
         description: description in one line.
     """
 
@@ -71,13 +71,13 @@ BODY_STATE = (POSITION, ORIENTATION, VELOCITY, ANGULAR_VELOCITY)
 
 @dataclass(frozen=True)
 class BasicAction:
-    """An action of a capability token that the robot commands directly (paper, Sec. II-A).
+    """An action that the robot commands directly (paper, Sec. II-A). Only capability tokens have basic actions.
 
     Attributes:
         name: name of the action, e.g. ``"force"``.
         size: number of components of the command.
         unit: SI unit of the command.
-        limit: name of the token's property that bounds the norm of the command, or None.
+        limit: name of the fixed property whose value limits the norm of the command, or None.
         description: description in one line.
     """
 
@@ -89,7 +89,7 @@ class BasicAction:
 
 
 class ObjectClass(BaseModel):
-    """A named set of fixed properties. Each slot admits the members of one class (paper, Sec. II-A).
+    """A named set of fixed properties. A slot admits only members of its class (paper, Sec. II-A).
 
     To define a class, subclass `AffordanceClass`, `CapabilityClass` or `PlaceClass`. Use `quantity` for properties.
 
@@ -107,12 +107,12 @@ class ObjectClass(BaseModel):
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
-        """Return the shape that the properties imply, or None. Tokens without a shape in the task get this shape."""
+        """Return the shape implied by the properties, or None. A token gets this shape if its task gives no shape."""
         return None
 
     @classmethod
     def features(cls, shape: Shape) -> float:
-        """Return a score from 0 to 1 for how typical a shape is of the class. The score only ranks classes."""
+        """Return how typical a shape is of the class, from 0 to 1. Only rankings of classes use this score."""
         return 0.5
 
     @staticmethod
@@ -138,7 +138,7 @@ class ObjectClass(BaseModel):
 
 
 class AffordanceClass(ObjectClass):
-    """A class with the properties that matter for one action that an object affords."""
+    """A class of objects that afford one action. The class has the properties that matter for this action."""
 
 
 class CapabilityClass(ObjectClass):
@@ -146,7 +146,7 @@ class CapabilityClass(ObjectClass):
 
 
 class PlaceClass(ObjectClass):
-    """A class of static places. A place can be a target, but is never in a slot."""
+    """A class of static places. A place can be a target, but never fills a slot."""
 
 
 class TOKEN(ObjectClass):
@@ -161,13 +161,13 @@ def is_place(object_class: type[ObjectClass]) -> bool:
 
 
 class ClassRelations:
-    """Rules for which pairs of classes can have a token in common.
+    """Rules that determine whether two classes can have a common member.
 
-    A class of places and a class of other tokens are disjoint. A domain can declare more classes as disjoint.
+    A class of places and a class of other tokens are disjoint. A domain can declare further classes as disjoint.
     """
 
     def __init__(self, disjoint: Iterable[tuple[type[ObjectClass], ...]] = ()) -> None:
-        """Store groups of classes. The classes of a group are pairwise disjoint."""
+        """Create the rules from groups of pairwise disjoint classes."""
         self._groups = tuple(tuple(group) for group in disjoint)
 
     def can_share_token(self, one: type[ObjectClass], other: type[ObjectClass]) -> bool:

@@ -1,4 +1,4 @@
-"""Affordances of the objects of a task, and the effect of adding or removing one token."""
+"""Affordances of the objects of a task, and how the affordances change if one token is added or removed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -37,10 +37,10 @@ class Affordance:
 
 @dataclass(frozen=True)
 class Implication:
-    """An affordance for an observer that follows from an affordance for an agent with the same capability classes.
+    """An affordance for an observer, inferred from an agent with the same capability classes.
 
     Attributes:
-        affordance: affordance for the observed agent.
+        affordance: affordance for the observed agent, from which the observer's affordance is inferred.
         observer: name of the observer.
         witness: feasible binding with the observer's tokens. Empty if a feasibility fact fails for these tokens.
     """
@@ -77,13 +77,13 @@ class WhatIf:
 
 @dataclass(frozen=True)
 class AffordanceResult(Tabular):
-    """The affordances of a task in one perspective, and the answers to what-if questions.
+    """The affordances of a task from one perspective, and the answers to what-if questions.
 
     Attributes:
         task: task whose affordances are listed.
         view: perspective from which the affordances are listed.
         affordances: affordances of the objects of the task.
-        implied: affordances that observed agents imply for observers. Only in the observer's perspective.
+        implied: affordances for observers, inferred from observed agents. Empty in all other perspectives.
         what_if: answers to the what-if questions, in the order of the questions.
     """
 

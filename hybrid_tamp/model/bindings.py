@@ -1,4 +1,4 @@
-"""Enumeration of the bindings of a block's roles or of a predicate's parameters to tokens and symbols."""
+"""Enumeration of bindings, which map a block's roles or a predicate's parameters to tokens and symbols."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,12 +9,12 @@ from hybrid_tamp.model.token import Token
 Choices = Mapping[str, Sequence[Value]]
 """Maps each role to its possible values."""
 Holds = Callable[[Literal, Mapping[str, Value]], bool]
-"""Function that returns whether a condition holds, given a mapping of its roles to values."""
+"""Function that returns whether a condition holds. The second argument maps each role to its value."""
 
 
 @dataclass(frozen=True)
 class _Step:
-    """A step of the enumeration, which binds some roles together.
+    """A step of the enumeration. The step binds one or more roles at the same time.
 
     Attributes:
         roles: roles that the step binds.
@@ -32,14 +32,14 @@ def enumerate_bindings(
 ) -> Iterator[dict[str, Value]]:
     """Yield every binding of roles to values that satisfies the conditions.
 
-    A binding never has the same token in two roles, but can have the same symbol in several roles. The order of the
-    bindings is that of nested loops over the roles. Each condition is evaluated as soon as its roles are bound. If the
-    roles of a relation over symbols are adjacent, only the rows of the relation are enumerated.
+    A binding never has the same token in two roles, but can have the same symbol in several roles. The bindings are in
+    the order of nested loops over the roles. Each condition is evaluated as soon as its roles are bound. If adjacent
+    roles are the arguments of a relation over symbols, only the rows of the relation are enumerated.
 
     Args:
         choices: maps each role to its possible values.
         conditions: literals that must hold. An argument that is not a role is a symbol.
-        holds: function that returns whether a condition holds for a binding. None if all conditions hold.
+        holds: function that returns whether a condition holds for a binding. None means that all conditions hold.
     """
     conditions = list(conditions)
     if holds is not None and not all(holds(each, {}) for each in conditions if not _roles(each, choices)):
@@ -68,7 +68,7 @@ def names_of(bound: Mapping[str, Value]) -> tuple[str, ...]:
 
 
 def order_roles(choices: Choices, conditions: Iterable[Literal]) -> Choices:
-    """Return the choices with the roles in the order of the conditions, so that conditions are evaluated early."""
+    """Return the choices, sorted by the first condition that mentions the role, for early tests of conditions."""
     roles = dict.fromkeys(argument for literal in conditions for argument in literal.arguments if argument in choices)
     return {role: choices[role] for role in (*roles, *(role for role in choices if role not in roles))}
 
@@ -95,6 +95,6 @@ def _roles(literal: Literal, choices: Choices) -> set[str]:
 
 
 def _gives_rows(literal: Literal, open_roles: Sequence[str]) -> bool:
-    """Return whether a literal is a positive relation over symbols whose arguments are the next unbound roles."""
+    """Return whether the next unbound roles are the arguments of the literal, a positive relation over symbols."""
     next_roles = tuple(open_roles[: len(literal.arguments)])
     return literal.positive and literal.predicate.rows is not None and literal.arguments == next_roles

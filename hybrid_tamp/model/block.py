@@ -1,7 +1,7 @@
 """Action blocks: slots, targets, conditions, continuous system, policy and hyperparameters (paper, Sec. II-B).
 
 A block declares its symbolic and its continuous model in one place. The exit conditions of a block *are* its effects.
-Negative exit conditions are deletes, and all deletes are applied before the adds.
+Positive exit conditions are adds and negative exit conditions are deletes. All deletes are applied before the adds.
 """
 
 from collections.abc import Callable, Mapping
@@ -33,12 +33,12 @@ class Slot:
 
 @dataclass(frozen=True)
 class Target:
-    """A token or symbol that a block reads but that is not in a slot of the block.
+    """A role of a token or symbol that the block reads, but that is in no slot of the block.
 
     Attributes:
         name: name of the target's role.
         sort: class of the token, or sort of the symbol.
-        reads: varying properties of the token that a running block reads.
+        reads: varying properties that a running block reads from the token.
     """
 
     name: str
@@ -52,8 +52,8 @@ class Duration:
 
     Attributes:
         minimum: lower bound of the duration [s], greater than zero.
-        maximum: upper bound of the time until the exit conditions hold [s]. Blocks without `hold` also end by then.
-        expected: function ``expected(binding, state, hyperparameters)`` that estimates the duration from the start [s].
+        maximum: upper bound of the time until the exit conditions hold [s], and of the whole duration without `hold`.
+        expected: function ``expected(binding, state, hyperparameters)`` that returns the expected duration [s].
     """
 
     minimum: float
@@ -68,7 +68,7 @@ class Movement:
     Attributes:
         slot: slot of the token whose movement is demonstrated.
         moves: varying property that the movement changes: ``position`` or ``orientation``.
-        dimensions: 3 if the primitive represents the position [m], or 1 if it represents the travelled fraction.
+        dimensions: 3 for a primitive of the position [m], or 1 for a primitive of the travelled fraction.
     """
 
     slot: str
@@ -86,9 +86,9 @@ class Measure:
     Attributes:
         name: name of the measure, e.g. ``"contact"``.
         unit: SI unit of the figure.
-        weight: weight of the term in the value of a plan, negative for a cost. A task can change the weight.
+        weight: weight of the term in the value of a plan. Negative for a cost. A task can change the weight.
         scale: divisor of the figure [unit].
-        end: function ``end(binding, before, after, hyperparameters)`` of the states at the start and at the end.
+        end: function ``end(binding, before, after, hyperparameters)`` of the states before and after the instance.
         peak: function ``peak(binding, state)`` whose maximum over the duration is the figure.
         rate: function ``rate(binding, state, commands)`` [unit/s] whose integral over the duration is the figure.
         description: description in one line.
@@ -105,7 +105,7 @@ class Measure:
 
 
 Outcome = Callable[[Binding, State], State]
-"""Pure function ``outcome(binding, state)`` that returns the expected state when the exit conditions hold."""
+"""Pure function ``outcome(binding, state)`` that returns the expected state at the end of an instance."""
 
 
 def _rest(binding: Binding, start: State) -> ContinuousSystem:
@@ -125,27 +125,27 @@ class Block:
     """A type of action, or one mode of a type of action.
 
     An action with several possible outcomes has one mode for each outcome. Each mode has its own conditions, targets
-    and hyperparameters, and is a block named ``"ACTION:mode"``. An edge that names only the action is for all modes.
+    and hyperparameters, and is a block named ``"ACTION:mode"``. Edges that name only the action join all modes.
 
     Attributes:
         name: name of the block, e.g. ``"ROLLING"`` or ``"REACHING:behind"``.
         slots: slots of the block, at least one. Each slot is filled with exactly one token.
         anchor: name of the slot whose token identifies an instance.
-        targets: tokens and symbols that the block reads but that are not in its slots.
+        targets: roles of tokens and symbols that the block reads, but that are in no slot of the block.
         entry: conditions over roles that must hold when tokens enter the slots.
         exit: conditions over roles that must hold when the tokens leave. The exit conditions are also the effects.
         writes: maps each slot to the varying properties that the continuous system changes.
-        keeps: predicates whose atoms the block does not change, although the predicates read a written property.
-        hyperparameters: parameters of the policy that are optimised.
+        keeps: predicates that read a written property, but whose atoms the block does not change.
+        hyperparameters: policy parameters whose values are optimised.
         duration: bounds and an estimate for the duration of an instance.
-        hold: whether an instance can continue after its exit conditions hold and maintain the conditions.
+        hold: whether an instance can continue after its exit conditions hold, and then maintains the conditions.
         policy: function ``policy(binding, start, parameters)`` that returns the feedback law of an instance, or None.
         system: function ``system(binding, start)`` that returns the continuous system of an instance.
-        performance: performance measures of an instance. Their weighted sum is maximised.
-        taught: function ``taught(primitive)`` that returns the block with another motor primitive (`motion.dmp.DMP`).
-            None if the block has no motor primitive.
+        performance: performance measures of an instance. The weighted sum of the measures is maximised.
+        taught: function ``taught(primitive)`` that returns a copy of the block with another motor primitive
+            (`motion.dmp.DMP`). None if the block has no motor primitive.
         movement: movement that the motor primitive represents, or None.
-        outcome: function that estimates the final state of the tokens, for schedules. None if no token moves.
+        outcome: function that returns the expected final state, which schedules need. None if no token moves.
         description: description in one line.
     """
 
@@ -209,7 +209,7 @@ class Block:
 
     @property
     def changing_entry(self) -> tuple[Literal, ...]:
-        """Entry conditions on predicates that are not static. Other blocks can change these conditions."""
+        """Entry conditions on predicates that are not static. Other blocks can make these conditions true or false."""
         return tuple(literal for literal in self.entry if not literal.predicate.static)
 
     @property

@@ -15,7 +15,7 @@ ChangeKind = Literal["token", "class", "edge", "fact", "property"]
 
 
 class _Described:
-    """Base class of changes, which are described by names and by a phrase."""
+    """Base class of changes. Names and a phrase describe each change."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -54,7 +54,7 @@ class CopyToken(_Described):
 
 @dataclass(frozen=True)
 class IdealToken(_Described):
-    """Addition of a token of a class without members. The token satisfies every feasibility fact."""
+    """Addition of a new token of a class that has no members. The new token satisfies every feasibility fact."""
 
     kind: ClassVar[ChangeKind] = "token"
     object_class: type[ObjectClass]
@@ -66,7 +66,7 @@ class IdealToken(_Described):
 
 @dataclass(frozen=True)
 class JoinClass(_Described):
-    """Addition of a token to a class."""
+    """Addition of an existing token to a class."""
 
     kind: ClassVar[ChangeKind] = "class"
     token: Token
@@ -92,7 +92,7 @@ class AddEdge(_Described):
 
 @dataclass(frozen=True)
 class GrantFact(_Described):
-    """Assumption that a condition on a static predicate holds, although the margin is negative.
+    """Assumption that a condition on a static predicate holds, although its margin is negative.
 
     Attributes:
         atom: condition that is assumed to hold. The condition can be negative.
@@ -109,7 +109,7 @@ class GrantFact(_Described):
 
 @dataclass(frozen=True)
 class SetProperty(_Described):
-    """Change of the value of a fixed property of a token.
+    """Change of a token's fixed property to a new value.
 
     Attributes:
         name: name of the token.

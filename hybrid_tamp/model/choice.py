@@ -1,4 +1,4 @@
-"""Goals with a choice, whose atoms contain `ANY` in place of a token or symbol.
+"""Goals with a choice. An atom with a choice contains `ANY` in place of a token or symbol.
 
 A goal with a choice is the disjunction of several ground goals.
 """
@@ -24,8 +24,8 @@ def ground_goals(
 ) -> list[Goal]:
     """Return the ground goals of a goal with a choice, the nearest goal first.
 
-    The nearest goal has the largest sum of margins in the initial state, each divided by the scale of its predicate.
-    The sum is over the chosen atoms. The order of the tokens breaks ties. Goals with contradictory atoms are omitted.
+    The nearest goal has the largest sum of the chosen atoms' margins in the initial state, each divided by its scale.
+    The order of the tokens breaks ties. Goals with contradictory atoms are omitted.
 
     Args:
         goal: goal with a choice.
@@ -34,17 +34,17 @@ def ground_goals(
         margin: function that returns the margin of a ground atom in the initial state.
 
     Raises:
-        InputError: if there are more than `MOST_ALTERNATIVES` combinations of atoms, or no ground goal.
+        InputError: if the goal has more than `MOST_ALTERNATIVES` combinations of atoms or no ground goal.
     """
     choices = [groundings(atom) if _open(atom) else (atom,) for atom in goal]
     count = prod(map(len, choices))
     if count > MOST_ALTERNATIVES:
         wanted = f"a goal must have at most {MOST_ALTERNATIVES} combinations of choices"
-        raise InputError([Issue("goal", wanted, str(count), remedy=f"name tokens instead of {ANY!r}")])
+        raise InputError([Issue("goal", wanted, str(count), remedy=f"replace {ANY!r} by names")])
     every = dict.fromkeys(tuple(dict.fromkeys(atoms)) for atoms in product(*choices))
     goals = [each for each in every if _compatible(predicates, each)]
     if not goals:
-        wanted = f"the goal must have tokens or symbols for {ANY!r} with which all its atoms can hold together"
+        wanted = f"all goal atoms must be able to hold together for some choice of values for {ANY!r}"
         raise InputError([Issue("goal", wanted, "none")])
     given = {atom for atom in goal if not _open(atom)}
 

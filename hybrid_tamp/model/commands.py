@@ -1,4 +1,4 @@
-"""Commands as flat arrays with one row for each control period, and the limits of commands."""
+"""Flat arrays of commands with one row for each control period, and the limits of commands."""
 
 import math
 from dataclasses import dataclass
@@ -25,14 +25,14 @@ class CommandLayout(Layout):
     """Layout of a row that stores the commands of all basic actions.
 
     Attributes:
-        limits: largest norm of the command of each entry, in the unit of the action. Infinite without a limit.
+        limits: largest norm of each entry's command, in the unit of the action. Infinite if the action has no limit.
     """
 
     limits: tuple[float, ...]
 
     @classmethod
     def of(cls, task: Task) -> "CommandLayout":
-        """Return the layout for the basic actions of all tokens of the task, in the order of the tokens."""
+        """Return the layout of the basic actions of a task, in the order of the tokens."""
         pairs = [(token, action) for token in task.tokens for action in token.basic_actions]
         return cls(
             tuple((token.name, action.name, action.size) for token, action in pairs),
@@ -54,10 +54,10 @@ class CommandLayout(Layout):
             columns = self.slices.get(key)
             if columns is None:
                 known = ", ".join(f"{action} on {token}" for token, action in self.slices)
-                raise CommandError(f"cannot command {key[1]} on {key[0]}; available: {known or 'none'}")
+                raise CommandError(f"cannot command {key[1]} on {key[0]}, only {known or 'nothing'}")
             if np.shape(command) != (columns.stop - columns.start,):
                 wanted = columns.stop - columns.start
-                raise CommandError(f"{key[1]} on {key[0]} must have shape ({wanted},), got {np.shape(command)}")
+                raise CommandError(f"command {key[1]} on {key[0]} must have shape ({wanted},), got {np.shape(command)}")
             row[columns] = command
         return row
 
@@ -85,7 +85,7 @@ class CommandLayout(Layout):
         row = self.row(commands)
         for key, norm, limit in self._norms(row):
             if not math.isfinite(norm):
-                raise CommandError(f"{key[1]} on {key[0]} must be finite, got {norm:g}")
+                raise CommandError(f"command {key[1]} on {key[0]} must be finite, got {norm:g}")
             if norm > limit * (1 + _ROUNDING):
                 raise CommandError(f"{key[1]} on {key[0]} must not exceed its limit of {limit:g}, got {norm:g}")
         return row

@@ -1,4 +1,4 @@
-"""Check of law 5 and of the goal. Effects of blocks decide for a plan, and measured margins decide for a recording."""
+"""Check of law 5 and of the goal in law 7, by declared effects for a plan and by measured margins for a recording."""
 
 from bisect import bisect_left, bisect_right
 from collections import deque
@@ -35,13 +35,13 @@ class Violation:
 
 
 def condition_faults(task: Task, plan: TaskPlan, measured: Measured | None) -> list[Violation]:
-    """Return the violations of law 5 and of the goal. Declared effects decide if `measured` is None."""
+    """Return the violations of law 5 and of the goal. If `measured` is None, the check uses the declared effects."""
     checker = _Symbols(task, plan) if measured is None else _Margins(task, plan, measured)
     return list(checker.violations())
 
 
 class _Instants:
-    """Index of instances by the instant at which they start or end."""
+    """Index for finding instances by the instant at which the instances start or end."""
 
     def __init__(self, instances: Sequence[BlockInstance], side: str) -> None:
         self._instances = instances
@@ -55,7 +55,7 @@ class _Instants:
 
 
 class _Checker:
-    """Base class of the checks of conditions, which are law 5 and the goal in law 7."""
+    """Base class of the checks of law 5 and of the goal in law 7."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         self.task = task
@@ -109,7 +109,7 @@ class _Checker:
 
 
 class _Symbols(_Checker):
-    """Check by the declared effects, which are applied at the end of each instance."""
+    """Check by the declared effects. The effects of an instance are applied when its exit conditions hold."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         super().__init__(task, plan)

@@ -26,7 +26,7 @@ class Parameters:
 
     Attributes:
         hyperparameters: maps each hyperparameter to its value, shape ``(...)``.
-        path: sequence of n configurations to pass through, shape ``(..., n, d)``, or None. Not used by any block yet.
+        path: sequence of n configurations on the path, shape ``(..., n, d)``, or None. Not used by any block yet.
         phase: initial phase, shape ``(...)``. 0 is the start of the movement. Not used by any block yet.
     """
 
@@ -46,7 +46,8 @@ class Hyperparameter:
         upper: upper bound [unit].
         initial: function ``initial(binding, start)`` that returns the initial value [unit], shape ``(...)``.
         description: description in one line.
-        within: function ``within(binding)`` that returns narrower bounds [unit], e.g. from a handle's length, or None.
+        within: function ``within(binding)`` that returns narrower bounds [unit]. None if no binding has narrower
+            bounds.
     """
 
     name: str
@@ -78,7 +79,7 @@ class Policy(Protocol):
 
 
 class ContinuousSystem(Protocol):
-    """The motion of the tokens in the slots of one instance, as a pure function without memory."""
+    """The motion of the tokens of one instance, as a pure function without memory."""
 
     def __call__(self, state: State, commands: Commands, dt: float) -> State:
         """Return the state after a time step `dt` [s] under the commands."""
@@ -86,7 +87,7 @@ class ContinuousSystem(Protocol):
 
 
 PolicyMaker = Callable[[Binding, State, Parameters], Policy]
-"""Function ``policy(binding, start, parameters)`` that returns the policy of an instance, given its initial state."""
+"""Function ``policy(binding, start, parameters)`` that returns a policy. `start` is the state at the start."""
 
 SystemMaker = Callable[[Binding, State], ContinuousSystem]
-"""Function ``system(binding, start)`` that returns the continuous system of an instance, given its initial state."""
+"""Function ``system(binding, start)`` that returns a continuous system. `start` is the state at the start."""

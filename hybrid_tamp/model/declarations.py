@@ -12,7 +12,7 @@ from hybrid_tamp.model.predicate import Predicate, SymbolSort
 from hybrid_tamp.model.trial import TrialRecipe
 
 Metrics = Callable[[Any, Any], Mapping[tuple[str, str], float]]
-"""Function ``metrics(task, recording)`` of a finished run that maps pairs of (instance, metric with unit) to values."""
+"""Function ``metrics(task, recording)`` that maps each pair of (instance, metric with unit) to its value."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,5 +34,5 @@ class Declarations:
 
     @cached_property
     def relations(self) -> ClassRelations:
-        """Rules for which pairs of classes can share a token."""
+        """Rules that determine whether two classes can have a common member."""
         return ClassRelations(self.disjoint)

@@ -1,4 +1,4 @@
-"""Domains: classes, predicates, blocks and a reassignment network, which are checked when the domain is created."""
+"""Domains of classes, predicates, blocks and a reassignment network. Creating a domain checks its declarations."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -25,9 +25,9 @@ class Domain(Declarations):
         resting: name of the block for tokens that no other block manipulates.
         metrics: function that returns metrics of a finished run for ``result.json``, or None.
         description: description in one line.
-        sorts: symbol sorts that no predicate or target mentions.
+        sorts: additional symbol sorts, which no predicate or target mentions.
         disjoint: groups of pairwise disjoint classes. A token can be a member of at most one class of a group.
-        reduced: whether the domain was reduced from a checked domain. A slot of a reduced domain can lack edges.
+        reduced: whether the domain was reduced from a checked domain. A slot of a reduced domain can have no edges.
         trials: recipes for membership trials, at most one for each class.
 
     Raises:

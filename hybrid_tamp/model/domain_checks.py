@@ -74,7 +74,7 @@ def _blocks(domain: Declarations) -> Iterator[Issue]:
             yield Issue(block.name, "the anchor must be a slot of the block", repr(block.anchor), tuple(names))
         for slot in block.slots:
             if is_place(slot.object_class):
-                wanted = f"the class of a slot must not be a place, got {slot.object_class.name}"
+                wanted = f"a slot must not have a class of places, got {slot.object_class.name}"
                 yield Issue(f"{block.name}.{slot.name}", wanted, remedy="declare a target instead of the slot")
             yield from _ways(domain, block, slot.name)
         if not 0 < block.duration.minimum <= block.duration.maximum:
@@ -161,14 +161,14 @@ def _exit(block: Block, literal: Literal) -> Iterator[Issue]:
     predicate = literal.predicate
     where = f"{block.name}: {literal.text}"
     if predicate.static:
-        remedy = "declare the predicate as another kind, or remove the condition"
+        remedy = "change the kind of the predicate or remove the condition"
         yield Issue(where, "an exit condition must not use a static predicate", remedy=remedy)
     wild = [i for i, argument in enumerate(literal.arguments) if argument == ANY]
     if literal.positive and wild:
         yield Issue(where, "a positive exit condition must not have wildcards")
     if not literal.positive and wild and not predicate.maintained and wild != [predicate.functional_index]:
         remedy = "declare the predicate as functional in this parameter, or as maintained"
-        yield Issue(where, "a wildcard must replace the functional parameter of the predicate", remedy=remedy)
+        yield Issue(where, "a wildcard must stand for the functional parameter of the predicate", remedy=remedy)
 
 
 def fits(sort: type[ObjectClass] | SymbolSort, parameter: Parameter) -> bool:
@@ -185,7 +185,7 @@ def sort_name(sort: type[ObjectClass] | SymbolSort) -> str:
 
 
 def _frame(domain: Declarations) -> Iterator[Issue]:
-    """Yield a fault for each predicate that reads a written property, unless it is an effect, maintained or kept."""
+    """Yield a fault for each predicate that reads a written property and is not an effect, maintained or kept."""
     for block in domain.blocks:
         for slot_name, written in block.writes.items():
             slot_class = block.slot(slot_name).object_class

@@ -1,4 +1,4 @@
-"""Explanations of why a task has no plan, which changes make the task solvable, and why each token is in a plan."""
+"""Explanations why a task has no plan, which changes make the task solvable, and why a token is in a plan."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -28,7 +28,8 @@ class Reason:
 
     Attributes:
         goal: unreachable goal atoms.
-        block: name of the block that could achieve the goal atoms, or of the action if several modes fail, or empty.
+        block: block that could achieve the goal atoms, or its action if several modes fail. Empty if no block is
+            concerned.
         kind: kind of the reason.
         message: description of the reason.
         atom: condition that fails, or None.
@@ -50,12 +51,12 @@ class Reason:
 
     @property
     def goal_text(self) -> str:
-        """Unreachable goal atoms as text."""
+        """Text of the unreachable goal atoms."""
         return " and ".join(atom.text for atom in self.goal)
 
     @property
     def atom_text(self) -> str:
-        """Condition that fails as text, or empty."""
+        """Text of the failed condition, or empty."""
         return "" if self.atom is None else self.atom.text
 
     @property
@@ -93,7 +94,7 @@ class Explanation(Tabular):
         message: sentence that describes the kind.
         reasons: reasons why the task has no plan. Reasons that a suggestion removes come first.
         suggestions: single changes that make the task solvable.
-        complete: whether every single change was examined or the requested number of suggestions was found.
+        complete: whether all single changes were examined or the requested number of suggestions was found.
         together: changes that make the task solvable only in combination. Empty if a single change suffices.
     """
 
@@ -165,7 +166,7 @@ class Cause:
 
 @dataclass(frozen=True)
 class TaskExplanation(Tabular):
-    """The explanation of a task's plan, or of why the task has no plan.
+    """The explanation of a task's plan, or of the reasons why the task has no plan.
 
     Attributes:
         task: task that was explained.

@@ -15,11 +15,11 @@ from hybrid_tamp.model.token import Token, different
 
 
 def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[Atom]:
-    """Return the feasibility facts of the task: the atoms of static predicates that hold for different tokens.
+    """Return the feasibility facts of the task, which are the true atoms of static predicates over distinct tokens.
 
     Args:
         task: task whose facts are computed.
-        known: facts of a larger task that contains these tokens in the same state. Margins in `known` are reused.
+        known: facts of a larger task that has all tokens of `task` in the same state. Margins in `known` are reused.
     """
     known = known or StaticFacts(task)
     found: set[Atom] = set()
@@ -55,7 +55,7 @@ class StaticFacts:
         return margin if literal.positive else -margin
 
     def holding(self, predicate: Predicate, bindings: Sequence[tuple[Value, ...]]) -> Iterator[Atom]:
-        """Yield the atoms that hold for well-typed bindings. All unknown margins are evaluated in one batch."""
+        """Yield the true atoms among the bindings, which must be well-typed. New margins are evaluated in one batch."""
         atoms = list(_atoms(predicate, bindings))
         unknown = [place for place, atom in enumerate(atoms) if atom not in self._known]
         margins = predicate.margins(self._task.state, [bindings[place] for place in unknown])
@@ -97,7 +97,7 @@ def facts(task: Task, state: State | None = None, predicates: Iterable[Predicate
 
 
 def margins(task: Task, state: State, predicate: Predicate) -> Iterable[tuple[Atom, float]]:
-    """Return a pair of (atom, margin) for every well-typed atom of the predicate over different tokens."""
+    """Return a pair of (atom, margin) for every well-typed atom of the predicate over distinct tokens."""
     bindings = _bindings(task, predicate)
     return zip(_atoms(predicate, bindings), predicate.margins(state, bindings).tolist(), strict=True)
 

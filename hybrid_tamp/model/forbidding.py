@@ -1,9 +1,9 @@
-"""Forbidden bindings, which failed in the forward models and which the task planner must not use again.
+"""Forbidden bindings, which failed in the forward models. The task planner must not use these bindings again.
 
 A block with forbidden bindings gets an additional static predicate as an entry condition. The predicate fails for the
 forbidden bindings. The planner, the law checker and the explanations treat the predicate like any other feasibility
-fact. Every binding is a fact in the planning problem. To reduce the number of facts, the predicate has no parameter for
-a symbol that follows from the other arguments.
+fact. Every permitted binding is a fact in the planning problem. To reduce the number of facts, the predicate has no
+parameter for a symbol that follows from the other arguments.
 """
 
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 MOST_FACTS = 200_000
-"""Largest number of bindings of a block with forbidden bindings. Each binding is a fact in the planning problem."""
+"""Largest number of bindings that a block may have if some are forbidden, because permitted bindings are facts."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def forbidden_bindings(task: Task, block: str) -> frozenset[tuple[str, ...]]:
 
 
 def deciding_roles(block: Block) -> tuple[str, ...]:
-    """Return the roles of a block except symbol roles whose value follows from other roles by an entry condition."""
+    """Return the roles of a block, without symbol roles whose symbol an entry condition derives from other roles."""
     kept = list(block.roles)
     for literal in _declared(block):
         twice = len(set(literal.arguments)) < len(literal.arguments)

@@ -16,7 +16,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 BoolArray = NDArray[np.bool_]
 
 _HUGE = 1e300
-"""Largest squared norm of a command that counts as finite."""
+"""Largest squared norm of a finite command. A command with a larger norm is treated as infinite."""
 
 
 class ForwardModel:
@@ -30,7 +30,7 @@ class ForwardModel:
         self._limits = _limits(token for token in held if isinstance(token, Token))
 
     def step(self, elapsed: FloatArray, state: State, dt: float = CONTROL_PERIOD) -> tuple[State, Commands, BoolArray]:
-        """Return the next state, the commands scaled to their limits, and whether both are finite, shape ``(...)``.
+        """Return the next state, the commands scaled to their limits, and whether state and commands are finite.
 
         If the next state is not finite, the current state is returned, so that later computations remain finite.
 
@@ -91,7 +91,7 @@ def _limited(command: FloatArray, limit: float) -> FloatArray:
 
 
 def _limits(tokens: Iterable[Token]) -> dict[tuple[str, str], float]:
-    """Return a mapping from pairs of (token, basic action) to the limit on the command's norm, if there is a limit."""
+    """Return a mapping from each pair of (token, basic action) with a limit to the largest norm of the command."""
     return {
         (token.name, action.name): float(token[action.limit])
         for token in tokens

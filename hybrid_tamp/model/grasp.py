@@ -8,17 +8,17 @@ from hybrid_tamp.model.affordance import VaryingProperty
 from hybrid_tamp.model.token import Token
 
 GRIP = "grip"
-"""Name of the basic action of the fingers. A positive command is a closing force [N], and others open the fingers."""
+"""Name of the fingers' basic action. Positive commands are closing forces [N]. Other commands open the fingers."""
 APERTURE = "aperture"
 """Name of the varying property for the gap between the fingers [m]."""
 HANDLE = ("handle_from", "handle_to", "handle_width")
-"""Names of the fixed properties of a handle, which are its ends in the body frame [m] and its width [m]."""
+"""Names of a handle's fixed properties: the positions of both ends in the body frame [m], and the width [m]."""
 FINGER_SPEED = 0.25
 """Speed at which the gap between the fingers changes [m/s]."""
 CAPTURE = 0.01
-"""Largest distance between the centre of a hand and the axis of a handle at which the hand can grip [m]."""
+"""Largest distance from the centre of a hand to the axis of a handle at which the hand can grip the handle [m]."""
 GRIP_FRICTION = 1.0
-"""Ratio of the largest friction force of both fingers to the grip force. Each finger has a coefficient of 0.5."""
+"""Ratio of the largest friction force of both fingers to the grip force. Each friction coefficient is 0.5."""
 
 
 def aperture_property(opened: float) -> VaryingProperty:
@@ -37,5 +37,5 @@ def can_be_gripped(token: Token) -> bool:
 
 
 def pass_through(one: Token, other: Token) -> bool:
-    """Return whether the tokens pass through each other, as a hand with fingers and a token with a handle do."""
+    """Return whether the tokens pass through each other. Only a hand with fingers and a token with a handle do so."""
     return (grips(one) and can_be_gripped(other)) or (grips(other) and can_be_gripped(one))

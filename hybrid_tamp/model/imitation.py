@@ -36,7 +36,8 @@ class Segmentation:
     Attributes:
         plan: timeline of the block instances. A token is in no instance during an unexplained movement.
         unexplained: movements that no block explains, sorted by time.
-        violations: violations of the law by the timeline, including missed goal atoms, according to observed margins.
+        violations: violations of the law of assignment, judged by observed margins. Includes goal atoms that do not
+            hold.
         cost: cost of the segmentation, which grows with the number of instances and with their misfit.
     """
 

@@ -6,7 +6,7 @@
 4. All tokens of an instance enter the instance at the same instant and leave it together at a later instant.
 5. At each reassignment, the exit conditions of ending instances and the entry conditions of starting instances hold. No
    other instance changes a property that a running instance reads from its targets.
-6. The duration of each instance is within the bounds of its block. Only a block with `hold` can wait.
+6. The duration of each instance is within the bounds of its block. Only a block with `hold` can exceed its maximum.
 7. The plan starts with the initial state and assignment. At its end, the goal holds and only blocks with `hold` run.
 
 The checker is independent of the planner. In a plan, the effects of blocks decide whether a condition holds. In a
@@ -79,7 +79,7 @@ def _typing(task: Task, block: Block, instance: BlockInstance) -> Iterator[str]:
             yield f"{name} cannot have the role {role}, because {name} is not a member of {sort.name}"
     tokens = [name for name in instance.roles.values() if name in task.token_by_name]
     if len(set(tokens)) < len(tokens):
-        yield "a token must not have two roles"
+        yield "a token must not have two roles of the same instance"
 
 
 def _of_sort(task: Task, name: str, sort: type[ObjectClass] | SymbolSort) -> bool:
@@ -95,7 +95,7 @@ def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
         clock = 0.0
         for index, (instance, slot) in enumerate(timeline):
             if not at(instance.start, clock):
-                fault = "in no slot before" if instance.start > clock else "still in another slot at the start of"
+                fault = "in no slot just before" if instance.start > clock else "still in another slot at the start of"
                 yield Violation(1, clock, token.name, f"the token is {fault} {instance.name}")
             clock = instance.end
             if index:
@@ -109,11 +109,11 @@ def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
             yield Violation(1, clock, token.name, f"the token is {fault}")
         wanted = task.start_block(token.name).name
         if timeline and timeline[0][0].block != wanted:
-            yield Violation(7, 0.0, token.name, f"the token must start in {wanted}, got {timeline[0][0].block}")
+            yield Violation(7, 0.0, token.name, f"the token must start in block {wanted}, got {timeline[0][0].block}")
 
 
 def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Check law 6. At the end of the plan, an instance with `hold` and without exit conditions may be too short."""
+    """Check law 6. The last instance of a block with `hold` and without exit conditions has no minimum duration."""
     for instance in plan.instances:
         block = task.domain.block_by_name[instance.block]
         length = instance.end - instance.start
@@ -151,5 +151,5 @@ def _ends(task: Task, plan: TaskPlan) -> Iterator[Violation]:
     """Check law 7: only blocks with `hold` run at the end of the plan."""
     for instance in plan.instances:
         if at(instance.end, plan.makespan) and not task.domain.block_by_name[instance.block].hold:
-            said = "an instance at the end of the plan must be of a block with hold=True"
+            said = "only instances of blocks with hold=True can run at the end of the plan"
             yield Violation(7, plan.makespan, instance.name, said)

@@ -33,7 +33,7 @@ class Verdict:
 
     Attributes:
         object_class: name of the class.
-        likelihood: score from 0 to 1 for how typical the token's shape is of the class.
+        likelihood: how typical the token's shape is of the class, as a score from 0 to 1.
         labelled: name of the known member whose properties were transferred to the token, or None.
         residual: mean distance between the warped surface of the known member and the token's surface [m], or None.
         properties: estimated properties of the token as a member of the class.

@@ -19,7 +19,7 @@ class ReassignmentNetwork:
 
         Args:
             edges: pairs of (source, target), each written ``"BLOCK.slot"``.
-            blocks: names of the blocks. An edge that names only the action of ``"ACTION:mode"`` is added for each mode.
+            blocks: names of the blocks. If an edge names an action without its mode, one edge for each mode is created.
         """
         modes: dict[str, list[str]] = {}
         for block in blocks:
@@ -61,7 +61,7 @@ class ReassignmentNetwork:
 
 
 def parse_slot(text: str) -> SlotName:
-    """Return the block and the slot of a text ``"BLOCK.slot"``.
+    """Return the block and the slot that a text ``"BLOCK.slot"`` names.
 
     Raises:
         ValueError: if the text has no dot, or if the block or the slot is empty.

@@ -1,4 +1,4 @@
-"""Outcomes of planning: the plan and how it was found, or the reason why there is no plan."""
+"""Outcomes of planning: a plan and figures of the planner, or the reason why there is no plan."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -52,7 +52,7 @@ class PlanningFailure:
     """The reason why planning found no plan.
 
     Attributes:
-        kind: key of `MESSAGES`, or ``time`` or ``memory`` for an exceeded limit, or a kind that the planner reported.
+        kind: key of `MESSAGES`, ``time`` or ``memory`` for an exceeded limit, or a kind reported by the planner.
         detail: further details, e.g. why a plan was rejected, or empty.
     """
 
@@ -74,11 +74,11 @@ class PlanningFailure:
 
 @dataclass(frozen=True)
 class Exclusion:
-    """A binding of a block that was excluded because a plan with this binding fails for all hyperparameters.
+    """An excluded binding of a block. A plan with this binding fails for all values of the hyperparameters.
 
     Attributes:
         instance: block instance whose binding was excluded.
-        shortfall: condition that no hyperparameters satisfy.
+        shortfall: condition that no values of the hyperparameters satisfy.
     """
 
     instance: BlockInstance

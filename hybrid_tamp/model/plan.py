@@ -7,7 +7,7 @@ from functools import cached_property
 from hybrid_tamp.model.tables import Rows, Tabular
 
 TIME_TOLERANCE = 1e-6
-"""Largest difference between two times that count as the same instant [s]."""
+"""Largest difference between two times that are treated as the same instant [s]."""
 
 
 @dataclass(frozen=True)
@@ -19,11 +19,11 @@ class BlockInstance:
         block: name of the block.
         slots: maps each slot to the name of its token.
         start: instant at which the tokens enter the slots [s].
-        end: instant at which the tokens leave the slots, or the makespan of the plan [s].
+        end: instant at which the tokens leave the slots, at most the makespan of the plan [s].
         targets: maps each target to the name of its token or symbol.
         hyperparameters: maps each hyperparameter to its value.
         reached: instant at which the exit conditions first hold, for a block with `hold` [s]. The instance changes
-            nothing after this instant. None if the instant is unknown.
+            nothing after this instant. None if unknown or without `hold`.
     """
 
     name: str
@@ -62,11 +62,11 @@ class BlockInstance:
 
     @property
     def active(self) -> "BlockInstance":
-        """Copy of the instance that ends when the exit conditions first hold, or this instance if `reached` is None."""
+        """Copy of the instance with `reached` as its end, or the unchanged instance if `reached` is None."""
         return self if self.reached is None else replace(self, end=min(self.reached, self.end))
 
     def overlaps(self, other: "BlockInstance") -> bool:
-        """Return whether both instances run at the same time for longer than an instant."""
+        """Return whether both instances run at the same time for longer than `TIME_TOLERANCE`."""
         return min(self.end, other.end) - max(self.start, other.start) > TIME_TOLERANCE
 
 
@@ -106,7 +106,7 @@ class TaskPlan(Tabular):
     """A timeline of block instances.
 
     Attributes:
-        instances: all block instances, including resting instances, sorted by start.
+        instances: all block instances, including instances of the resting block, sorted by start.
         makespan: end of the plan [s].
         actions: actions that the planner returned. Empty if no planner made the plan.
     """
@@ -148,7 +148,7 @@ class TaskPlan(Tabular):
         return self._timelines.get(token, ())
 
     def before(self, instance: BlockInstance, token: str) -> tuple[BlockInstance, str] | None:
-        """Return the pair of (instance, slot) in which a token was before an instance, or None if there is none."""
+        """Return the pair of (instance, slot) that contained the token just before an instance, or None."""
         timeline = self.timeline(token)
         index = next(i for i, (other, _) in enumerate(timeline) if other is instance)
         return timeline[index - 1] if index else None

@@ -9,7 +9,7 @@ from hybrid_tamp.model.task import Task
 
 @dataclass(frozen=True)
 class WholeNetwork:
-    """Figures of the whole task from which a planned network was reduced.
+    """Figures of the whole task, before blocks and tokens were omitted for planning.
 
     Attributes:
         blocks: number of blocks of the whole domain.
@@ -33,7 +33,7 @@ class AddedToken:
     Attributes:
         token: name of the object.
         classes: names of the object's classes.
-        blocks: names of the blocks whose slots can be filled only with this object, sorted.
+        blocks: names of the blocks with a slot that only this object can fill, sorted.
         why: reason why planning without this object failed.
     """
 

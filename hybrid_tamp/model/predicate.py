@@ -1,7 +1,7 @@
 """Predicates as named signed margins, literals over roles, and atoms over tokens.
 
 A predicate holds if its margin is zero or positive. The same margin defines the symbolic initial state, the exit tests
-during execution, the goal and the optimiser's constraint term. So the symbolic and the continuous level always agree.
+during execution, the goal and the optimiser's constraint term. So symbolic and continuous states always agree.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -30,12 +30,12 @@ Binding = Mapping[str, Value]
 
 
 class Kind(Enum):
-    """The kind of a predicate, which determines how atoms become true and false."""
+    """The kind of a predicate, which determines when atoms become true and false."""
 
     CHANGING = "changing"
     """Blocks add and delete the atoms."""
     FUNCTIONAL = "functional"
-    """One parameter has at most one value for given values of the others. A new value replaces the old value."""
+    """Given the other parameters, one parameter has at most one value. A new value replaces the old value."""
     MAINTAINED = "maintained"
     """An atom holds only while the instance that added the atom runs."""
     STATIC = "static"
@@ -68,12 +68,12 @@ class Predicate:
         parameters: parameters of the predicate.
         margin: function ``margin(state, *values)`` that returns the margin, shape ``(...)``.
         unit: unit of the margin.
-        scale: unit of violation [unit]. A margin of ``-scale`` is a violation of 1.
-        reads: maps each parameter to the varying properties that the margin reads from its value.
+        scale: divisor that makes violations dimensionless [unit]. A margin of ``-scale`` is a violation of 1.
+        reads: maps each parameter to the varying properties that the margin reads from the parameter's token.
         kind: kind of the predicate.
         value_of: name of the parameter that has at most one value. None unless the predicate is functional.
-        rows: arguments for which a relation over symbols holds, in the order of the sorts. None for other predicates.
-        by_name: whether the margin depends on the names of tokens, besides their properties and states.
+        rows: rows of symbols for which a relation holds, in the order of the sorts. None for other predicates.
+        by_name: whether the margin depends on the names of tokens, in addition to the tokens' properties and states.
         share: function ``share(state, *values)`` for a load that several tokens bear together. The function returns the
             load on the first value and the capacity of the first value [unit]. None for other predicates.
         description: sentence with parameters in braces, e.g. ``"{object} is within {region}"``.
@@ -106,13 +106,13 @@ class Predicate:
     def relation(
         cls, name: str, parameters: tuple[Parameter, ...], rows: Iterable[tuple[str, ...]], **told: Any
     ) -> "Predicate":
-        """Return the static predicate over symbols that holds exactly for the given rows.
+        """Return a static predicate that holds only for the given rows of symbols.
 
         Args:
             name: name of the predicate.
             parameters: parameters of the predicate, each with a symbol sort.
             rows: arguments for which the predicate holds.
-            **told: further attributes: `description` and `denial`.
+            **told: `description` and `denial` of the predicate.
 
         Raises:
             DomainError: if a row does not have one symbol of each parameter's sort.
@@ -157,7 +157,7 @@ class Predicate:
 
     @property
     def measured(self) -> bool:
-        """Whether the margin in the current continuous state decides if an atom of the predicate holds."""
+        """Whether the margin in the current continuous state determines the truth of an atom."""
         return self.kind in (Kind.CHANGING, Kind.FUNCTIONAL)
 
     @property
@@ -191,7 +191,7 @@ def _symbols(parameter: Parameter) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Literal:
-    """A predicate or its negation over slots, targets and symbols of a block. Negative literals can have wildcards."""
+    """A predicate or a negated predicate with roles and symbols as arguments. A negative literal can have wildcards."""
 
     predicate: Predicate
     arguments: tuple[str, ...]
@@ -237,7 +237,7 @@ class Atom:
         return f"{'' if self.positive else 'not '}{self.predicate}({', '.join(self.arguments)})"
 
     def matches(self, other: "Atom") -> bool:
-        """Return whether this atom, which can have wildcards, matches the other atom. The signs are ignored."""
+        """Return whether this atom matches the other atom. Only this atom can have wildcards. Signs are ignored."""
         return self.predicate == other.predicate and all(
             mine in (ANY, theirs) for mine, theirs in zip(self.arguments, other.arguments, strict=True)
         )

@@ -1,8 +1,8 @@
 """Partial order of the reassignments of a plan, because the planned instants are only estimates.
 
-Two reassignments keep their order if instances of both have a token in common. The common token can have any role and
-can be a place. All other pairs of reassignments can happen in either order, because conditions depend only on the
-tokens of an instance. Each reassignment happens as soon as its conditions hold.
+Two reassignments keep their order if an instance of one and an instance of the other have a token in common. The token
+can have any role and can be a place. All other pairs of reassignments can happen in either order, because conditions
+depend only on the tokens of an instance. Each reassignment happens as soon as its conditions hold.
 """
 
 from collections.abc import Iterable
@@ -20,7 +20,7 @@ class Reassignment:
         planned: planned instant of the reassignment [s].
         ending: names of the instances that end.
         starting: instances that start. Empty at the end of the plan.
-        after: indices of the reassignments that must happen first.
+        after: indices of the reassignments that must happen before this reassignment.
         final: whether the reassignment is the end of the plan.
     """
 

@@ -35,7 +35,7 @@ class AtomMargin:
 
 @dataclass(frozen=True)
 class Failure:
-    """The instance that failed in a control period (`step`), and the reason why the run then stopped."""
+    """The failure that stopped a run, with the failed instance, its control period (`step`) and the reason."""
 
     step: int
     instance: str
@@ -45,7 +45,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Contact:
-    """The largest contact force between two tokens for one assignment of both tokens to instances.
+    """The largest contact force between two tokens while both tokens stay in their instances.
 
     Attributes:
         tokens: names of the two tokens.
@@ -82,7 +82,8 @@ class Recording:
         timestep: control period [s].
         failure: reason why the run stopped early, or None.
         warnings: warnings for the user.
-        contacts: contacts between tokens, not with the floor. Empty if the backend does not measure contacts.
+        contacts: contacts between two tokens. Contacts with the floor are omitted. Empty if the backend measures no
+            contacts.
     """
 
     layout: StateLayout
@@ -101,7 +102,7 @@ class Recording:
 
     @property
     def success(self) -> bool:
-        """Whether the plan ran to its end and every goal atom holds there."""
+        """Whether the plan ran to its end and every goal atom holds at the end."""
         return self.failure is None and all(atom.holds for atom in self.goal)
 
     @property

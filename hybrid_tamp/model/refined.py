@@ -106,8 +106,8 @@ class Retuning:
     """The result of further optimisation in physics, which starts from the optimum of the forward models.
 
     Attributes:
-        before: V and J of the forward models' optimum in physics.
-        best: V and J of the final hyperparameters in physics, never worse than `before`.
+        before: V and J of the forward models' optimum, evaluated in physics.
+        best: V and J of the final hyperparameters, evaluated in physics. Never worse than `before`.
         evaluations: number of runs in physics.
         seconds: duration of the optimisation [s].
         stopped: reason why the optimisation stopped.
@@ -127,13 +127,14 @@ class RefinedPlan:
     """A task plan with optimised hyperparameters.
 
     Attributes:
-        plan: plan whose instances have all their hyperparameters.
+        plan: plan with a value for every hyperparameter of every instance.
         hyperparameters: all hyperparameters, in the order of the plan.
         performance: expected performance measures.
         best: V and J of the plan in the forward models.
         defaults: V and J with the default values of all hyperparameters.
         apart: V and J if each action is optimised separately, in the order of the plan. None if not requested.
-        shortfall: first condition that fails, or None. If the plan was optimised in physics, the condition fails there.
+        shortfall: first condition that fails, or None. The condition fails in physics if the plan was optimised in
+            physics.
         expected: maps pairs of (instance or `GOAL`, atom) to the expected margin.
         optimiser: name of the optimiser. Empty if there was nothing to optimise.
         evaluations: number of rollouts.

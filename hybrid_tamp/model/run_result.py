@@ -36,7 +36,7 @@ class RunResult(Tabular):
         wall_seconds: wall-clock time for planning and running [s].
         versions: maps each software package on which the result depends to its version.
         performance: predicted and measured performance measures.
-        law: violations of the law of assignment by the recording.
+        law: violations of the law of assignment in the recording.
     """
 
     outcome: PlanOutcome
@@ -59,7 +59,7 @@ class RunResult(Tabular):
 
     @property
     def success(self) -> bool:
-        """Whether the plan ran to its end and the goal held there."""
+        """Whether the plan ran to its end and the goal held at the end."""
         return self.recording.success
 
     @property

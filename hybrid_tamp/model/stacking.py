@@ -1,8 +1,8 @@
 """Stacks, which evaluate many bindings of a predicate's arguments as one batch of states.
 
 A margin accepts batches of states and depends only on the fixed properties and the states of its arguments. So a single
-call can evaluate all bindings whose tokens have the same fixed properties. The call takes the tokens of the first
-binding and a batch with the states of the tokens of all bindings.
+call can evaluate all bindings whose tokens have the same fixed properties. The call gets the tokens of the first
+binding and a batch with the states of all bindings.
 """
 
 from collections.abc import Iterator, Sequence
@@ -37,7 +37,7 @@ def stack(state: State, bindings: Sequence[Values], *, apart: bool = False) -> I
     Args:
         state: state of all tokens, batch shape ``(...)``.
         bindings: tuples with a token or symbol for each argument.
-        apart: whether bindings of different tokens must be in different stacks, even if the properties are equal.
+        apart: whether bindings of different tokens must be in different stacks, even if tokens have equal properties.
     """
     groups: dict[object, list[int]] = {}
     for place, values in enumerate(bindings):

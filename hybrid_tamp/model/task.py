@@ -25,7 +25,7 @@ class Limits:
     Attributes:
         time: limit on the wall-clock time of the planner [s].
         memory: limit on the total memory of the planner and its child processes [MiB].
-        refinements: largest number of times that the planner is called again after a plan was rejected.
+        refinements: largest number of repeated planner calls after rejected plans.
     """
 
     time: float = 60.0
@@ -35,12 +35,12 @@ class Limits:
 
 @dataclass(frozen=True)
 class Range:
-    """Settings of a task for one hyperparameter. None keeps the declaration of the block.
+    """Settings of a task for one hyperparameter. None keeps the value that the block declares.
 
     Attributes:
         lower: lower bound [unit], not below the lower bound of the block.
         upper: upper bound [unit], not above the upper bound of the block.
-        default: value without optimisation [unit], within the bounds.
+        default: value if the hyperparameter is not optimised [unit], within the bounds.
     """
 
     lower: float | None = None
@@ -57,8 +57,8 @@ class MidLevel:
         evaluations: largest number of rollouts.
         seconds: largest time for the optimisation [s].
         refine: ``physics`` for further optimisation in the physics backend, or ``none``.
-        weights: maps ``BLOCK.measure`` to the weight in the value of a plan. The domain already has the weights.
-        hyperparameters: maps ``BLOCK.name`` to a value or to narrower bounds. The domain already has the settings.
+        weights: maps ``BLOCK.measure`` to the weight in the value of a plan. The domain already contains the weights.
+        hyperparameters: maps ``BLOCK.name`` to a value or to narrower bounds. The domain already contains the settings.
     """
 
     optimiser: str = "cma"
@@ -78,7 +78,7 @@ class Task:
         domain: domain of the task.
         tokens: all tokens, including places, in the order of the task file.
         state: initial continuous state.
-        goal: atoms over tokens that must hold at the end. An atom with `ANY` leaves a choice.
+        goal: atoms over tokens that must hold at the end. An atom with `ANY` leaves a choice of tokens or symbols.
         agents: maps each agent to the names of its capability tokens.
         assignment: maps the name of each token to the block in which the token starts.
         planner: name of the planning engine.
@@ -87,7 +87,7 @@ class Task:
         objective: quantity that is minimised: ``length`` (number of actions) or ``makespan`` (duration of the plan).
         midlevel: settings for the optimisation of hyperparameters.
         source: path of the task file, or None.
-        primitives: maps a block or action to the file of a learnt motor primitive. The domain already has it.
+        primitives: maps a block or action to the file of a learnt motor primitive, which the domain already contains.
     """
 
     name: str
@@ -170,7 +170,7 @@ class Task:
 
     @cached_property
     def unsettled(self) -> tuple[tuple[Atom, Token, type[ObjectClass]], ...]:
-        """Triples of (goal atom, token, class) for which the atom requires an unknown membership of the token."""
+        """Triples of (goal atom, token, class). The atom requires the token to be in the class, but this is unknown."""
         return tuple(
             (atom, token, parameter.sort)
             for atom in self.goal

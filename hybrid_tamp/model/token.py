@@ -21,7 +21,7 @@ from hybrid_tamp.model.affordance import TOKEN, BasicAction, ObjectClass, Varyin
 
 
 class PropertyConflictError(ValueError):
-    """Error for classes that declare the same property differently; `issues` has one entry for each difference."""
+    """Error for classes that declare the same property differently. `issues` has one entry for each difference."""
 
     def __init__(self, issues: Iterable[Issue]) -> None:
         self.issues = tuple(issues)
@@ -69,7 +69,7 @@ def union_of(classes: Iterable[type[ObjectClass]], unknown: Iterable[type[Object
 
     Args:
         classes: object classes, in any order.
-        unknown: classes of which the token may be a member. A token may lack their properties.
+        unknown: classes of which the token may be a member. Properties of only these classes may be missing.
 
     Raises:
         PropertyConflictError: if two classes declare the same property with different types, units, bounds or defaults.
@@ -148,7 +148,7 @@ class Token:
 
     @property
     def solid(self) -> Shape:
-        """Shape of the token, which must have a shape.
+        """Shape of the token.
 
         Raises:
             ValueError: if the token has no shape.
@@ -167,7 +167,7 @@ class Token:
 
     @cached_property
     def fixed(self) -> Hashable:
-        """Key for comparisons that is equal for tokens with the same classes, properties and shape."""
+        """Comparison key. Tokens with the same classes, properties and shape have equal keys."""
         key = (self.classes, tuple(sorted(self.properties.items())), self.shape)
         try:
             hash(key)

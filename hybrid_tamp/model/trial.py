@@ -1,4 +1,4 @@
-"""Recipes of a domain for trials of whether a token is a member of a class (paper, Sec. II-B).
+"""Recipes of a domain for trials that test whether a token is a member of a class (paper, Sec. II-B).
 
 `hybrid_tamp.questions.probe` ranks classes, warps shapes and counts successes in all domains. A recipe estimates the
 properties of a new token from a known member of the class, and creates the task of a trial.

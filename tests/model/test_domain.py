@@ -101,7 +101,7 @@ FAULTS: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     ),
     "wildcard in another than the functional parameter": (
         {"blocks": with_rolling(exit=(*ROLLING.exit, ~INSIDE(ANY, "region")))},
-        ("a wildcard must replace the functional parameter", "declare the predicate as functional"),
+        ("a wildcard must stand for the functional parameter", "declare the predicate as functional"),
     ),
     "negative entry condition on a changing predicate": (
         {"blocks": with_rolling(entry=(~INSIDE("object", "region"),))},
