@@ -77,7 +77,7 @@ FAULTS: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     "anchor that is no slot": ({"blocks": with_rolling(anchor="region")}, ("the anchor must be a slot",)),
     "place in a slot": (
         {"blocks": with_rolling(slots=(*ROLLING.slots, Slot("floor", Region)))},
-        ("ROLLING.floor", "must not be a place, got REGION", "declare a target"),
+        ("ROLLING.floor", "must not have a class of places, got REGION", "declare a target"),
     ),
     "slot and target of one name": (
         {"blocks": with_rolling(targets=(*ROLLING.targets, Target("hand", Rollable)))},
