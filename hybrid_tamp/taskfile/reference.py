@@ -91,7 +91,7 @@ def _class(object_class: type[ObjectClass]) -> str:
 def _predicates(predicates: Iterable[Predicate]) -> str:
     rows = []
     for predicate in predicates:
-        names = tuple(parameter.name for parameter in predicate.parameters)
+        names = tuple(f"`{parameter.name}`" for parameter in predicate.parameters)
         signature = ", ".join(f"{parameter.name}: {parameter.sort.name}" for parameter in predicate.parameters)
         rows.append((f"`{predicate.name}({signature})`", predicate.sentence(names), predicate.unit, _notes(predicate)))
     return _table(("predicate", "meaning", "unit of the margin", "notes"), rows)

@@ -121,7 +121,7 @@ def test_the_reference_page_names_everything(toy: Domain) -> None:
         "#### `HAND` (capability class)",
         "#### `REGION` (place)",
         "Basic action `force`: 3 numbers [N], at most the token's `force`",
-        "| `within(object: ROLLABLE, region: REGION)` | object is within region | m | at most one region at a time |",
+        "| `within(object: ROLLABLE, region: REGION)` | `object` is within `region` | m | at most one region at a time",
         "- slot `object`: ROLLABLE (anchor)",
         "- target `region`: REGION",
         "- exit: `not within(object, *)`, `within(object, region)`",
