@@ -1,1 +1,1 @@
-"""Parts that several domains share: hands, regions, vectors, servos, motor primitives, REACHING and RESTING."""
+"""Parts that several domains share, e.g. hands, servos, motor primitives and the blocks REACHING and RESTING."""

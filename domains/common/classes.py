@@ -1,4 +1,4 @@
-"""Object classes that several domains use, and helpers that define such classes."""
+"""Object classes and property declarations that several domains share."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
@@ -25,7 +25,7 @@ def _all_positive(vector: Vector3) -> Vector3:
 
 
 Extents = Annotated[Vector3, AfterValidator(_all_positive)]
-"""Half of the edge lengths of a box [m]."""
+"""Half of each edge length of a box, along the body's x, y and z axes [m]."""
 
 
 def positive(unit: str, description: str, most: float, **default: float) -> Any:
@@ -38,7 +38,7 @@ def not_negative(unit: str, description: str, most: float, **default: float) -> 
     return quantity(unit, description, **default, ge=0, le=most, strict=True, allow_inf_nan=False)
 
 
-# A token may be a member of two classes only if both declare each common property in the same way.
+# A token may belong to two classes only if the classes declare their common properties identically.
 def mass_property() -> Any:
     """Declare the mass of a body."""
     return positive("kg", "mass", 1e6)
@@ -50,26 +50,26 @@ def friction_property() -> Any:
 
 
 class BoxShaped:
-    """Mixin for classes whose members are boxes by default. Their half extents determine the box."""
+    """Mixin for a class whose tokens are boxes by default. The property `half_extents` gives the size of the box."""
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
-        """Return the box of the half extents."""
+        """Return the box with the half extents in `properties`."""
         return Box(kind="box", half_extents=properties["half_extents"])
 
 
 def find_box_fault(token: Token, other_shape: str) -> str | None:
-    """Return an error message if a token's shape is not the box of its half extents, otherwise None.
+    """Return an error message if a token's shape is not a box with the token's half extents, otherwise None.
 
     Args:
         token: the token to check.
-        other_shape: the message to return if the shape is not a box.
+        other_shape: error message for a shape that is not a box.
     """
     halves = token["half_extents"]
     if not isinstance(token.shape, Box):
         return other_shape
     if any(abs(one - other) > 0.01 * one for one, other in zip(halves, token.shape.half_extents, strict=True)):
-        return f"half_extents must equal those of the token's shape, {token.shape.half_extents} m, got {halves} m"
+        return f"half_extents must equal {token.shape.half_extents} m, as in the token's shape; got {halves} m"
     return None
 
 
@@ -78,19 +78,19 @@ class StaticEndEffector(CapabilityClass):
 
     name: ClassVar[str] = "STATIC END-EFFECTOR"
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (
-        BasicAction("force", 3, "N", "maximal_force", "force on the hand in the world frame; gravity is compensated"),
+        BasicAction("force", 3, "N", "maximal_force", "force in the world frame, in addition to gravity compensation"),
     )
 
     radius: float = positive("m", "radius of the cylindrical hand", 10)
     length: float = positive("m", "length of the cylindrical hand", 10)
     mass: float = mass_property()
     maximal_force: float = positive("N", "largest force that the hand can exert", 1e7)
-    workspace_lower: Vector3 = quantity("m", "lower corner of the workspace, a box that the hand's centre can reach")
-    workspace_upper: Vector3 = quantity("m", "upper corner of the workspace, a box that the hand's centre can reach")
+    workspace_lower: Vector3 = quantity("m", "lower corner of the workspace, the box that limits the hand's centre")
+    workspace_upper: Vector3 = quantity("m", "upper corner of the workspace, the box that limits the hand's centre")
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
-        """Return the cylinder of the hand."""
+        """Return a cylinder with the hand's radius and length."""
         return Cylinder(kind="cylinder", radius=properties["radius"], length=properties["length"])
 
     @staticmethod
@@ -98,13 +98,13 @@ class StaticEndEffector(CapabilityClass):
         """Return an error message if the corners of the workspace are in the wrong order, otherwise None."""
         lower, upper = token["workspace_lower"], token["workspace_upper"]
         if any(low >= high for low, high in zip(lower, upper, strict=True)):
-            return f"workspace_lower must be less than workspace_upper in x, y and z, got {lower} and {upper}"
+            return f"workspace_lower must be less than workspace_upper in x, y and z; got {lower} m and {upper} m"
         return None
 
 
 class Region(PlaceClass):
-    """A disc on the floor to which objects can be moved."""
+    """A disc on the floor that can be the destination of an object."""
 
     name: ClassVar[str] = "REGION"
 
-    radius: float = positive("m", "largest horizontal distance from the centre that counts as inside", 100)
+    radius: float = positive("m", "radius of the disc; an object is inside if its centre is above the disc", 100)

@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterator, Mapping
 from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, split_mode
 
 Measures = Callable[[Task, Recording, BlockInstance], Iterator[tuple[str, float]]]
-"""``measures(task, recording, instance)`` yields pairs of (metric, value) for one block instance."""
+"""``measures(task, recording, instance)`` yields a pair of (metric, value) for each metric of a block instance."""
 
 
 def rows_of(recording: Recording, start: float, end: float) -> slice:
-    """Return the rows of a recording between two times [s]."""
+    """Return the slice of a recording's rows between two times [s]."""
     return slice(*(round(time / recording.timestep) for time in (start, end)))
 
 
@@ -21,12 +21,12 @@ def run_of(recording: Recording, start: float, end: float) -> State:
 def measure_instances(
     task: Task, recording: Recording, measures: Mapping[str, Measures]
 ) -> Mapping[tuple[str, str], float]:
-    """Return the metrics of all instances. The result maps each (instance, metric) to its value.
+    """Return the metrics of all instances. The result maps each pair of (instance, metric) to a value.
 
     Args:
         task: the task that was run.
         recording: the recorded run.
-        measures: maps each block, or each action for all its modes, to the measures of its instances.
+        measures: maps names of blocks to the measures of their instances. The name of an action covers all its modes.
     """
     return {
         (instance.name, name): value

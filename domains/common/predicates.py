@@ -1,4 +1,4 @@
-"""Predicates that several domains use, and functions that make margins and predicates."""
+"""Predicates that several domains share, and functions that make margins and predicates."""
 
 from collections.abc import Callable
 from functools import partial
@@ -10,19 +10,19 @@ from hybrid_tamp.authoring import TOKEN, FloatArray, Kind, ObjectClass, Paramete
 from .classes import Region
 
 REST_SPEED = 0.02
-"""Largest speed of a token that counts as being at rest [m/s]."""
+"""Largest speed at which a token counts as at rest [m/s]."""
 
 length_predicate = partial(Predicate, unit="m", scale=0.01)
-"""Makes a predicate whose margin is a length."""
+"""Makes a predicate with a margin in metres."""
 
 
 def everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
-    """Turn a margin of fixed properties, which takes no state, into a margin for batches of states."""
+    """Turn a margin that depends only on fixed properties into a margin for batches of states."""
     return lambda state, *values: np.full(state.values.shape[:-1], margin(*values))
 
 
 def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Turn a margin for single states into a slow margin for batches of states, meant for static predicates."""
+    """Turn a static predicate's margin for one state into a margin for batches. The result is slow: it uses a loop."""
 
     def batched(state: State, *values: Value) -> FloatArray:
         rows = state.values.reshape(-1, state.values.shape[-1])
@@ -33,7 +33,7 @@ def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
 
 
 def near(tolerance: float, place: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Return a margin [m] that is positive if a hand is near a place.
+    """Return a margin [m] that is positive if a hand is within the tolerance of a place.
 
     Args:
         tolerance: largest distance of the hand's centre from the place [m].
@@ -64,13 +64,13 @@ AT_REST = Predicate(
 
 
 def depth_in_region(state: State, thing: Token, region: Token) -> FloatArray:
-    """Return the depth ``(...)`` [m] of an object's centre inside a region. It is negative outside."""
+    """Return the depth ``(...)`` [m] of an object's centre inside a region. The depth is negative outside."""
     offset = (state[thing, "position"] - state[region, "position"])[..., :2]
     return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
 
 
 def inside(movable: type[ObjectClass]) -> Predicate:
-    """Return the predicate that a member of the class is inside a region. It is inside at most one region at a time."""
+    """Return the predicate `inside` for objects of a class. An object is inside at most one region at a time."""
     return length_predicate(
         "inside",
         (Parameter("object", movable), Parameter("region", Region)),

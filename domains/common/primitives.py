@@ -1,4 +1,4 @@
-"""Motor primitives learnt from demonstrations, and the reference trajectories that they generate."""
+"""Motor primitives learnt from demonstrations, and reference trajectories that the primitives generate."""
 
 from collections.abc import Callable
 from functools import cache
@@ -12,10 +12,10 @@ from .vectors import HORIZONTAL, UP
 
 _SAMPLES = 201
 _AHEAD = 0.5
-"""Distance that the demonstrated reach covers along its x axis [m]."""
+"""Displacement of the demonstrated reach along x [m]."""
 
 Reference = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""Maps the elapsed time ``(...)`` [s] to a position [m] and a velocity [m/s], each ``(..., 3)``."""
+"""Maps the elapsed time ``(...)`` [s] to a pair of (position [m], velocity [m/s]), each ``(..., 3)``."""
 
 
 @cache
@@ -30,7 +30,7 @@ def demonstrated_reach() -> DMP:
 def straight_movement() -> DMP:
     """Return the one-dimensional primitive of a straight human movement from 0 to 1.
 
-    The primitive is learnt from the minimum-jerk profile (Flash and Hogan 1985), which is at rest at both ends.
+    The primitive is learnt from the minimum-jerk profile (Flash and Hogan 1985), which starts and ends at rest.
     """
     time = np.linspace(0.0, 1.0, _SAMPLES)
     return DMP.imitate(time, minimum_jerk(time)[:, None], n_weights=20)
@@ -43,7 +43,7 @@ def straight_profile() -> Profile:
 
 
 def profile_of(primitive: DMP | None) -> Profile:
-    """Return the profile of a one-dimensional primitive, or of `straight_movement` if there is none."""
+    """Return the profile of a one-dimensional primitive. None stands for `straight_movement`."""
     return straight_profile() if primitive is None else Profile(primitive)
 
 
@@ -52,7 +52,7 @@ def move_straight(origin: FloatArray, way: FloatArray, duration: float, begin: f
 
     Args:
         origin: initial position ``(..., 3)`` [m].
-        way: displacement ``(..., 3)`` [m] from the initial to the final position.
+        way: displacement ``(..., 3)`` [m] from the initial position to the final position.
         duration: duration of the movement [s].
         begin: elapsed time at which the movement begins [s].
     """
@@ -67,7 +67,7 @@ def move_straight(origin: FloatArray, way: FloatArray, duration: float, begin: f
 
 
 def reach_over(start: FloatArray, goal: FloatArray, duration: FloatArray) -> Reference:
-    """Return the demonstrated reach, turned and stretched horizontally to connect start and goal.
+    """Return the reference of the demonstrated reach, rotated and scaled horizontally to run from start to goal.
 
     Args:
         start: initial position ``(..., 3)`` [m].

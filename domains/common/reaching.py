@@ -1,8 +1,8 @@
 """The block REACHING (paper, D5): a hand moves along a curve to a place beside an object.
 
-Each domain defines the goals of its reaches (`ReachGoal`). The movement is a dynamic movement primitive. The default
-primitive is learnt from a demonstrated reach (``reach.csv``) that lifts the hand, moves the hand across and lowers it.
-REACHING can be taught another primitive.
+Each domain defines the goals of its reaches as `ReachGoal` objects. A dynamic movement primitive generates the
+movement. The default primitive is learnt from a demonstration (``reach.csv``) in which the hand rises, moves across and
+descends. REACHING can also be taught another primitive.
 """
 
 from collections.abc import Callable
@@ -36,7 +36,7 @@ from .servos import hand_servo, hand_system
 from .timetable import Timetable
 
 _LIFT = 0.36
-"""Height of the demonstrated reach above its start and goal [m]."""
+"""Height to which the demonstrated reach rises above its start and its goal [m]."""
 _MEAN_SPEED = 0.5
 _SETTLING = 0.15
 
@@ -48,10 +48,10 @@ class ReachGoal:
     Attributes:
         targets: roles that determine the goal, e.g. an object and a region.
         position: ``position(binding, state)`` returns the position ``(..., 3)`` [m] of the hand's centre at the goal.
-        entry: conditions that must hold at the start of the reach.
-        arrived: conditions that hold at the goal.
-        hand_class: capability class of the hands that can do the reach.
-        keeps: predicates that the reach leaves unchanged although they read the position of the hand.
+        entry: conditions that must hold when the reach begins.
+        arrived: conditions that must hold when the reach ends.
+        hand_class: capability class that a hand needs for the reach.
+        keeps: predicates that stay true or false during the reach, although their margins read the hand's position.
     """
 
     targets: tuple[Target, ...]
@@ -65,11 +65,11 @@ class ReachGoal:
 def time_of_reach(
     distance: Callable[[Binding, State], FloatArray], least: float, settling: float
 ) -> tuple[Hyperparameter, Duration]:
-    """Return the hyperparameter ``duration`` of a reach, and the duration of the reach's block.
+    """Return the hyperparameter ``duration`` of a reach and the `Duration` of its block.
 
     Args:
-        distance: ``distance(binding, state)`` returns the distance ``(...)`` [m], which determines the initial value.
-        least: lower bound of the hyperparameter [s].
+        distance: ``distance(binding, state)`` returns the distance ``(...)`` [m] from the hand to its goal.
+        least: lower bound of the hyperparameter [s]. The distance gives its initial value.
         settling: time from the end of the reach until the hand is at rest [s].
     """
 
@@ -86,7 +86,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
     Args:
         goal: the goal of the reach.
         mode: name of the mode, or None if REACHING has no modes.
-        primitive: three-dimensional motor primitive of the movement; the demonstrated reach by default.
+        primitive: three-dimensional motor primitive of the movement. The default is `demonstrated_reach`.
     """
 
     def distance(binding: Binding, state: State) -> FloatArray:

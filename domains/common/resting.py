@@ -1,4 +1,4 @@
-"""The block RESTING (paper, D6), in which no other block manipulates the token."""
+"""The block RESTING (paper, D6) of a token that no other block manipulates."""
 
 from hybrid_tamp.authoring import TOKEN, Binding, Block, Commands, Duration, FloatArray, Parameters, Policy, Slot, State
 
@@ -8,7 +8,7 @@ from .servos import hand_servo
 
 
 def stay(binding: Binding, start: State, parameters: Parameters, slot: str = "token") -> Policy:
-    """Return the policy that keeps a hand at its initial position. A token without basic actions gets no commands."""
+    """Return the policy that keeps a hand in place. A token without basic actions receives no commands."""
     token = get_token(binding, slot)
     place, servo = start[token, "position"].copy(), hand_servo(token, start)
 
@@ -26,5 +26,5 @@ RESTING = Block(
     duration=Duration(0.1, 3600.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
     policy=stay,
-    description="no block manipulates the token; a hand keeps its position",
+    description="no other block manipulates the token; if the token is a hand, the hand keeps its position",
 )

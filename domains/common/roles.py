@@ -1,14 +1,14 @@
-"""Functions that look up the tokens and symbols of a binding by role, and the properties that blocks write."""
+"""Lookup of a binding's tokens and symbols by role, and names of the properties that blocks write."""
 
 from typing import cast
 
 from hybrid_tamp.authoring import BODY_STATE, Binding, Token
 
 BODY = tuple(varying.name for varying in BODY_STATE)
-"""Properties of a body that moves freely."""
+"""Names of the varying properties of a body that moves freely."""
 POSE = ("position", "orientation")
 MOTION = ("position", "velocity")
-"""Properties of a hand that does not turn."""
+"""Names of the varying properties of a hand that does not turn."""
 
 
 def get_token(binding: Binding, role: str) -> Token:
@@ -17,7 +17,7 @@ def get_token(binding: Binding, role: str) -> Token:
 
 
 def get_tokens(binding: Binding, *roles: str) -> tuple[Token, ...]:
-    """Return the tokens bound to several roles, in their order."""
+    """Return the tokens bound to several roles, in the order of the roles."""
     return tuple(get_token(binding, role) for role in roles)
 
 

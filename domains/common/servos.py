@@ -21,17 +21,17 @@ from .roles import get_token
 STIFFNESS = 8000.0
 """Stiffness of the position servo [N/m]."""
 DAMPING_RATIO = 0.9
-"""Damping of the position servo and the orientation servo, as a share of critical damping."""
+"""Ratio of the servos' damping to critical damping, for both position and orientation."""
 
 ORIENTATION_RATE = 40.0
 """Natural frequency of the orientation servo [rad/s]."""
 
 Servo = Callable[[State, FloatArray, FloatArray | float], Commands]
-"""``servo(state, position, velocity)`` returns the commands that drive a hand to a moving reference ``(..., 3)``."""
+"""``servo(state, position, velocity)`` returns the commands that make a hand follow a reference ``(..., 3)``."""
 
 
 class ForceServo(Protocol):
-    """A function that returns the force that drives a hand to a moving reference."""
+    """A function that computes the force with which a hand follows a moving reference."""
 
     def __call__(self, state: State, position: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
         """Return the force ``(..., 3)`` [N].
@@ -45,12 +45,12 @@ class ForceServo(Protocol):
 
 
 def damping(mass: float, stiffness: float = STIFFNESS) -> float:
-    """Return the damping coefficient [N s/m] of a position servo that drives a mass [kg]."""
+    """Return the damping coefficient [N s/m] of a position servo for a mass [kg] and a stiffness [N/m]."""
     return float(2.0 * DAMPING_RATIO * np.sqrt(stiffness * mass))
 
 
 def position_servo(hand: Token) -> ForceServo:
-    """Return the feedback law for the force that drives a hand to a moving reference."""
+    """Return the feedback law for the force with which a hand follows a moving reference."""
     brake = damping(hand["mass"])
 
     def force(state: State, position: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
@@ -61,13 +61,13 @@ def position_servo(hand: Token) -> ForceServo:
 
 
 def turn_between(orientation: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Return the small rotation vector ``(..., 3)`` [rad], in the world frame, from one orientation to another."""
+    """Return the rotation vector ``(..., 3)`` [rad] in the world frame between two orientations, for small angles."""
     error = quaternion_multiply(wanted, quaternion_conjugate(orientation))
     return np.asarray(np.copysign(2.0, error[..., 3:]) * error[..., :3])
 
 
 def turning_rate(state: State, token: Token, wanted: FloatArray, velocity: FloatArray | float = 0.0) -> FloatArray:
-    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that drives a token to a reference orientation.
+    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that turns a token towards a reference orientation.
 
     Args:
         state: current state.
@@ -101,7 +101,7 @@ def hand_servo(hand: Token, start: State) -> Servo:
 
 
 def hand_system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system of a gravity-compensated hand without contact: a point mass, with semi-implicit Euler steps."""
+    """Return the system of a hand without contacts, as a gravity-compensated point mass (semi-implicit Euler)."""
     hand = get_token(binding, "hand")
     mass = hand["mass"]
 
@@ -114,5 +114,5 @@ def hand_system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def force_on(hand: Token, state: State, commands: Commands) -> FloatArray:
-    """Return the commanded force on a hand ``(..., 3)`` [N], or zero without a command."""
+    """Return the commanded force on a hand ``(..., 3)`` [N], or zero if no force is commanded."""
     return commands.get((hand.name, "force"), np.zeros_like(state[hand, "position"]))

@@ -1,4 +1,4 @@
-"""Evaluation of time-dependent references for many control periods at once, and rounding of durations."""
+"""Cached evaluation of time-dependent references, and rounding of durations."""
 
 from collections.abc import Callable
 
@@ -10,11 +10,11 @@ _ROWS = 64
 """Number of control periods that are evaluated at once."""
 
 Reference = Callable[[FloatArray], tuple[FloatArray, ...]]
-"""Maps elapsed times ``(...)`` [s] to quantities, each ``(..., d)``."""
+"""Maps elapsed times ``(...)`` [s] to a tuple of quantities, each ``(..., d)``."""
 
 
 class Timetable:
-    """A cache of a reference at whole control periods. Evaluating 64 periods at once costs little more than one.
+    """A cache of a reference's values at whole control periods. Evaluating 64 periods costs little more than one.
 
     The values that a timetable returns do not depend on earlier calls.
     """

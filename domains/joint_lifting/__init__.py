@@ -1,4 +1,4 @@
-"""Joint lifting (paper, Sec. II-E): hands of one or several robots lift objects that are too heavy for fewer hands.
+"""Joint lifting (paper, Sec. II-E): several hands together lift an object that is too heavy for fewer hands.
 
 Modules, in reading order: `places`, `classes`, `load`, `predicates`, `bearing`, `lifting` (LIFTING, HOLDING and
 LOWERING). `..common` provides REACHING (D5) and RESTING (D6).
@@ -27,9 +27,9 @@ def _beside(binding: Binding, state: State) -> FloatArray:
 
 
 def _edges() -> Iterator[tuple[str, str]]:
-    """Yield the reassignments. An edge that names an action without a mode applies to each of the action's modes.
+    """Yield the edges of the network. If an edge names an action without a mode, it applies to all modes of the action.
 
-    A box in the air moves to the next block together with all its hands, in the mode in which it was lifted.
+    A lifted box and its hands move to the next block together, and the mode stays the same.
     """
     yield from (("RESTING.token", "REACHING.hand"), ("REACHING.hand", "RESTING.token"))
     yield from (("RESTING.token", "LIFTING.object"), ("LOWERING.object", "RESTING.token"))
@@ -64,5 +64,5 @@ DOMAIN = Domain(
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_edges(), [block.name for block in _BLOCKS]),
     metrics=metrics,
-    description="hands together lift objects that are too heavy for fewer hands",
+    description="several hands together lift objects that are too heavy for fewer hands",
 )

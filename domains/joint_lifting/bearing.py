@@ -1,9 +1,9 @@
-"""Policy and forward model of hands that bear a box between them. LIFTING, HOLDING and LOWERING share them.
+"""Policy and forward model that LIFTING, HOLDING and LOWERING share, for hands that bear a box between them.
 
-Each hand follows a reference c that moves with the box. Its force is F = K (c - x) + D (c' - v) - S n + W z, where n is
-the outward normal of its face, S is the squeeze and W is its share of the weight. The stiffness K is smaller along n.
-Only friction joins a hand to the box. In the forward model, too, a hand bears at most mu times the force with which it
-presses on its face. Under a larger load, the box slips.
+A hand at position x with velocity v follows a reference c that moves with the box. The force of the hand is
+F = K (c - x) + D (c' - v) - S n + W z. Here n is the outward normal of the hand's face, S is the squeeze, W is the
+hand's share of the weight and z points up. The stiffness K is smaller along n. Only friction joins a hand to the box:
+each hand bears at most mu times its force on the face. Under a larger load, the box slips in the forward model, too.
 """
 
 from collections.abc import Callable
@@ -31,19 +31,19 @@ from .load import friction, largest_squeeze, load, squeeze_for
 from .places import CREWS, corner_heights, gap_at, outward
 
 SLOTS = ("first", "second", "third", "fourth")
-"""Slots of the hands, in the order of the places of a crew."""
+"""Slots of the hands, in the same order as the places in `CREWS`."""
 _SOFTNESS = 0.1
-"""Stiffness of a squeezing hand along the normal of its face, as a share of its stiffness in other directions.
+"""Ratio of a squeezing hand's stiffness along the normal of its face to its stiffness K in the other directions.
 
-The hand must be stiff along its face. Two hands that push against each other with a force S over a length L buckle
-unless S < K L / 2. If they buckle, the box turns about the vertical axis.
+K must be large: two hands at a distance L that push against each other with a force S buckle unless S < K L / 2.
+Buckling hands turn the box about the vertical axis.
 """
 _TOUCH = 1e-4
 
 
 @dataclass(frozen=True)
 class Roles:
-    """The tokens of an instance.
+    """The hands and the box of a block instance.
 
     Attributes:
         crew: symbol for the number of hands.
@@ -57,13 +57,13 @@ class Roles:
 
     @classmethod
     def of(cls, crew: str, binding: Binding) -> "Roles":
-        """Read the roles of a binding."""
+        """Return the roles in a binding."""
         hands = tuple((get_token(binding, slot), place) for slot, place in places_of(crew))
         return cls(crew, hands, get_token(binding, "object"))
 
 
 def places_of(crew: str) -> tuple[tuple[str, str], ...]:
-    """Return pairs of (slot, place) for the hands of a crew."""
+    """Return a pair of (slot, place) for each hand of a crew."""
     return tuple(zip(SLOTS, CREWS[crew], strict=False))
 
 
@@ -71,10 +71,10 @@ class Course(NamedTuple):
     """The progress of a movement at given times. All fields have the shape ``(...)``.
 
     Attributes:
-        closed: share, from 0 to 1, of the gap to the face that the hands have closed.
+        closed: fraction of the gap between hand and face that is closed, from 0 to 1.
         closing: rate of `closed` [1/s].
-        grip: share, from 0 to 1, of the squeeze that the hands apply.
-        loaded: share, from 0 to 1, of the weight that the hands bear, at most `grip`.
+        grip: fraction of the full squeeze that each hand applies, from 0 to 1.
+        loaded: fraction of the box's weight that the hands bear, from 0 to `grip`.
         rise: planned height of the box above its initial height [m].
         rising: rate of `rise` [m/s].
     """
@@ -100,7 +100,7 @@ def bearing(
         roles: the hands and the box.
         start: state at the beginning of the movement.
         squeeze: force ``(...)`` [N] with which each hand presses on its face.
-        gaps: distance ``(...)`` [m] that each hand moves towards its face. Negative values move the hand away.
+        gaps: distance ``(...)`` [m] that each hand moves towards its face. A hand with a negative value moves away.
         course: maps the elapsed time ``(...)`` [s] to the progress of the movement.
     """
     weight = load(roles.thing, roles.crew) * UP
@@ -133,7 +133,7 @@ def bearing(
 
 
 def squeezing(crew: str) -> Hyperparameter:
-    """Return the hyperparameter of the squeeze. Its upper bound leaves the hands enough force to bear the box."""
+    """Return the hyperparameter `squeeze`. Its upper bound leaves the hands enough force to bear the box."""
 
     def initial(binding: Binding, state: State) -> FloatArray:
         return np.asarray(squeeze_for(get_token(binding, "object"), crew))
@@ -148,15 +148,15 @@ def squeezing(crew: str) -> Hyperparameter:
 def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSystem:
     """Return the system in which Coulomb friction joins hands and box as long as the hands press hard enough.
 
-    The box keeps its orientation, moves only up and down, and stops at the floor. The hands stop at their faces,
-    because the hands on the opposite side keep the box in place.
+    The box keeps its orientation, moves only up and down, and stops at the floor. Each hand stops at its face,
+    because the hands on the opposite face keep the box in place.
     """
     roles = Roles.of(crew, binding)
     thing, mass, coefficient = roles.thing, roles.thing["mass"], friction(roles.thing)
 
     def system(state: State, commands: Commands, dt: float) -> State:
         lowest = -corner_heights(state, thing).min(axis=-1) / dt
-        """Vertical speed [m/s] at which the box reaches the floor in this step."""
+        """Vertical velocity [m/s] with which the box reaches the floor at the end of this step."""
         sinking = state[thing, "velocity"][..., 2] - GRAVITY * dt
         moved = [(hand, *_pressed(state, hand, thing, place, commands, dt)) for hand, place in roles.hands]
         momentum, total = mass * sinking, mass * np.ones_like(sinking)
@@ -175,7 +175,7 @@ def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSyste
             changes[hand.name, "position"] = state[hand, "position"] + after * dt
         speed = np.maximum(sinking + lifting / mass, lowest)
         changes[thing.name, "position"] = state[thing, "position"] + UP * (speed * dt)[..., None]
-        # A box that reaches the floor in this step is at rest after it.
+        # A box that reaches the floor in this step is at rest after the step.
         changes[thing.name, "velocity"] = UP * np.where(speed > lowest, speed, 0.0)[..., None]
         changes[thing.name, "angular_velocity"] = np.zeros_like(state[thing, "angular_velocity"])
         return state.replace(changes)
@@ -186,7 +186,7 @@ def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSyste
 def _pressed(
     state: State, hand: Token, thing: Token, place: str, commands: Commands, dt: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return a hand's velocity ``(..., 3)`` [m/s], which its face stops, and its pressing force ``(...)`` [N]."""
+    """Return a hand's velocity ``(..., 3)`` [m/s], limited by its face, and its force ``(...)`` [N] on the face."""
     force, normal = force_on(hand, state, commands), outward(state, thing, place)
     velocity = state[hand, "velocity"] + force / hand["mass"] * dt
     gap = np.maximum(gap_at(state, hand, thing, place), 0.0)

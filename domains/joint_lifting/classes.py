@@ -1,4 +1,4 @@
-"""The class of boxes that several hands lift together."""
+"""The class of boxes that several hands can lift together."""
 
 from collections.abc import Iterable
 from typing import ClassVar
@@ -10,18 +10,18 @@ from .places import FLOOR_TOLERANCE, corner_heights
 
 
 class Liftable(BoxShaped, AffordanceClass):
-    """Boxes that hands can lift by squeezing them from two opposite sides (paper, Sec. II-E)."""
+    """Boxes that hands can lift by squeezing two opposite sides (paper, Sec. II-E)."""
 
     name: ClassVar[str] = "LIFTABLE"
 
-    half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z; hands squeeze the box along x")
+    half_extents: Extents = quantity("m", "half of each edge length along x, y and z; hands squeeze along x")
     mass: float = mass_property()
     friction: float = friction_property()
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Return an error message if the shape is not the box of the half extents, otherwise None."""
-        return find_box_fault(token, "the shape of a LIFTABLE token must be a box: remove the shape or the class")
+        """Return an error message if the shape is not a box with the half extents, otherwise None."""
+        return find_box_fault(token, "a LIFTABLE token must be a box; remove the token's shape or its class LIFTABLE")
 
     @staticmethod
     def consistent_start(token: Token, state: State, tokens: Iterable[Token]) -> str | None:

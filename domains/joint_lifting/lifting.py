@@ -1,8 +1,8 @@
-"""The blocks LIFTING, HOLDING and LOWERING (paper, Sec. II-E), in which hands on opposite sides of a box lift it.
+"""The blocks LIFTING, HOLDING and LOWERING (paper, Sec. II-E) of hands on opposite sides of a box.
 
 Each block has two modes: ``two``, with one hand on each side, and ``four``, with two hands on each side. Four hands,
 which may belong to two robots, can lift a box that is too heavy for two hands. The box is not attached to any hand.
-LIFTING and LOWERING end by themselves. HOLDING keeps the box in the air as long as the hands squeeze it.
+LIFTING and LOWERING end by themselves. In HOLDING, the hands keep the box in the air until LOWERING begins.
 """
 
 from collections.abc import Callable
@@ -55,12 +55,12 @@ from .predicates import (
 MODES = {"two": "two hands", "four": "four hands"}
 """Maps each mode to its crew."""
 _CLOSING = 0.3
-"""Time that the hands take to close on a box, or to move away from it [s]."""
+"""Time in which hands close on a box or move away from a box [s]."""
 GRASPED = 0.5
-"""Time until the hands squeeze the box fully and bear its weight [s]."""
+"""Time from the start of LIFTING until the hands squeeze the box fully and bear its weight [s]."""
 _HELD = 1.0
-"""Smallest time for which a box is kept in the air [s]."""
-_SPEED = Hyperparameter("speed", "m/s", 0.03, 0.2, lambda b, s: np.asarray(0.1), "mean speed up or down")
+"""Minimum duration of HOLDING [s]."""
+_SPEED = Hyperparameter("speed", "m/s", 0.03, 0.2, lambda b, s: np.asarray(0.1), "mean vertical speed")
 _HEIGHT = Hyperparameter("height", "m", 0.11, 0.3, lambda b, s: np.asarray(LIFT), "height to which the box is lifted")
 
 
@@ -74,7 +74,7 @@ def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameter
         closing, rising = elapsed / _CLOSING, (elapsed - GRASPED) / duration
         closed, rate = straight_profile().share(closing), straight_profile().rate(closing) / _CLOSING
         grip = straight_profile().share(elapsed / GRASPED)
-        # A hand that compensated the weight before it touched the box would rise.
+        # Before contact, a hand that compensated its share of the weight would rise.
         loaded = straight_profile().share((elapsed - _CLOSING) / (GRASPED - _CLOSING))
         rise, climb = height * profile.share(rising), height * profile.rate(rising) / duration
         return Course(closed, rate, grip, loaded, rise, climb)
@@ -130,7 +130,7 @@ def _up(crew: str, binding: Binding, state: State) -> State:
 
 
 def _down(crew: str, binding: Binding, state: State) -> State:
-    """Return the state with the box on the floor and the hands in their standby positions beside it."""
+    """Return the state with the box on the floor and the hands in their standby positions beside the box."""
     roles = Roles.of(crew, binding)
     return _at(roles, state, -UP * corner_heights(state, roles.thing).min(axis=-1)[..., None], STANDBY_GAP)
 
@@ -143,7 +143,7 @@ def _at(roles: Roles, state: State, way: FloatArray, gap: float) -> State:
 
 
 def _able(crew: str) -> tuple[Literal, ...]:
-    """Return the static conditions on all hands of a crew at their places."""
+    """Return the feasibility conditions of every hand in a crew."""
     return tuple(
         literal
         for slot, place in places_of(crew)
@@ -162,7 +162,7 @@ def _at_places(crew: str) -> tuple[Literal, ...]:
 
 
 def _together(action: str, mode: str, duration: Duration, policy: Callable[..., Policy], profile: Profile) -> Block:
-    """Return a block with the parts that the three actions have in common in a mode, e.g. conditions on the hands."""
+    """Return a block with the parts that LIFTING, HOLDING and LOWERING share, e.g. the conditions on the hands."""
     crew = MODES[mode]
     slots = [slot for slot, _ in places_of(crew)]
     return Block(
@@ -182,7 +182,7 @@ def _together(action: str, mode: str, duration: Duration, policy: Callable[..., 
 
 
 def lifting(mode: str, primitive: DMP | None = None) -> Block:
-    """Return one mode of LIFTING. Its primitive, by default a straight movement, moves the box up."""
+    """Return one mode of LIFTING. The primitive, by default `straight_movement`, generates the rise of the box."""
     profile, crew = profile_of(primitive), MODES[mode]
     block = _together("LIFTING", mode, Duration(GRASPED, 12.0, partial(_lifted, crew, profile)), _lift, profile)
     return replace(
@@ -214,7 +214,7 @@ def holding(mode: str) -> Block:
 
 
 def lowering(mode: str, primitive: DMP | None = None) -> Block:
-    """Return one mode of LOWERING. Its primitive, by default a straight movement, moves the box down."""
+    """Return one mode of LOWERING. The primitive, by default `straight_movement`, generates the descent of the box."""
     profile, crew = profile_of(primitive), MODES[mode]
     block = _together("LOWERING", mode, Duration(_CLOSING, 15.0, partial(_lowered, crew)), _lower, profile)
     clear = (CLEAR_OF(slot, "object") for slot, _ in places_of(crew))
@@ -226,7 +226,7 @@ def lowering(mode: str, primitive: DMP | None = None) -> Block:
         taught=partial(lowering, mode),
         movement=Movement("object", "position", 1),
         outcome=partial(_down, crew),
-        description=f"{crew} set a box down and release it",
+        description=f"{crew} set a box down and release the box",
     )
 
 

@@ -1,8 +1,8 @@
-"""Closed forms of the loads that hands bear by friction. Feasibility facts and the squeeze use them.
+"""Loads that hands bear by friction, in closed form. Feasibility facts and the squeeze are computed from these loads.
 
 Each of n hands bears the share W = m g/n of the weight. A hand that presses on its face with a force S can bear mu S by
-friction. It squeezes RESERVE times as hard as necessary: S = RESERVE W/mu. Its total force is the vector sum of S and
-W, so sqrt(S^2 + W^2) <= F_max. The hand can thus bear at most W_max = F_max/sqrt(1 + (RESERVE/mu)^2).
+friction. Each hand squeezes RESERVE times as hard as necessary: S = RESERVE W/mu. The hand's total force is the vector
+sum of S and W, so sqrt(S^2 + W^2) <= F_max. The hand can thus bear at most W_max = F_max/sqrt(1 + (RESERVE/mu)^2).
 """
 
 import numpy as np
@@ -12,9 +12,9 @@ from hybrid_tamp.authoring import GRAVITY, Token
 from .places import CREWS
 
 HAND_FRICTION = 0.5
-"""Friction coefficient of a hand: the default of the physics engine for tokens without this property."""
+"""Friction coefficient of a hand. Physics backends assume this value for tokens without the property `friction`."""
 RESERVE = 1.5
-"""Factor on the smallest squeeze without slip, because the box accelerates and the hands' shares differ a little."""
+"""Ratio of the squeeze to the smallest squeeze without slip. The reserve covers acceleration and unequal shares."""
 
 
 def friction(thing: Token) -> float:
@@ -23,18 +23,18 @@ def friction(thing: Token) -> float:
 
 
 def load(thing: Token, crew: str) -> float:
-    """Return the share [N] of an object's weight that each hand of a crew bears."""
+    """Return the part of an object's weight [N] that each hand of a crew bears."""
     return float(thing["mass"] * GRAVITY / len(CREWS[crew]))
 
 
 def squeeze_for(thing: Token, crew: str) -> float:
-    """Return the squeeze [N] of each hand of a crew that lifts an object. It is infinite without friction."""
+    """Return the squeeze [N] of each hand in a crew that lifts an object, or infinity if the friction is zero."""
     coefficient = friction(thing)
     return RESERVE * load(thing, crew) / coefficient if coefficient > 0.0 else np.inf
 
 
 def bearable(hand: Token, thing: Token) -> float:
-    """Return the largest share [N] of an object's weight that a hand can bear by friction."""
+    """Return the largest part of an object's weight [N] that a hand can bear by friction."""
     coefficient = friction(thing)
     return float(hand["maximal_force"] * coefficient / np.hypot(coefficient, RESERVE))
 

@@ -16,15 +16,15 @@ CONTROLLED: Mapping[str, tuple[float, float]] = {
     "tilt [deg]": (0.0, 3.0),
     "slip [m]": (0.0, 0.01),
 }
-"""Bounds of a controlled lift."""
+"""Maps each metric to its bounds in a controlled lift."""
 
 
 def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
-    """Return the metrics of every lift. The result maps each (instance, metric) to its value.
+    """Return the metrics of every lift. The result maps each pair of (instance, metric) to a value.
 
     The metrics are the final height of the lowest corner of the box, the largest tilt of the box, and the largest slip
-    of a hand along its face. They cover the time from when the hands of LIFTING bear the box to the end of HOLDING. If
-    the backend measures contact forces, the largest force of a hand on the box during LIFTING is added.
+    of a hand along its face. The measurement starts when the hands bear the box and lasts until HOLDING ends. If the
+    backend measures contact forces, a further metric is the largest force of a hand on the box during LIFTING.
     """
     return measure_instances(task, recording, {"LIFTING": _lift})
 

@@ -1,10 +1,10 @@
 """The places at which hands bear a box.
 
-Hands squeeze a box along its own x axis, at its left face (-x) and its right face (+x). Each face has either one hand
-in the middle or two hands side by side, in the front half (-y) and in the back half (+y). A hand is upright, and its
-lower end is above the centre of the box. So the hand touches its face along a vertical line for every yaw of the box,
-and the box hangs stably from the hands. Vectors are in the world frame unless a name says otherwise. Batch dimensions
-come first.
+Hands squeeze a box along its own x axis, at its left face (-x) and its right face (+x). At each face there is either
+one hand in the middle, or one hand in the front half (-y) and one hand in the back half (+y). Each hand is upright, so
+it touches its face along a vertical line for every yaw of the box. The lower end of each hand is above the centre of
+the box, so the box hangs stably. Vectors are in the world frame unless a name says otherwise. Batch dimensions come
+first.
 """
 
 from itertools import product
@@ -23,8 +23,8 @@ SPOTS: dict[str, tuple[float, float]] = {
     "right front": (1.0, -0.5),
     "right back": (1.0, 0.5),
 }
-"""Maps each place to the sign of its side along x, and to its position along y as a share of the half extent."""
-PLACE = SymbolSort("place", tuple(SPOTS), "place of a hand at a box: on side -x or +x, in the middle or at -y or +y")
+"""Maps each place to a pair of (sign of its side along x, position along y as a fraction of the half extent)."""
+PLACE = SymbolSort("place", tuple(SPOTS), "place of a hand: side -x or +x of a box, in the middle or towards -y or +y")
 
 CREWS: dict[str, tuple[str, ...]] = {
     "two hands": ("left", "right"),
@@ -38,7 +38,7 @@ ABOVE_CENTRE = 0.01
 STANDBY_GAP = 0.012
 """Gap between a face and a hand in its standby position [m]."""
 FLOOR_TOLERANCE = 0.01
-"""Largest distance between the floor and the bottom corners of a box that stands on the floor [m]."""
+"""Largest distance of a bottom corner from the floor at which a box counts as standing on the floor [m]."""
 
 
 def offset_in_box(state: State, hand: Token, thing: Token) -> FloatArray:
@@ -47,12 +47,12 @@ def offset_in_box(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def outward(state: State, thing: Token, place: str) -> FloatArray:
-    """Return the outward normal ``(..., 3)`` of the face at a place."""
+    """Return the outward normal ``(..., 3)`` of a box's face at a place."""
     return rotate(state[thing, "orientation"], np.array([SPOTS[place][0], 0.0, 0.0]))
 
 
 def place_at(state: State, hand: Token, thing: Token, place: str, gap: float = STANDBY_GAP) -> FloatArray:
-    """Return the position ``(..., 3)`` [m] of the centre of a hand at a place of a box."""
+    """Return the position ``(..., 3)`` [m] of a hand's centre if the hand is at a place, with a gap [m] to the face."""
     side, along = SPOTS[place]
     half_x, half_y, _ = thing["half_extents"]
     in_body = np.array([side * (half_x + hand["radius"] + gap), along * half_y, ABOVE_CENTRE + hand["length"] / 2.0])
@@ -66,7 +66,7 @@ def gap_at(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
 
 
 def corner_heights(state: State, thing: Token) -> FloatArray:
-    """Return the heights ``(..., 4)`` [m] of the four corners of the bottom face."""
+    """Return the heights ``(..., 4)`` [m] of the four corners of a box's bottom face."""
     halves, orientation = np.asarray(thing["half_extents"]), state[thing, "orientation"]
     corners = (np.array([x, y, -1.0]) * halves for x, y in product((-1.0, 1.0), repeat=2))
     return np.stack([state[thing, "position"][..., 2] + rotate(orientation, each)[..., 2] for each in corners], axis=-1)

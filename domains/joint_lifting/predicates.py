@@ -31,15 +31,15 @@ RAISED_HEIGHT = 0.1
 LIFT = 0.15
 """Height to which a box is lifted by default [m]."""
 PLACE_TOLERANCE = 0.03
-"""Largest distance of a hand from its place at a box [m]. It allows for closing the standby gap and for slip."""
+"""Largest distance at which a hand counts as at its place [m]. The tolerance covers the standby gap and slip."""
 _CLEAR = 0.005
 _UPRIGHT = np.sin(np.radians(3.0))
 _MIDDLE = 0.02
-"""Distance [m] from the middle of the box, between front and back, within which a hand may go to either half."""
+"""Largest distance [m] from the plane between front and back at which a hand may use either half of the box."""
 _TOUCHING = 0.03
-"""Smallest length of the line along which a hand touches a face [m]."""
+"""Smallest length of the contact line between a hand and a face [m]."""
 _ABREAST = 0.02
-"""Gap between two hands that are side by side [m]."""
+"""Smallest gap between two hands at the same face [m]."""
 
 
 def _rise(state: State, thing: Token) -> FloatArray:
@@ -61,7 +61,7 @@ def _uprightness(state: State, hand: Token) -> FloatArray:
 
 
 def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Return the smaller of two distances [m]: of a hand beyond its face, and of a hand inside its half of the box."""
+    """Return the smaller of two distances [m]: of a hand outward from its face, and of a hand inside its half."""
     side, along = SPOTS[place]
     offset = offset_in_box(state, hand, thing)
     beyond = side * offset[..., 0] - thing["half_extents"][0] - hand["radius"]
@@ -69,7 +69,7 @@ def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
 
 
 def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Return the smallest depth [m] of the hand inside its workspace, beside the standing box and the lifted box."""
+    """Return the smaller depth [m] of a hand in its workspace, for the box on the floor and for the lifted box."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
     beside = place_at(state, hand, thing, place)
     return np.asarray(np.minimum(beside - lower, upper - beside - LIFT * UP).min(axis=-1))
@@ -133,7 +133,7 @@ UPRIGHT = Predicate(
     reads={"hand": ("orientation",)},
     kind=Kind.STATIC,
     description="{hand} is upright",
-    denial="{hand} is not upright and cannot turn",
+    denial="{hand}, which cannot turn, is not upright",
 )
 ON_SIDE = Predicate(
     "on_side",
@@ -147,15 +147,15 @@ ON_SIDE = Predicate(
     description="{hand} starts on the {place} side of {object}",
     denial="{hand} does not start on the {place} side of {object}",
 )
-"""Hands stay on their side and half of a box because two hands that crossed over at the same time would collide."""
+"""Each hand stays on its side and in its half of a box, because two hands that changed sides could collide."""
 WITHIN_REACH = length_predicate(
     "within_reach",
     (_HAND, _OBJECT, _PLACE),
     _reach,
     reads={"object": POSE},
     kind=Kind.STATIC,
-    description="the {place} of {object} stays in the workspace of {hand} during a lift",
-    denial="the {place} of {object} does not stay in the workspace of {hand} during a lift",
+    description="the {place} of {object} is in the workspace of {hand} throughout a lift",
+    denial="the {place} of {object} leaves the workspace of {hand} during a lift",
 )
 FITS = length_predicate(
     "fits",

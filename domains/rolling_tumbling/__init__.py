@@ -3,8 +3,8 @@
 Modules of rolling, in reading order: `classes`, `geometry`, `predicates`, `rolling` (D1).
 Modules of tumbling, in reading order: `faces`, `tumbling_geometry`, `standing`, `tumbling_predicates`, `turning`,
 `tipping` (D2 to D4), `detours`, `reaching_around` (D5).
-`..common` provides RESTING (D6) and the REACHING (D5) of rolling. `probing_rolling` and `probing_tumbling` test whether
-new objects are members of the classes.
+`..common` provides RESTING (D6) and, for rolling, REACHING (D5). `probing_rolling` and `probing_tumbling` test whether
+new objects can be rolled and tumbled.
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
@@ -33,7 +33,7 @@ _EDGES = (
     ("ROLLING.hand", "REACHING:behind.hand"),
     ("ROLLING.hand", "RESTING.token"),
     ("ROLLING.object", "RESTING.token"),
-    # A box is tipped over an edge from rest, tilted back and forth while hands change, and lowered onto another face.
+    # Hands tip a box over an edge, tilt the box back so that a hand can move, and lower the box onto another face.
     ("RESTING.token", "TIPPING:opposite.object"),
     ("TIPPING:opposite.object", "TILTING.object"),
     ("TIPPING:opposite.object", "TIPPING:lower.object"),
@@ -41,7 +41,7 @@ _EDGES = (
     ("TIPPING:adjacent.object", "TILTING.object"),
     ("TILTING.object", "TIPPING:lower.object"),
     ("TIPPING:lower.object", "RESTING.token"),
-    # The hand on which the box leans holds the box. The other hand reaches its place through REACHING.
+    # If a box leans on one hand, this hand alone holds the box. Every other hand comes from REACHING.
     ("REACHING:beside.hand", "TIPPING:opposite.first"),
     ("REACHING:beside.hand", "TIPPING:opposite.second"),
     ("REACHING:beside.hand", "TIPPING:adjacent.first"),
@@ -51,15 +51,15 @@ _EDGES = (
     ("TIPPING:adjacent.first", "TILTING.hand"),
     ("TILTING.hand", "TIPPING:adjacent.second"),
     ("TILTING.hand", "TIPPING:lower.first"),
-    # A hand must leave a box through REACHING: a resting hand would block the box when the box comes down.
-    # The hand on which the box does not lean can move directly to its next face.
+    # A hand leaves a box only through REACHING, because a resting hand would block the descent of the box.
+    # A hand on which the box does not lean can move directly to its next face.
     ("TIPPING:opposite.first", "REACHING:beside.hand"),
     ("TIPPING:adjacent.second", "REACHING:beside.hand"),
     ("TIPPING.first", "REACHING:away.hand"),
     ("TIPPING.second", "REACHING:away.hand"),
     ("TILTING.hand", "REACHING:away.hand"),
 )
-"""Reassignments (paper, Fig. 2). An edge that names an action without a mode applies to each of the action's modes."""
+"""Reassignments (paper, Fig. 2). If an edge names an action without a mode, it applies to all modes of the action."""
 
 DOMAIN = Domain(
     name="rolling_tumbling",
@@ -79,5 +79,5 @@ DOMAIN = Domain(
     network=ReassignmentNetwork(_EDGES, [block.name for block in _BLOCKS]),
     metrics=metrics,
     trials=(TRY_ROLLING, TRY_TUMBLING),
-    description="hands roll and tumble heavy objects in a controlled manner",
+    description="hands roll and tumble heavy objects without letting them fall",
 )
