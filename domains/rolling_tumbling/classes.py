@@ -41,11 +41,11 @@ class Rollable(AffordanceClass):
     radius_of_rotation: float = positive("m", "radius of the rolling surface", 10)
     mass: float = mass_property()
     friction: float = friction_property()
-    rolling_friction: float = not_negative("m", "rolling friction: torque per normal force", 1, default=0.005)
+    rolling_friction: float = not_negative("m", "rolling friction, as torque per normal force", 1, default=0.005)
 
     @classmethod
     def features(cls, shape: Shape) -> float:
-        """Return how round the shape is about its roundest axis."""
+        """Return a measure of the shape's roundness about its roundest axis."""
         return rolling_likelihood(shape)
 
     @staticmethod
@@ -53,9 +53,9 @@ class Rollable(AffordanceClass):
         """Return an error message if the shape contradicts the radius of rotation, otherwise None."""
         radius = token["radius_of_rotation"]
         if isinstance(token.shape, Cylinder) and abs(token.shape.radius - radius) > 0.01 * radius:
-            return f"radius_of_rotation must equal the radius of the shape, {token.shape.radius} m, got {radius} m"
+            return f"radius_of_rotation must equal {token.shape.radius} m, the radius of the shape; got {radius} m"
         if isinstance(token.shape, Box):
-            return "a box does not roll: give the token another shape, or remove the class ROLLABLE"
+            return "a ROLLABLE token must not be a box; change the token's shape or remove its class ROLLABLE"
         return None
 
 
@@ -70,17 +70,17 @@ class Tumblable(BoxShaped, AffordanceClass):
 
     name: ClassVar[str] = "TUMBLABLE"
 
-    half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
+    half_extents: Extents = quantity("m", "half of each edge length along x, y and z")
     hollow: Annotated[Vector3, AfterValidator(_none_negative)] = quantity(
-        "m", "depth of the hollow in which hands touch the x, y and z faces", default=(0.0, 0.0, 0.0)
+        "m", "depth of the hollows in the x, y and z faces, which hands touch", default=(0.0, 0.0, 0.0)
     )
-    # Declared exactly as in ROLLABLE, so that a token may be a member of both.
+    # Declared exactly as in ROLLABLE, so that a token may belong to both classes.
     mass: float = mass_property()
     friction: float = friction_property()
 
     @classmethod
     def features(cls, shape: Shape) -> float:
-        """Return how likely the shape can be tumbled: how flat and wide its four sides around some axis are."""
+        """Return a measure of how flat and wide the shape's four sides around its best axis are."""
         return tumbling_likelihood(shape)
 
     @staticmethod
@@ -88,14 +88,14 @@ class Tumblable(BoxShaped, AffordanceClass):
         """Return an error message if the hollow or the shape does not fit the half extents, otherwise None."""
         halves = token["half_extents"]
         if any(depth >= half for depth, half in zip(token["hollow"], halves, strict=True)):
-            return f"hollow must be less than half_extents in each component, {halves} m, got {token['hollow']} m"
+            return f"each component of hollow must be less than in half_extents, {halves} m; got {token['hollow']} m"
         if isinstance(token.shape, MeshShape):
             lower, upper = token.shape.corners.tolist()
             ends = [(abs(end), half) for row in (lower, upper) for end, half in zip(row, halves, strict=True)]
             if any(abs(end - half) > 0.03 * half for end, half in ends):
-                return f"half_extents must fit the mesh, which extends from {lower} to {upper} m, got {halves} m"
+                return f"half_extents must match the mesh, which extends from {lower} m to {upper} m; got {halves} m"
             return None
-        other = "the shape of a TUMBLABLE token must be a box or a mesh: remove the shape or the class"
+        other = "a TUMBLABLE token must be a box or a mesh; remove the token's shape or its class TUMBLABLE"
         return find_box_fault(token, other)
 
     @staticmethod

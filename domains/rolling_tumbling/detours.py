@@ -21,13 +21,13 @@ from .tumbling_geometry import (
 )
 
 _ROOM = 0.055
-"""Gap [m] between the box and a passing hand. It leaves room for another hand at the box."""
+"""Gap [m] between a box and a passing hand. The gap is wide enough for another hand."""
 _ROUNDING = 0.05
 _TOUCHING = 0.005
 _SAMPLES = 8
 _BLOCKED = 100.0
 _AWAY = 5.5
-"""Final distance of a hand from the space that the box may occupy, in hand radii. Another hand fits in between."""
+"""Final distance, in hand radii, of a departing hand from the space that the turning box may occupy."""
 _LONGEST = 7
 
 
@@ -49,7 +49,7 @@ class Curve:
         return np.asarray(self.arcs[..., -1])
 
     def at(self, elapsed: FloatArray, duration: FloatArray, profile: Profile) -> tuple[FloatArray, FloatArray]:
-        """Return the position [m] and the velocity [m/s], each ``(..., 3)``, of a movement with the given profile."""
+        """Return the hand's position [m] and velocity [m/s], each ``(..., 3)``, for a movement with a speed profile."""
         phase = np.asarray(elapsed / duration)
         travelled = profile.share(phase) * self.length
         index = np.clip(np.sum(self.arcs <= travelled[..., None], axis=-1), 1, self.arcs.shape[-1] - 1)
@@ -78,7 +78,7 @@ def _outward(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def curve_through(start: State, make: Callable[[State], list[FloatArray]]) -> Curve:
-    """Return the curve with rounded corners. `make` returns the corner points for each state of a batch."""
+    """Return a curve with rounded corners for each state of a batch. ``make(state)`` returns the corners."""
     rows = start.values.reshape(-1, start.values.shape[-1])
     polylines = [_padded(make(State(start.layout, row))) for row in rows]
     points = _rounded(np.array(polylines))
@@ -106,19 +106,19 @@ def _rounded(corners: FloatArray) -> FloatArray:
 
 
 def _shortened(leg: FloatArray) -> FloatArray:
-    """Return the part of a leg that the rounding of a corner replaces: at most half of the leg."""
+    """Return the part of a leg that a rounded corner replaces, which is at most half of the leg."""
     length = np.linalg.norm(leg, axis=-1, keepdims=True)
     return np.asarray(leg * np.minimum(0.5, _ROUNDING / np.maximum(length, 1e-9)))
 
 
 def _around(state: State, hand: Token, thing: Token) -> tuple[str, str, str, str]:
-    """Return the faces that surround the hand's axis, in their order around the box."""
+    """Return the four faces whose normals are perpendicular to the hand's axis, in their order around the box."""
     one, _, other, _ = sides_across(state, hand, thing)
     return one, other, OPPOSITE[one], OPPOSITE[other]
 
 
 def _face_beside(state: State, hand: Token, thing: Token) -> tuple[str, float]:
-    """Return the face nearest to the hand, and the distance [m] of the hand's centre from it."""
+    """Return the face nearest to the hand, and the distance [m] between this face and the hand's centre."""
     offset = to_body(state, thing, state[hand, "position"] - state[thing, "position"])
     distances = {face: float(NORMALS[face] @ offset) - half_extent(thing, face) for face in _around(state, hand, thing)}
     face = max(distances, key=lambda name: distances[name])
@@ -126,14 +126,14 @@ def _face_beside(state: State, hand: Token, thing: Token) -> tuple[str, float]:
 
 
 def _off_face(state: State, hand: Token, thing: Token) -> tuple[str, FloatArray]:
-    """Return the face nearest to the hand, and the position ``(3,)`` [m] at which the hand is clear of that face."""
+    """Return the face nearest to the hand, and a position ``(3,)`` [m] at which the hand is clear of this face."""
     face, distance = _face_beside(state, hand, thing)
     outward = normal(state, thing, face)
     return face, state[hand, "position"] + outward * max(0.0, hand["radius"] + _ROOM - distance)
 
 
 def corners_to_face(state: State, hand: Token, thing: Token, face: str) -> list[FloatArray]:
-    """Return the corners ``(3,)`` [m] of the shorter way around the box, from the hand's position to a face."""
+    """Return the corners, each ``(3,)`` [m], of the cheaper of the hand's two routes around the box to a face."""
     place = place_at(state, hand, thing, face)
     outward = normal(state, thing, face)
     before = place + outward * (_ROOM - STANDBY_GAP)
@@ -148,7 +148,7 @@ def corners_to_face(state: State, hand: Token, thing: Token, face: str) -> list[
 def _corners(
     state: State, hand: Token, thing: Token, faces: tuple[str, ...], origin: str, goal: str, step: int
 ) -> list[FloatArray]:
-    """Return the corners that a hand passes from one face to another. `step` gives the direction around the box."""
+    """Return the corners on the route between two faces. The direction around the box is `step`, which is 1 or -1."""
     here, found = faces.index(origin), []
     while faces[here] != goal:
         after = (here + step) % len(faces)
@@ -166,17 +166,17 @@ def _corners(
 
 
 def _cost(hand: Token, route: list[FloatArray]) -> float:
-    """Return the length of a route [m], with a penalty if the route passes through the floor."""
+    """Return the length of a route [m], plus a penalty if the route passes through the floor."""
     length = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(route))
     sunk = sum(float(np.linalg.norm(above_floor(hand, point) - point)) for point in route[2:-2])
     return length + _BLOCKED * (sunk > 0)
 
 
 def corners_away(state: State, hand: Token, thing: Token) -> list[FloatArray]:
-    """Return the corners ``(3,)`` [m] that lead a hand off its face and out of the space that the box may occupy."""
+    """Return the corners, each ``(3,)`` [m], of a route out of the space that the turning box may occupy."""
     face, free = _off_face(state, hand, thing)
     outward = normal(state, thing, face) * HORIZONTAL
-    if np.linalg.norm(outward) < 0.2:  # The hand is above the box and moves to its own side.
+    if np.linalg.norm(outward) < 0.2:  # A hand above the box moves to the nearer side.
         outward = (state[hand, "position"] - state[thing, "position"]) * HORIZONTAL
         outward = outward - hand_axis(state, hand) * (outward @ hand_axis(state, hand))
     outward = outward / max(float(np.linalg.norm(outward)), 1e-9)

@@ -18,7 +18,7 @@ def axis(state: State, thing: Token) -> FloatArray:
 
 
 def heading(state: State, thing: Token) -> FloatArray:
-    """Return the horizontal unit vector ``(..., 3)`` along which an object rolls. Its sign is arbitrary."""
+    """Return the horizontal unit vector ``(..., 3)`` along which an object rolls, with an arbitrary sign."""
     across = np.cross(axis(state, thing), UP)
     length = np.linalg.norm(across, axis=-1, keepdims=True)
     # If the axis is vertical, LIES_ON_SIDE does not hold, but the result must stay finite.
@@ -26,7 +26,7 @@ def heading(state: State, thing: Token) -> FloatArray:
 
 
 def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:
-    """Return the direction ``(..., 3)`` of the roll to a region, and the distance ``(...)`` [m] in this direction."""
+    """Return the direction ``(..., 3)`` of a roll to a region, and the distance ``(...)`` [m] in this direction."""
     along = heading(state, thing)
     distance = dot(state[region, "position"] - state[thing, "position"], along)
     forward = np.where(distance < 0, -1.0, 1.0)
@@ -34,7 +34,7 @@ def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArr
 
 
 def reach_of(hand: Token, state: State, direction: FloatArray) -> FloatArray:
-    """Return the extent ``(...)`` [m] of a hand from its centre in a direction."""
+    """Return how far ``(...)`` [m] a hand extends from its centre in a direction."""
     shape = hand.shape
     assert isinstance(shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
     along = np.abs(dot(rotate(state[hand, "orientation"], UP), direction))
@@ -42,18 +42,18 @@ def reach_of(hand: Token, state: State, direction: FloatArray) -> FloatArray:
 
 
 def touching(state: State, hand: Token, thing: Token, direction: FloatArray) -> FloatArray:
-    """Return the distance ``(...)`` [m] between the centres of a hand and of the object that the hand pushes."""
+    """Return the distance ``(...)`` [m] between the centres of a hand and an object that touch each other."""
     return np.asarray(thing["radius_of_rotation"] + reach_of(hand, state, direction))
 
 
 def working_height(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the height ``(...)`` [m] at which a hand pushes: the object's centre, or higher to clear the floor."""
+    """Return the height ``(...)`` [m] of a pushing hand: the height of the object's centre, or more near the floor."""
     half = reach_of(hand, state, np.broadcast_to(UP, state[hand, "position"].shape))
     return np.maximum(state[thing, "position"][..., 2], half + FLOOR_CLEARANCE)
 
 
 def standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Return the standby position ``(..., 3)`` [m] of a hand: behind an object, ready to push it to the region."""
+    """Return the standby position ``(..., 3)`` [m] of a hand behind an object, on the side away from a region."""
     direction, _ = way(state, thing, region)
     behind = touching(state, hand, thing, direction) + STANDOFF
     place = state[thing, "position"] - direction * behind[..., None]

@@ -11,9 +11,9 @@ from .faces import edge_between, faces_of
 from .tumbling_geometry import edge_axis, edge_position, tilt
 
 _TOUCHDOWN = np.radians(3.0)
-"""Angle from lying flat [rad] at which a box counts as having touched down."""
+"""Largest deviation from the flat posture at which a box counts as touched down [rad]."""
 _AROUND = 0.1
-"""Time [s] before and after touchdown. The touchdown speed is the largest angular speed within this time."""
+"""Time before and after touchdown [s] within which the largest angular speed is measured."""
 
 CONTROLLED: Mapping[str, tuple[float, float]] = {
     "tilt [deg]": (85.0, 95.0),
@@ -21,16 +21,16 @@ CONTROLLED: Mapping[str, tuple[float, float]] = {
     "yaw [deg]": (0.0, 15.0),
     "touchdown [rad/s]": (0.0, 2.0),
 }
-"""Bounds of a controlled tumble. A box that a single hand pushes over also ends on its next face, but drops onto it."""
+"""Maps each metric to its bounds in a controlled tumble. The touchdown speed of a box that drops is too large."""
 
 
 def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
-    """Return the metrics of every roll and every tumble. The result maps each (instance, metric) to its value.
+    """Return the metrics of every roll and every tumble. The result maps each pair of (instance, metric) to a value.
 
-    A roll has the distance covered, the final distance between the centres of the object and the region, and
-    ``roll_ratio``: radius times angle, divided by distance, which is 1 without slip.
-    A tumble has its metrics at the instance that lowers the box: the final tilt, the slip of the pivot edge and the yaw
-    of the box since the tumble began, and the angular speed at touchdown.
+    The metrics of a roll are the distance covered, the final distance between the centres of object and region, and
+    ``roll_ratio``. This ratio is the radius times the angle, divided by the distance; it is 1 without slip.
+    The metrics of a tumble belong to the instance that lowers the box. They are the final tilt, the slip of the pivot
+    edge, the yaw of the box and the angular speed at touchdown. Slip and yaw are measured since the tumble began.
     """
     return measure_instances(task, recording, {"ROLLING": _rolling, "TIPPING:lower": _tumble})
 
@@ -54,7 +54,7 @@ def _rolling(task: Task, recording: Recording, instance: BlockInstance) -> Itera
 def _tumble(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, float]]:
     thing = task.token_by_name[instance.slots["object"]]
     start = _beginning(recording.instances, instance, thing)
-    # The box still moves after the hands have released it.
+    # The box may still move at the end of the instance.
     run = run_of(recording, start, instance.end + _AROUND)
     (onto,) = faces_of(instance.targets["outcome"])
     edge = edge_between(instance.targets["before"], instance.targets["outcome"])
@@ -62,7 +62,7 @@ def _tumble(task: Task, recording: Recording, instance: BlockInstance) -> Iterat
 
 
 def _beginning(instances: Sequence[BlockInstance], last: BlockInstance, thing: Token) -> float:
-    """Return the time [s] at which the box was last tipped from lying flat, no later than the start of `last`."""
+    """Return the start [s] of the latest instance, not after `last`, in which hands tip the flat box."""
     begins = [
         i.start
         for i in instances
@@ -72,7 +72,7 @@ def _beginning(instances: Sequence[BlockInstance], last: BlockInstance, thing: T
 
 
 def tumble_measures(run: State, thing: Token, down: str, onto: str, timestep: float) -> Iterator[tuple[str, float]]:
-    """Yield the tilt, slip, yaw and touchdown speed of a box that turned from one face onto another.
+    """Yield the tilt, slip, yaw and touchdown speed of a box that hands turned from one face onto another.
 
     Args:
         run: measured states ``(t, n)``.

@@ -17,7 +17,7 @@ _REGION = Parameter("region", Region)
 _TILT_TOLERANCE = np.sin(np.radians(3.0))
 _STANDBY_TOLERANCE = 0.025
 _DRIFT = 0.002
-"""Drift [m] of a rolling object off its line that feasibility facts tolerate."""
+"""Largest drift off its line at which a rolling object still counts as on the line [m]."""
 
 
 def _levelness(state: State, thing: Token) -> FloatArray:
@@ -25,7 +25,7 @@ def _levelness(state: State, thing: Token) -> FloatArray:
 
 
 def _closeness_of_line(state: State, thing: Token, region: Token) -> FloatArray:
-    """Return the radius of a region plus the drift, minus the distance of the rolling line from the region's centre."""
+    """Return the region's radius plus `_DRIFT`, minus the distance between rolling line and region's centre [m]."""
     offset = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
     along = dot(offset, heading(state, thing))
     aside = np.sqrt(np.maximum(0.0, dot(offset, offset) - along**2))
@@ -33,11 +33,11 @@ def _closeness_of_line(state: State, thing: Token, region: Token) -> FloatArray:
 
 
 def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Return the depth [m] of the hand inside its workspace when the object has arrived in the region.
+    """Return the depth [m] of the hand in its workspace when the object has arrived in the region.
 
-    The direction of the roll is unknown before the search, so the direction with the larger depth counts. A positive
-    depth is thus necessary for every initial position of the object. After the roll, IN_WORKSPACE measures whether the
-    hand stayed in its workspace.
+    The direction of the roll is unknown before the search, so the result is the larger of the depths for both
+    directions. Every roll to the region thus needs a positive result, regardless of the object's initial position. The
+    exit condition IN_WORKSPACE checks the hand after the roll.
     """
     along = heading(state, thing)
     ends = []
@@ -76,7 +76,7 @@ ON_ROLLING_LINE = length_predicate(
     _closeness_of_line,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
-    description="{region} is on the rolling line of {object}, which is perpendicular to the axis of {object}",
+    description="{region} is on the rolling line of {object}, a line perpendicular to the object's axis",
     denial="{region} is not on the rolling line of {object}",
 )
 WITHIN_WORKSPACE = length_predicate(
@@ -85,8 +85,8 @@ WITHIN_WORKSPACE = length_predicate(
     _room,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
-    description="{hand} can push {object} to {region} within its workspace",
-    denial="{hand} cannot push {object} all the way to {region} within its workspace",
+    description="{hand} can push {object} to {region} without leaving the workspace of the hand",
+    denial="{hand} cannot push {object} to {region} without leaving the workspace of the hand",
 )
 IN_WORKSPACE = length_predicate(
     "in_workspace",

@@ -1,4 +1,4 @@
-"""The trial that tests whether a new object is ROLLABLE like a labelled object: a hand must roll it over 0.6 m."""
+"""The trial that tests whether a new object is ROLLABLE: a hand must roll the object over 0.6 m."""
 
 from collections.abc import Mapping
 
@@ -32,24 +32,24 @@ from .predicates import WITHIN_WORKSPACE
 from .tumbling_geometry import hand_axis
 
 DISTANCE, TOLERANCE = 0.6, 0.05
-"""Distance of the trial roll, and largest final distance from the goal [m]."""
+"""Distance of the trial roll, and largest final distance from the goal in a passed trial [m]."""
 ROLLED: Mapping[str, tuple[float, float]] = {"final_distance [m]": (0.0, TOLERANCE), "roll_ratio": (0.9, 1.1)}
-"""Bounds of a passed trial. The ratio alone would also pass an object that turns once and stops."""
+"""Maps each metric to its bounds in a passed trial. The distance excludes an object that turns once and stops."""
 _OFFSET, _YAW = 0.02, float(np.radians(1.0))
-"""Largest random offset of the initial position [m] and of the initial yaw [rad]."""
+"""Largest random offsets of the initial position [m] and of the initial yaw [rad]."""
 _HAND = (0.25, -0.45, 0.3)
-"""Initial position of the hand [m]: along the roll, along the axis from the token's end, and up."""
+"""Initial position of the hand [m]: along the roll, beyond the token's end, and above the floor."""
 
 
 def mass_of(token: Token, labelled: Token) -> float:
-    """Return the mass of a token [kg]. If it is unknown, estimate it from the density of a labelled token."""
+    """Return the known mass of a token [kg], or an estimate from the density of a labelled token."""
     if "mass" in token.properties:
         return float(token["mass"])
     return round(float(labelled["mass"]) * volume_of(token.solid) / volume_of(labelled.solid), 3)
 
 
 def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
-    """Return the rotation that turns the labelled axis onto the roundest axis of the new shape."""
+    """Return the rotation that turns the labelled token's axis of rotation onto the new shape's roundest axis."""
     return np.asarray(frame(roundest_axis(token.solid)) @ frame(np.asarray(labelled["axis_of_rotation"])).T)
 
 
@@ -59,7 +59,7 @@ def frame(axis: FloatArray) -> FloatArray:
 
 
 def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estimate:
-    """Return the properties and contact points estimated from the labelled axis and side, which `carry` maps."""
+    """Return the estimated properties and contact points. `carry` maps points of the labelled token to the new one."""
     old = np.asarray(labelled["axis_of_rotation"])
     end = old * float((points_of(labelled.solid) @ old).max())
     ends = carry(np.array([end, -end]))
@@ -79,7 +79,7 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 
 
 def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
-    """Return the task of rolling a token that lies on its side to a region. Its axis is parallel to a level hand's."""
+    """Return a task in which a hand rolls a token to a region. A level hand is parallel to the token's axis."""
     hand = next((token for token in task.tokens if token.is_member(StaticEndEffector)), None)
     x, y, yaw = (0.0, 0.0, 0.0) if rng is None else rng.uniform(-1.0, 1.0, 3) * (_OFFSET, _OFFSET, _YAW)
     place = task.state[member, "position"] + np.array([x, y, 0.0])

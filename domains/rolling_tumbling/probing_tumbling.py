@@ -1,4 +1,4 @@
-"""The trial that tests whether a new object is TUMBLABLE like a labelled one: two hands must tumble it onto a face."""
+"""The trial that tests whether a new object is TUMBLABLE: two hands must tumble the object onto another face."""
 
 import numpy as np
 
@@ -27,18 +27,18 @@ from .standing import FLAT_TOLERANCE
 from .tumbling_geometry import GRIP, hand_axis, normal, sides_across, to_the_right
 
 _OFFSET, _YAW = 0.02, float(np.radians(2.0))
-"""Largest random offset of the initial position [m] and of the initial yaw [rad]."""
+"""Largest random offsets of the initial position [m] and of the initial yaw [rad]."""
 _ASIDE, _UP = 0.35, 0.55
-"""Initial distance of the hands beyond the token's longest half extent, and initial height above the floor [m]."""
+"""Initial position of each hand [m]: distance beyond the token's longest half extent, and height above the floor."""
 
 
 def _align(task: Task, token: Token, labelled: Token) -> FloatArray:
-    """Return the identity, because the faces of both tokens are fixed to their body axes."""
+    """Return the identity matrix, because the body axes of each token define its faces."""
     return np.eye(3)
 
 
 def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estimate:
-    """Return the properties, estimated from the bounding box, and the contact points that `carry` maps to the token."""
+    """Return the properties estimated from the bounding box, and the contact points that `carry` maps to the token."""
     halves = np.abs(points_of(token.solid)).max(axis=0)
     contacts: dict[str, tuple[float, float, float]] = {}
     depths = halves.copy()
@@ -58,13 +58,13 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 
 
 def _turning_axis(task: Task, token: Token) -> int:
-    """Return the index of the body axis about which hands turn a token: the one nearest to a hand's axis, or else y."""
+    """Return the index of the body axis nearest to a hand's axis, or of the y axis if the task has no level hand."""
     hand = next((one for one in task.tokens if one.is_member(StaticEndEffector)), None)
     return 1 if hand is None else int(np.argmax(np.abs(to_body(task.state, token, hand_axis(task.state, hand)))))
 
 
 def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:
-    """Return the contact points on a labelled box that turns about an axis: two per side, at GRIP from either edge."""
+    """Return the contact points on a labelled box that turns about an axis. Each side has one point near each edge."""
     halves = np.asarray(labelled["half_extents"]) - np.asarray(labelled["hollow"])
     found = {}
     for face in FACE.symbols:
@@ -78,9 +78,9 @@ def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:
 
 
 def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
-    """Return the task of tumbling a token between two hands, each of which starts on its own side.
+    """Return a task in which two hands, which start on opposite sides of a token, tumble the token.
 
-    The token keeps its orientation from the original task if it lies flat there. Otherwise it starts upright.
+    If the token lies flat in the original task, its orientation does not change. Otherwise, the token starts upright.
     """
     hands = tuple(token for token in task.tokens if token.is_member(StaticEndEffector))[:2]
     x, y, yaw = (0.0, 0.0, 0.0) if rng is None else rng.uniform(-1.0, 1.0, 3) * (_OFFSET, _OFFSET, _YAW)
@@ -114,7 +114,7 @@ def _height(member: Token, orientation: FloatArray) -> float:
 
 
 def _onto(state: State, hands: tuple[Token, ...], member: Token) -> str:
-    """Return the face whose normal points most to the right of the first hand, or the right face without hands."""
+    """Return the face whose normal points furthest to the first hand's right, or the right face without hands."""
     if not hands:
         return "right"
     right = to_the_right(state, hands[0])

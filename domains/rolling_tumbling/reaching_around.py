@@ -1,8 +1,8 @@
 """The blocks REACHING:beside and REACHING:away (paper, D5): a hand moves around a box to a face, or away from the box.
 
-The curve lies in the plane perpendicular to the hand's axis. It leaves the nearest face along a straight line, passes
-the corners of the box on the side that is clear of the floor, and approaches the goal face along a straight line.
-Everywhere it leaves room for another hand at the box. A one-dimensional motor primitive moves the hand along the curve.
+The hand's curve lies in the plane perpendicular to the hand's axis. The curve leaves the nearest face along a straight
+line, passes the box on the side that is clear of the floor, and approaches the goal face along a straight line. Another
+hand fits between the curve and the box. A one-dimensional motor primitive moves the hand along the curve.
 """
 
 from functools import partial
@@ -54,7 +54,7 @@ from .tumbling_predicates import (
 _SETTLING = 0.02
 _SHORTEST = 0.8
 _ASIDE = 0.02
-"""Distance [m] by which a hand quickly retreats from a face that it touches. It is less than the gap on the curve."""
+"""Distance [m] of a hand's quick retreat from the face that it touches, which is less than the gap on the curve."""
 _LETTING_GO = 0.1
 """Duration of the retreat [s]. The hand moves away faster than a box falls."""
 _COMING_BACK = 0.5
@@ -69,7 +69,7 @@ def _curve(binding: Binding, start: State) -> Curve:
 
 
 def _place(binding: Binding, state: State) -> FloatArray:
-    """Return the goal ``(..., 3)`` [m] at a face. A hand that moves away has a fixed goal, so its result is zero."""
+    """Return the goal ``(..., 3)`` [m] at a face, or zero for mode ``away``, whose goal does not depend on the box."""
     if "face" not in binding:
         return np.zeros(3)
     hand, thing = get_tokens(binding, "hand", "object")
@@ -81,10 +81,10 @@ def _time(curve: Curve, hyperparameters: Hyperparameters) -> FloatArray:
 
 
 def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the retreat from a face that a hand adds to its curve: the distance ``(..., 1)`` [m] and its rate [m/s].
+    """Return the distance [m] and the speed [m/s], each ``(..., 1)``, of the retreat that a hand adds to its curve.
 
-    A curve begins slowly. Without the retreat, a box that leans on the hand would follow the hand and press on it until
-    other hands take over.
+    A curve begins slowly. Without the retreat, a box that leans on the hand would follow the hand and keep pressing on
+    it until other hands take over.
     """
     off, back = elapsed / _LETTING_GO, (elapsed - _LETTING_GO) / _COMING_BACK
     profile = straight_profile()
@@ -94,7 +94,7 @@ def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
-    """Return the time [s] until the hand on the curve is close enough to the goal and slow enough."""
+    """Return the time [s] until both the hand's distance from the goal and its speed are within tolerance."""
     curve = _curve(binding, state)
     near = FACE_TOLERANCE if "face" in binding else np.inf
     return round_up(profile.arrival(curve.length, _time(curve, hyperparameters), near, REST_SPEED) + _SETTLING)
@@ -134,7 +134,7 @@ def _reaching(
     description: str,
     primitive: DMP | None = None,
 ) -> Block:
-    """Return one mode of REACHING. A one-dimensional primitive, by default straight, moves the hand along its curve."""
+    """Return one mode of REACHING. The primitive, by default `straight_movement`, moves the hand along its curve."""
     profile = profile_of(primitive)
     return Block(
         name=f"REACHING:{mode}",
@@ -172,14 +172,14 @@ REACH_BESIDE = _reaching(
     ),
     (AT_FACE("hand", "object", "face"),),
     0.3,
-    "the hand moves around the box to its place at a face and stays there",
+    "the hand moves around the box to a place at a face and stays there",
 )
 REACH_AWAY = _reaching(
     "away",
-    # The hand reads the position of the box only at the start, so the box may move during the reach.
+    # The reach uses only the initial position of the box, so the box may move during the reach.
     (Target("object", Tumblable, reads=()),),
     (WITHIN_REACH("hand", "object"),),
     (),
     _SHORTEST,
-    "the hand releases the box and leaves room for the box to come down",
+    "the hand releases the box and moves far enough away for the box to be lowered",
 )

@@ -1,8 +1,8 @@
 """The block ROLLING (paper, D1): a hand pushes an object from behind until the object rests in a region.
 
-The hand moves at the speed ``v = min(speed, sqrt(2 deceleration e))`` for the remaining distance e, so that the object
-stops after the chosen distance. It also compensates the rolling resistance with a force. Perpendicular to the rolling
-direction, the hand follows the object's centre.
+At a remaining distance e, the hand moves at the speed ``v = min(speed, sqrt(2 deceleration e))``, so that the object
+stops after the chosen distance. A further force of the hand compensates the rolling resistance. Perpendicular to the
+rolling direction, the hand follows the object's centre.
 """
 
 import numpy as np
@@ -67,7 +67,7 @@ def _initial_distance(binding: Binding, state: State) -> FloatArray:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    """Return the expected duration [s] of three phases: approach, constant speed and constant deceleration."""
+    """Return the expected total duration [s] of the approach, the constant speed and the constant deceleration."""
     speed, slowing = float(hyperparameters["speed"]), float(hyperparameters["deceleration"])
     distance = float(hyperparameters["distance"])
     braking = min(distance, speed**2 / (2 * slowing))
@@ -112,7 +112,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
     def system(state: State, commands: Commands, dt: float) -> State:
         direction, _ = way(state, thing, region)
-        # The roll keeps its direction, whereas `way` reverses its result once the object has passed the region.
+        # The direction is fixed here, because `way` reverses the direction once the object has passed the region.
         moving = dot(state[thing, "velocity"], direction)
         direction = np.where((moving < -1e-9)[..., None], -direction, direction)
         pushed = touching(state, hand, thing, direction)
@@ -143,7 +143,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def _outcome(binding: Binding, state: State) -> State:
-    """Return the state with the object at the centre of the region, and with the hand still behind the object."""
+    """Return the state with the object at the centre of the region and the hand behind the object."""
     hand, thing, region = _roles(binding)
     rolled = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
     return state.replace({(token.name, "position"): state[token, "position"] + rolled for token in (hand, thing)})
@@ -161,13 +161,13 @@ ROLLING = Block(
     # Objects that tumble are boxes, which do not roll.
     keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, POSTURE, *FEASIBLE_TUMBLING),
     hyperparameters=(
-        Hyperparameter("distance", "m", 0.0, 10.0, _initial_distance, "distance to roll"),
+        Hyperparameter("distance", "m", 0.0, 10.0, _initial_distance, "distance that the object rolls"),
         Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(0.4), "largest speed"),
-        Hyperparameter("deceleration", "m/s^2", 0.05, 0.3, lambda b, s: np.asarray(0.15), "deceleration at the end"),
+        Hyperparameter("deceleration", "m/s^2", 0.05, 0.3, lambda b, s: np.asarray(0.15), "final deceleration"),
     ),
     duration=Duration(0.2, 40.0, _expected),
     policy=_policy,
     system=_system,
     outcome=_outcome,
-    description="the hand pushes the object from behind until it rests within the region",
+    description="the hand pushes the object from behind until the object rests in the region",
 )

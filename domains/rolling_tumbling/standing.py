@@ -1,4 +1,4 @@
-"""Margins of a box's postures, and checks of whether tumbling can begin from a pose."""
+"""Margins of a box's postures, and a check of whether the box can be tumbled from its initial pose."""
 
 from collections.abc import Iterable
 
@@ -12,9 +12,9 @@ from .faces import FACE, NORMALS, POSTURES, faces_of, flat
 from .tumbling_geometry import hand_axis, lowest_point, nominal_tilt, normal, tilt
 
 SLENDERNESS = 1.6
-"""Largest ratio of the edges of a box for which the tumbling method has been tested."""
+"""Largest ratio of a box's edge lengths for which tumbling has been tested."""
 FLAT_TOLERANCE = np.radians(5.0)
-# The tolerance is less than PAST_BALANCE, so a box never fits both leaning postures on an edge at once.
+# The tolerance is less than PAST_BALANCE, so no box is in both leaning postures of an edge at once.
 _TIPPED_TOLERANCE = np.radians(5.0)
 _TWIST_TOLERANCE = np.radians(5.0)
 _FLOOR_TOLERANCE = 0.015
@@ -23,10 +23,10 @@ _LEVEL = 0.5
 
 
 def standing(state: State, thing: Token, posture: str) -> FloatArray:
-    """Return the margin ``(...)`` [rad] of a posture. It is zero or positive if the box is in the posture.
+    """Return the margin ``(...)`` [rad] of a posture, which is at least 0 if the box is in the posture.
 
-    The margin is the smaller one of two: the margin of the orientation, and the margin of the lowest point's height,
-    which is scaled to an angle.
+    The result is the smaller of two margins: the margin of the orientation, and the margin of the height of the lowest
+    point, scaled to an angle.
     """
     contact = 1.0 - np.abs(lowest_point(state, thing)) / _FLOOR_TOLERANCE
     return np.asarray(np.minimum(_fit(state, thing, posture), FLAT_TOLERANCE * contact))
@@ -45,12 +45,12 @@ def _fit(state: State, thing: Token, posture: str) -> FloatArray:
 
 
 def start_complaint(thing: Token, state: State, tokens: Iterable[Token]) -> str | None:
-    """Return why a box cannot be tumbled from its initial pose, or None if it can be tumbled.
+    """Return the reason why a box cannot be tumbled from its initial pose, or None if the box can be tumbled.
 
     Args:
         thing: the box.
         state: the initial state, without batch dimensions.
-        tokens: all tokens of the task, among them the hands. The box tumbles about the hands' axes.
+        tokens: all tokens of the task, including the hands about whose axes the box tumbles.
     """
     if not any(float(standing(state, thing, posture)) >= 0 for posture in POSTURES.symbols):
         return _unsupported(thing, state)
@@ -61,9 +61,8 @@ def start_complaint(thing: Token, state: State, tokens: Iterable[Token]) -> str 
     if height <= SLENDERNESS * base * (1.0 + _ROUNDING):
         return None
     return (
-        f"a box {height:.3g} m high on a base of {base:.3g} m is {height / base:.3g} times as high as its base, but "
-        f"the tumbling method has been demonstrated only for boxes up to {SLENDERNESS} times as high; "
-        "lay the box on another face, or remove its class TUMBLABLE"
+        f"the height of a TUMBLABLE box must be at most {SLENDERNESS} times the width of its base, got a height of "
+        f"{height:.3g} m and a width of {base:.3g} m; lay the box on another face, or remove its class TUMBLABLE"
     )
 
 
@@ -77,8 +76,8 @@ def _unsupported(thing: Token, state: State) -> str:
     if abs(height) > _FLOOR_TOLERANCE:
         said.append(f"its lowest point is {height:.3g} m above the floor")
     return (
-        f"the box is in no posture: {', and '.join(said)}; a TUMBLABLE token must lie flat on a face, or lean over the "
-        "edge between two faces"
+        f"the box is in no posture: {', and '.join(said)}; a TUMBLABLE box must either lie flat on a face, or stand on "
+        "an edge and lean over a face beside the edge"
     )
 
 
@@ -93,7 +92,7 @@ def _proportions(thing: Token, state: State, tokens: Iterable[Token], down: str)
 
 
 def _edge_along(thing: Token, state: State, hand: Token) -> int | None:
-    """Return the index of the body axis of the box that is nearest to a level hand's axis, or None for other hands."""
+    """Return the index of the box's body axis that is nearest to the hand's axis, or None if the hand is not level."""
     axis = hand_axis(state, hand)
     if abs(float(axis[2])) > _LEVEL:
         return None

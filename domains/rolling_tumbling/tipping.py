@@ -75,10 +75,10 @@ def _light(binding: Binding, state: State) -> FloatArray:
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
-    """Return the longest time [s] to close the hands and to turn the box to within tolerance of its new posture."""
+    """Return the longest time [s] in which the hands close and turn the box to within tolerance of its new posture."""
     roles = Roles.of(binding)
     angle = roles.wanted - nominal_tilt(roles.thing, get_symbol(binding, "before"), *roles.edge)
-    # The hands move faster than the box. Their distance from the edge is about the width of the box's section.
+    # A hand moves faster than the box, because its distance from the edge is about the diagonal of the box.
     one, other = (half_extent(roles.thing, face) for face in roles.edge)
     width = 2.0 * float(np.hypot(one, other))
     turn = turning_time(angle, float(hyperparameters["rate"]))
@@ -88,7 +88,7 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, 
 def _tipping(
     mode: str, relation: Predicate, squeeze: Hyperparameter, description: str, primitive: DMP | None = None
 ) -> Block:
-    """Return one mode of TIPPING. A one-dimensional primitive drives the tilt; the default is a straight movement."""
+    """Return one mode of TIPPING. The primitive, by default `straight_movement`, generates the tilt of the box."""
     profile = profile_of(primitive)
     return Block(
         name=f"TIPPING:{mode}",
@@ -103,7 +103,7 @@ def _tipping(
         # measure the hands' workspace yet.
         keeps=_KEPT,
         hyperparameters=(
-            Hyperparameter("rate", "rad/s", 0.1, 1.0, lambda b, s: np.asarray(0.5), "mean rate of the turn"),
+            Hyperparameter("rate", "rad/s", 0.1, 1.0, lambda b, s: np.asarray(0.5), "mean angular speed of the turn"),
             squeeze,
         ),
         duration=Duration(CLOSING, 20.0, partial(_expected, profile=profile)),
@@ -122,19 +122,19 @@ TIPPING = (
         "opposite",
         TIPS,
         Hyperparameter("squeeze", "N", 0.0, 500.0, _opposed, "force with which each hand squeezes the box"),
-        "two hands on opposite sides tip the box onto its edge and hold it there",
+        "two hands on opposite sides tip the box onto an edge and hold the box there",
     ),
     _tipping(
         "lower",
         LOWERS,
         Hyperparameter("squeeze", "N", 0.0, 500.0, _opposed, "force with which each hand squeezes the box"),
-        "two hands below and above the box lower it onto its next face and hold it",
+        "two hands, one below and one above the box, lower the box onto its next face and hold the box",
     ),
     _tipping(
         "adjacent",
         LEANS,
         Hyperparameter("squeeze", "N", 0.0, 500.0, _light, "force with which each hand pushes on its face"),
-        "two hands on the faces beside the edge tilt the box back until it leans on the other hand",
+        "two hands on the faces beside the edge tilt the box from one hand over to the other hand",
     ),
 )
 
@@ -157,5 +157,5 @@ TILTING = Block(
     hold=True,
     policy=partial(stay, slot="hand"),
     system=hand_system,
-    description="one hand holds the tipped box, which leans on that hand",
+    description="one hand holds the tipped box, which leans on this hand",
 )

@@ -12,17 +12,17 @@ from .faces import NORMALS, faces_of
 from .geometry import FLOOR_CLEARANCE
 
 GRIP = 0.72
-"""Height of a hand's contact point above the lower edge of its face, as a share of the face's extent.
+"""Height of a hand's contact point above the lower edge of its face, as a fraction of the face's height.
 
-The value was found by experiment. If it is lower, the tipping force is too large. If it is higher, the hands lift the
-pivot edge.
+The value was found by experiment. With a smaller value, the tipping force is too large. With a larger value, the hands
+lift the pivot edge.
 """
 _HIGHEST = 0.9
 STANDBY_GAP = 0.012
 """Gap between a face and a hand in its standby position [m]."""
 PAST_BALANCE = float(np.radians(6.0))
-"""Angle by which a tipped box leans past its point of balance [rad]. The box does not fall back at this angle, and a
-single hand can hold it."""
+"""Angle by which a tipped box leans past its point of balance [rad]. At this angle, the box does not fall back and a
+single hand can hold the box."""
 
 
 def half_extent(thing: Token, face: str) -> float:
@@ -51,7 +51,7 @@ def tilt(state: State, thing: Token, down: str, forward: str) -> FloatArray:
 
 
 def nominal_tilt(thing: Token, posture: str, down: str, forward: str) -> float:
-    """Return the tilt [rad], from `down` towards `forward`, of a box in a posture that names one or both."""
+    """Return the tilt [rad], from `down` towards `forward`, of a box in a posture that names at least one of them."""
     faces = faces_of(posture)
     if len(faces) == 1:
         return 0.0 if faces[0] == down else np.pi / 2
@@ -71,15 +71,15 @@ def edge_axis(state: State, thing: Token, down: str, forward: str) -> FloatArray
 
 
 def hand_axis(state: State, hand: Token) -> FloatArray:
-    """Return the axis ``(..., 3)`` of a cylindrical hand: its z axis, which is constant because the wrist is rigid."""
+    """Return the z axis ``(..., 3)`` of a cylindrical hand, which is constant because the wrist is rigid."""
     return rotate(state[hand, "orientation"], UP)
 
 
 def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the outward normal ``(..., 3)``, in the body frame, of the lower neighbour of a face.
+    """Return the outward normal ``(..., 3)``, in the body frame, of the lower of a face's two neighbours.
 
-    Only neighbours whose normals are perpendicular to the hand's axis count. The height of a hand on `face` is measured
-    from the edge between `face` and the lower neighbour.
+    The neighbours are the adjacent faces whose normals are perpendicular to the hand's axis. The height of a hand on
+    `face` is measured from the edge between `face` and its lower neighbour.
     """
     along = np.abs(to_body(state, thing, hand_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
     across = np.eye(3)[np.argmin(along, axis=-1)]
@@ -88,7 +88,7 @@ def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray
 
 
 def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the contact point ``(..., 3)`` [m] of a hand on a face, in the body frame, for the current pose."""
+    """Return the contact point ``(..., 3)`` [m] of a hand on a face, in the body frame of the box."""
     halves = np.asarray(thing["half_extents"])
     below = side_below(state, hand, thing, face)
     extent = 2.0 * dot(np.abs(below), halves)
@@ -100,13 +100,13 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
 
 
 def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:
-    """Return the position ``(..., 3)`` [m] of the centre of a hand in its standby position at a face of a box."""
+    """Return the standby position ``(..., 3)`` [m] of a hand's centre at a face of a box."""
     contact = contact_in_body(state, hand, thing, face) + NORMALS[face] * (hand["radius"] + gap)
     return above_floor(hand, state[thing, "position"] + rotate(state[thing, "orientation"], contact))
 
 
 def above_floor(hand: Token, position: FloatArray) -> FloatArray:
-    """Return positions ``(..., 3)`` [m] of a level hand, raised where necessary to be clear of the floor."""
+    """Raise positions ``(..., 3)`` [m] of a level hand where necessary to keep the hand clear of the floor."""
     assert isinstance(hand.shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
     lowest = np.array([-np.inf, -np.inf, hand.shape.radius + FLOOR_CLEARANCE])
     return np.asarray(np.maximum(position, lowest))
@@ -127,7 +127,7 @@ def sides_across(state: State, hand: Token, thing: Token) -> tuple[str, ...]:
 
 
 def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> float:
-    """Return the component, from -1 to 1, of a face's normal towards the hand's right, for a box in a posture.
+    """Return the component, from -1 to 1, of a face's normal towards the hand's right if the box is in a posture.
 
     The state must be a single state. Boxes turn about the hand's axis only, so the posture and the current pose
     determine the normal. The hand's right is the cross product of its axis and the upward direction. If the hand's
@@ -149,6 +149,6 @@ def to_the_right(state: State, hand: Token) -> FloatArray:
 
 
 def _angle(state: State, hand: Token, thing: Token, face: str) -> float:
-    """Return the angle [rad] of a face's normal in the plane across the hand's axis, from the hand's right upwards."""
+    """Return the angle [rad], from the hand's right upwards, of a face's normal in the plane normal to the hand."""
     outward = normal(state, thing, face)
     return float(np.arctan2(outward[2], outward @ to_the_right(state, hand)))

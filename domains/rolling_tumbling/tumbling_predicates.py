@@ -18,14 +18,14 @@ _OBJECT = Parameter("object", Tumblable)
 _FACE = Parameter("face", FACE)
 _POSTURE = Parameter("posture", POSTURES)
 FACE_TOLERANCE = 0.06
-"""Largest distance of a hand from its position at a face [m]."""
+"""Largest distance at which a hand counts as at its place at a face [m]."""
 _ABOVE = 0.05
 _LEAST_OUTLOOK = 0.1
 _ALIGNMENT = np.sin(np.radians(6.0))
 SQUEEZE = 0.5
-"""Force with which two hands squeeze a box, as a share of its weight.
+"""Force with which two hands squeeze a box, as a fraction of the box's weight.
 
-If the force is larger, the hands carry the weight, so the pivot edge is unloaded and slides.
+With a larger force, the hands would carry the weight, and the unloaded pivot edge would slide.
 """
 
 
@@ -57,8 +57,8 @@ def strength_needed(state: State, hand: Token, thing: Token) -> float:
 def _share(state: State, hand: Token, thing: Token) -> tuple[float, float]:
     """Return the force [N] that a hand needs to tumble an object, and the force [N] that the hand has.
 
-    Two hands bear equal shares. They squeeze the box between them, so neither hand can push harder than the other hand
-    can resist. While hands change, each of them holds the box alone.
+    Both hands need the same force, because neither hand can push harder than the other hand can resist. While one hand
+    changes faces, the other hand holds the box alone.
     """
     return strength_needed(state, hand, thing), float(hand["maximal_force"])
 
@@ -68,7 +68,7 @@ def _strength(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the smallest depth [m] of the hand inside its workspace, beside the box and above the tipped box."""
+    """Return the smallest depth [m] of the hand in its workspace, over its places beside the box and above the box."""
     beside = [
         place_at(state, hand, thing, face)
         for face in sides_across(state, hand, thing)
@@ -85,7 +85,7 @@ def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
-    """Return a margin that is positive if a face points to the hand's side. A hand above the box has both sides."""
+    """Return a margin that is positive if a face points to the hand's side. A hand above the box may use both sides."""
     if (face, posture) not in EXPOSED_HOLD:
         return np.asarray(-1.0)
     offset = float((state[hand, "position"] - state[thing, "position"]) @ to_the_right(state, hand))
@@ -123,7 +123,7 @@ ALIGNED = Predicate(
     reads={"hand": ("orientation",), "object": ("orientation",)},
     kind=Kind.STATIC,
     description="the axis of {hand} is level and parallel to the {face} face of {object}",
-    denial="the axis of {hand}, which cannot turn, is not level or not parallel to the {face} face of {object}",
+    denial="the axis of {hand}, which cannot turn, is not both level and parallel to the {face} face of {object}",
 )
 ON_SIDE = Predicate(
     "on_side",
@@ -137,7 +137,7 @@ ON_SIDE = Predicate(
     description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
     denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
 )
-"""Hands stay on their side of a box because two hands that changed sides at the same time would collide above it."""
+"""Each hand stays on its side of a box, because two hands that changed sides could collide above the box."""
 STRONG_ENOUGH = Predicate(
     "strong_enough",
     (_HAND, _OBJECT),
@@ -167,18 +167,18 @@ LOW_ENOUGH = Predicate(
     scale=0.1,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
-    description=f"the edges of {{object}} across the axis of {{hand}} have a ratio of at most {SLENDERNESS}",
-    denial=f"{{object}} is too slender for {{hand}}: its edges across the hand's axis have a ratio above {SLENDERNESS}",
+    description=f"the edges of {{object}} perpendicular to the axis of {{hand}} have a ratio of at most {SLENDERNESS}",
+    denial=f"the edges of {{object}} perpendicular to the axis of {{hand}} have a ratio of more than {SLENDERNESS}",
 )
 
 
 def _pair_relation(name: str, rows: set[tuple[str, str, str, str]], effect: str) -> Predicate:
-    """Return a relation that describes what two hands do with a box. The effect is a plural verb phrase."""
+    """Return the predicate that two hands can have an effect on a box, e.g. "tip a box"."""
     sorts = {"near": FACE, "far": FACE, "before": POSTURES, "outcome": POSTURES}
     parameters = tuple(Parameter(role, sort) for role, sort in sorts.items())
     hands = "hands at the {near} and {far} faces"
     return Predicate.relation(
-        name, parameters, rows, description=f"{hands} {effect}", denial=f"{hands} do not {effect}"
+        name, parameters, rows, description=f"{hands} can {effect}", denial=f"{hands} cannot {effect}"
     )
 
 

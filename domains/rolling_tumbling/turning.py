@@ -1,9 +1,10 @@
-"""Policy and forward model of two hands that turn a box about an edge. All modes of TIPPING share them.
+"""Policy and forward model that all modes of TIPPING share, for two hands that turn a box about an edge.
 
-A motor primitive plans the tilt of the box. Each hand's reference c is a point beside its face that turns about the
-edge with the planned tilt. The hand pushes with F = K (c - x) + D (c' - v) - S n, where n is the outward normal of its
-face and S is the squeeze. The hands close and squeeze before the box turns. If the box ends flat on a face, the hands
-loosen their grip towards the end. If the edge slides, the box lags behind the plan and the hands turn further.
+A motor primitive plans the tilt of the box. The reference c of a hand at position x with velocity v is a point beside
+the hand's face. This point turns about the edge with the planned tilt. The force of the hand is F = K (c - x) +
+D (c' - v) - S n, where n is the outward normal of its face and S is the squeeze. The hands close and squeeze before the
+box turns. If the box ends flat on a face, the hands loosen their grip before the end. If the edge slides, the box lags
+behind the plan and the hands turn further.
 """
 
 from dataclasses import dataclass
@@ -44,23 +45,23 @@ from .tumbling_geometry import (
 )
 
 CLOSING = 0.35
-"""Time that the hands take to close on the box and to squeeze it [s]."""
+"""Time in which the hands close on the box and build up the squeeze [s]."""
 _TOUCH = 1e-4
 _CATCHING_UP = 0.7
-"""Extra turn of the hands, per angle by which the box lags behind the plan."""
+"""Ratio of the hands' extra turn to the angle by which the box lags behind the plan."""
 _LEAD = 0.3
 """Largest extra turn of the hands [rad]."""
 _LOOSENING = (0.82, 0.94)
-"""Shares of a turn onto a face between which the hands loosen their grip. The box is almost flat by then."""
+"""Fractions of a turn onto a face at which the hands begin and finish to loosen their grip."""
 _LYING = float(np.radians(0.7))
-"""Angle [rad] from lying flat at which the hands begin to loosen their grip if the box is ahead of the plan."""
+"""Deviation from the flat posture [rad] at which the hands begin to loosen their grip if the box is early."""
 _TOUCHING_FORCE = 1.0
-"""Largest force of a hand on a box that lies flat [N]."""
+"""Largest force of a hand with a fully loosened grip on its face [N]."""
 
 
 @dataclass(frozen=True)
 class Roles:
-    """Tokens and symbols of an instance of TIPPING.
+    """Tokens and symbols of a block instance of TIPPING.
 
     Attributes:
         hands: the hand at the near face and the hand at the far face.
@@ -79,14 +80,14 @@ class Roles:
 
     @classmethod
     def of(cls, binding: Binding) -> "Roles":
-        """Read the roles of a binding."""
+        """Return the roles in a binding."""
         near, far, before, outcome = (get_symbol(binding, role) for role in ("near", "far", "before", "outcome"))
         *hands, thing = get_tokens(binding, "first", "second", "object")
         return cls(tuple(hands), thing, (near, far), edge_between(before, outcome), outcome)
 
     @property
     def wanted(self) -> float:
-        """The tilt of the box after the turn [rad]."""
+        """Tilt of the box after the turn [rad]."""
         return nominal_tilt(self.thing, self.outcome, *self.edge)
 
 
@@ -137,12 +138,12 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
 
 
 def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:
-    """Return the degree ``(...)``, from 0 to 1, to which the hands have loosened their grip.
+    """Return how far ``(...)`` the hands have loosened their grip, from 0 for a full grip to 1 for no grip.
 
-    The hands loosen their grip as planned, or earlier if the box comes down earlier.
+    The hands loosen their grip as planned, or earlier if the box reaches its next face early.
 
     Args:
-        phase: elapsed share of the planned turn ``(...)``.
+        phase: elapsed fraction of the planned turn ``(...)``.
         left: remaining angle ``(...)`` [rad] until the box lies on its next face.
     """
     by_plan = (phase - _LOOSENING[0]) / (_LOOSENING[1] - _LOOSENING[0])
@@ -151,14 +152,14 @@ def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:
 
 
 def _loosened(push: FloatArray, outward: FloatArray, hand: Token, grip: FloatArray) -> FloatArray:
-    """Limit the normal force of a hand on its face to a share `grip` of its maximal force, plus a light touch."""
+    """Limit the normal force of a hand on its face to `grip` times its maximal force plus `_TOUCHING_FORCE`."""
     inward = -dot(push, outward)
     most = _TOUCHING_FORCE + grip * hand["maximal_force"]
     return np.asarray(push + outward * np.maximum(inward - most, 0.0)[..., None])
 
 
 def _gap(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the distance ``(...)`` [m], along a face's normal, between a hand's surface and its contact point."""
+    """Return the distance ``(...)`` [m] between a hand's surface and its contact point, along the face's normal."""
     offset = to_body(state, thing, state[hand, "position"] - state[thing, "position"])
     return np.asarray(dot(offset, NORMALS[face]) - contact_distance(thing, face) - hand["radius"])
 
@@ -182,7 +183,7 @@ def after_turning(binding: Binding, state: State) -> State:
 def turning_system(binding: Binding, start: State) -> ContinuousSystem:
     """Return the system of a rigid box that turns about a fixed edge until the floor stops it.
 
-    A hand sticks to the box on contact. Once both hands are in contact, their forces and the weight of the box turn the
+    The box does not move until both hands touch it. Then the forces of the hands and the weight of the box turn the
     hands and the box about the edge as one body.
     """
     roles = Roles.of(binding)
@@ -203,7 +204,7 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
         speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
         angle = tilt(state, thing, *roles.edge)
         after = np.clip(angle + speed * dt, 0.0, np.pi / 2)
-        # The floor stops the box: the step ends exactly on the floor, with zero speed.
+        # If the floor stops the box, the step ends exactly on the floor, with zero speed.
         blocked = np.abs(after - angle - speed * dt) > 1e-12
         spin = axis * ((after - angle) / dt)[..., None]
         changes: dict[tuple[str, str], FloatArray] = {}
