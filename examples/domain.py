@@ -60,12 +60,12 @@ class Dock(PlaceClass):
 
 
 def distance_left(state: State, cart: Token, dock: Token) -> FloatArray:
-    """Return the dock's radius minus the cart's distance from the dock [m], shape ``(...)``."""
+    """Return the radius of the dock minus the distance between the cart and the dock [m], shape ``(...)``."""
     return np.asarray(dock["radius"] - np.linalg.norm(_way(state, cart, dock), axis=-1))
 
 
 def slowness(state: State, token: Token) -> FloatArray:
-    """Return 0.02 m/s minus the token's speed [m/s], shape ``(...)``."""
+    """Return 0.02 m/s minus the speed of the token [m/s], shape ``(...)``."""
     return np.asarray(0.02 - np.linalg.norm(state[token, "velocity"], axis=-1))
 
 
@@ -99,7 +99,7 @@ def _way(state: State, cart: Token, dock: Token) -> FloatArray:
 
 
 def drive(binding: Binding, start: State, parameters: Parameters) -> Policy:
-    """Make the policy: a spring and a damper that pull the cart along a minimum-jerk trajectory."""
+    """Make the policy. A spring and a damper pull the cart along a minimum-jerk trajectory."""
     cart, dock = cast(Token, binding["cart"]), cast(Token, binding["dock"])
     begin, way = start[cart, "position"], _way(start, cart, dock)
     duration = parameters.hyperparameters["duration"]
@@ -134,7 +134,7 @@ def initial_duration(binding: Binding, state: State) -> FloatArray:
 
 
 def expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    """Return the expected duration of a drive [s]: the movement, plus 0.5 s to settle."""
+    """Return the expected duration of a drive [s], which is the duration of the movement plus 0.5 s to settle."""
     return float(hyperparameters["duration"]) + 0.5
 
 
@@ -172,7 +172,7 @@ DOMAIN = Domain(
 
 
 def make_task() -> hybrid_tamp.Task:
-    """Return a task in which two carts drive to one dock each."""
+    """Return a task in which two carts must drive to two different docks."""
     cart = {
         "classes": [Cart],
         "properties": {"mass": 4.0, "maximal_force": 40.0},
@@ -194,7 +194,7 @@ def make_task() -> hybrid_tamp.Task:
 
 
 def main(folder: Path) -> hybrid_tamp.RunResult:
-    """Check the domain, then plan and run a task of the domain."""
+    """Check the domain, and then plan and run a task of this domain."""
     task = make_task()
     assert check_domain(task) == []
     result = hybrid_tamp.run(task, folder, backend="analytic")

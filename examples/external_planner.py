@@ -1,7 +1,7 @@
 """Example of an external planner: export a task as PDDL, solve the PDDL problem, and read the plan.
 
-The external planner does not use hybrid_tamp. unified-planning reads the two PDDL files and starts Fast Downward. Run
-the example with ``python examples/external_planner.py``.
+The external planner does not use hybrid_tamp. The library unified-planning reads the two PDDL files and starts Fast
+Downward. Run the example with ``python examples/external_planner.py``.
 """
 
 import sys
@@ -14,7 +14,7 @@ import hybrid_tamp
 
 
 def solve(folder: Path) -> Path:
-    """Solve ``domain.pddl`` and ``problem.pddl`` in a folder, and write the plan to ``external.plan`` there."""
+    """Solve ``domain.pddl`` and ``problem.pddl`` in a folder, and return the path of the plan, ``external.plan``."""
     get_environment().credits_stream = None
     problem = PDDLReader().parse_problem(str(folder / "domain.pddl"), str(folder / "problem.pddl"))
     with OneshotPlanner(name="fast-downward") as planner:
@@ -26,7 +26,7 @@ def solve(folder: Path) -> Path:
 
 
 def main(folder: Path) -> hybrid_tamp.TaskPlan:
-    """Export a task, solve the PDDL problem, and read and print the plan."""
+    """Export a task, solve the PDDL problem, read the plan and print it."""
     task = hybrid_tamp.load_task("tumble_two_hands")
     hybrid_tamp.pddl(task, folder)
     plan = hybrid_tamp.read_plan(task, solve(folder))

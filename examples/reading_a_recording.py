@@ -1,4 +1,4 @@
-"""Example of reading a recording: the trajectory of a drum, as numpy arrays.
+"""Example of reading a recording. The trajectory of a drum is read as numpy arrays.
 
 Run the example with ``python examples/reading_a_recording.py``. It writes the files of the run to ``out-recording``.
 """
@@ -12,7 +12,7 @@ import hybrid_tamp
 
 
 def main(folder: Path) -> dict[str, float]:
-    """Run a bundled task, read the recording and print figures of the drum's movement."""
+    """Run a bundled task, read the recording, and print and return measures of the movement."""
     hybrid_tamp.run("roll_cylinder", folder, backend="analytic")
     recording = hybrid_tamp.load_recording(folder / "recording.npz")
     states = recording.trajectory

@@ -49,7 +49,7 @@ def make_task() -> hybrid_tamp.Task:
 
 
 def main(folder: Path) -> hybrid_tamp.TaskPlan:
-    """Save the task as a file, load the file, and plan the task and print the plan."""
+    """Save the task as a file, plan this file, and print and return the plan."""
     path = folder / "two_drums.yaml"
     hybrid_tamp.save_task(make_task(), path)
     plan = hybrid_tamp.plan(path).required()
