@@ -17,7 +17,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 
 CONTACT = 1e-3
-"""Largest overlap that counts as mere contact [m]. Poses in task files are rounded, so touching bodies can overlap."""
+"""Largest overlap that is treated as contact [m]. Poses in task files are rounded, so touching bodies can overlap."""
 _MOST_STEPS = 64
 
 
@@ -27,8 +27,8 @@ class ConvexBody:
 
     Attributes:
         half: half extents of the core along the body's axes [m], shape ``(3,)``. x and y are zero for a cylinder.
-        disc: radius of a disc perpendicular to the body's z axis that is swept over the core [m].
-        ball: radius of a ball that is swept over the core [m].
+        disc: radius of the disc that is swept over the core [m]. The disc is perpendicular to the body's z axis.
+        ball: radius of the ball that is swept over the core [m].
         position: position of the centre in the world frame [m], shape ``(3,)``.
         axes: axes of the body as unit vectors in the world frame, one per row, shape ``(3, 3)``.
         points: corners of a convex hull in the body frame [m], shape ``(n, 3)``. None for other shapes.
@@ -64,7 +64,7 @@ class ConvexBody:
         return self.position + offset
 
     def shrunk(self, depth: float) -> "ConvexBody":
-        """Return the body without its outermost layer of thickness `depth` [m]. A thin body keeps its middle."""
+        """Return the body without its outermost layer of thickness `depth` [m]. A thin body shrinks to its middle."""
         if self.points is not None:
             middle = (self.points.min(axis=0) + self.points.max(axis=0)) / 2.0
             kept = 1.0 - depth / np.maximum(np.ptp(self.points, axis=0) / 2.0, depth)
@@ -111,7 +111,7 @@ def lowest_height(body: Body) -> float:
 
 
 def overlap(one: Body, other: Body) -> FloatArray | None:
-    """Return a displacement of `other` that separates the bodies [m], shape ``(3,)``, or None if they do not overlap.
+    """Return a displacement of `other` that separates the bodies [m], shape ``(3,)``. None if the bodies are separate.
 
     The candidate directions are the axes of the solids, the lines between the centres, and the cross products of axes.
     Downward directions are excluded, because the floor may be there. The displacement is the shortest along the
@@ -190,9 +190,9 @@ def _directions(one: ConvexBody, other: ConvexBody) -> Iterator[FloatArray]:
 def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
     """Return whether the bodies have a common point.
 
-    The bodies have a common point if the set of differences between their points contains zero. Each step adds the
-    difference that is furthest towards zero to a simplex, and keeps the face of the simplex that is nearest to zero. If
-    `_MOST_STEPS` steps do not decide, the bodies only touch and the result is False.
+    The bodies have a common point if the set of differences between their points contains zero. In each step, a simplex
+    gains the difference that is furthest in the direction of zero, and is then reduced to its face nearest to zero. If
+    `_MOST_STEPS` steps are not enough, the bodies only touch and the result is False.
     """
 
     def furthest(direction: FloatArray) -> FloatArray:
@@ -213,7 +213,7 @@ def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
 
 
 def _nearest_to_zero(corners: list[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
-    """Return the corners of the smallest face of a simplex that contains the point nearest to zero, and the point."""
+    """Return the simplex point nearest to zero, preceded by the corners of the smallest face with this point."""
     best: tuple[list[FloatArray], FloatArray] = (corners[:1], corners[0])
     for count in range(1, len(corners) + 1):
         for chosen in combinations(corners, count):

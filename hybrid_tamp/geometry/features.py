@@ -91,7 +91,7 @@ def tumbling_likelihood(shape: Shape) -> float:
 
 
 def _ground(points: FloatArray, down: FloatArray) -> float:
-    """Return the shortest reach of the contact area from the point below the centre, relative to the bounding box."""
+    """Return the smallest reach of the contact area along the horizontal axes, as a fraction of the body's reach."""
     depth = points @ down
     face = points[depth >= depth.max() - _LAYER * np.ptp(depth)]
     shares = [

@@ -48,11 +48,11 @@ class Hull:
 
 @dataclass(frozen=True)
 class MeshShape:
-    """A rigid body of convex parts. The body frame has the centre of mass as its origin and the axes of the file.
+    """A rigid body of convex parts. The body frame has its origin at the centre of mass and the axes of the mesh file.
 
     Attributes:
         path: path of the mesh file.
-        scale: length of the file's unit [m].
+        scale: length of one coordinate unit of the mesh file [m].
         digest: digest of the file's content. Shapes from equal files are equal.
         parts: convex parts, which can touch but do not overlap.
         volume: volume of the body [m^3].

@@ -75,7 +75,7 @@ def _not_empty(solids: tuple[Part, ...]) -> tuple[Part, ...]:
 
 
 class Compound(_Shape):
-    """A rigid body of several solids, whose centre of mass is the origin of the body frame."""
+    """A rigid body of several solids. The origin of the body frame is the centre of mass of the body."""
 
     kind: Literal["compound"] = Field(description="kind of the shape")
     parts: Annotated[tuple[Part, ...], AfterValidator(_not_empty)] = Field(
@@ -94,7 +94,7 @@ class MeshFile(_Shape):
         description="path of the OBJ file, relative to the task file; each object ('o' or 'g') must be a convex part"
     )
     scale: Annotated[float, Strict(), Field(gt=0, le=1000, allow_inf_nan=False)] = Field(
-        default=1.0, description="length of one unit of the file", json_schema_extra={"unit": "m"}
+        default=1.0, description="length of one coordinate unit of the OBJ file", json_schema_extra={"unit": "m"}
     )
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _SOURCE_EDGES = 8
 """Approximate number of edges along the largest extent of the labelled surface after subdivision."""
 _TARGET_EDGES = 30
-"""Number of edges along the largest extent of the new surface after subdivision. The warp matches their corners."""
+"""Number of edges along the largest extent of the new surface after subdivision. The warp matches the vertices."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class Warp:
 
 
 def warp(labelled: Shape, new: Shape, rotation: FloatArray) -> Warp:
-    """Warp a labelled shape onto a new one.
+    """Warp a labelled shape onto a new shape.
 
     Args:
         labelled: shape with known points.
@@ -91,7 +91,7 @@ def _cut(surface: "Trimesh", edge: float) -> tuple[FloatArray, NDArray[np.intp]]
 
 
 def _subdivided(shape: Shape, edges: int) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Return the vertices and triangles of a shape's surface. Long edges are subdivided and close vertices merged."""
+    """Return the vertices and triangles of a shape's surface, with long edges subdivided and equal vertices merged."""
     surface = outer_surface(shape)
     size = float(np.ptp(surface.vertices, axis=0).max())
     vertices, triangles = _cut(surface, 1.5 * size / edges)

@@ -1,8 +1,7 @@
 """The mid-level planner, which turns a task plan into a refined plan (paper, Sec. II-D).
 
-For example, a `TaskPlan` says that the hand is GRASPING the hammer and then STRIKING the nail, both with default
-hyperparameters. The `RefinedPlan` says that the hand grasps 0.11 m from the head, because this grasp is best for the
-later strike.
+For example, a `TaskPlan` contains GRASPING of a hammer and then STRIKING of a nail, both with default hyperparameters.
+In the `RefinedPlan`, the hand grasps the hammer 0.11 m from its head, because this grasp is best for the later strike.
 
 ::
 
@@ -11,5 +10,5 @@ later strike.
                              └─ optimiser ──► best candidate, by CMA-ES (`cma`) or direct sampling (`grid`)
     best candidate ─► RefinedPlan
 
-The optimisers do not depend on plans. They take a `SearchSpace` and a function that maps points to `Scores`.
+The optimisers do not depend on plans. An optimiser gets a `SearchSpace` and a function that maps points to `Scores`.
 """

@@ -1,7 +1,7 @@
-"""Optimisation of each action on its own, in the order of the plan, as a baseline for planning ahead.
+"""Separate optimisation of each action, in the order of the plan, as a baseline for the joint optimisation.
 
-Each action is scored by its own conditions and measures only. If a whole interval of values is equally good, its
-midpoint is chosen.
+Each action is scored only by its own conditions and measures. If all values of an interval are equally good, the
+midpoint of the interval is chosen.
 """
 
 from collections.abc import Collection
@@ -15,13 +15,13 @@ from hybrid_tamp.motion.arrays import FloatArray
 _POINTS = 61
 _SWEEPS = 2
 _NARROWER = 0.05
-"""Half-width of the second sweep, as a fraction of the variable's range. It equals three steps of the first sweep."""
+"""Half-width of the second sweep, as a fraction of the variable's range. Equal to three steps of the first sweep."""
 _EQUAL = 1e-6
-"""Largest difference between values that count as equal, as a fraction of the spread over a scan."""
+"""Largest difference at which two values are treated as equal, as a fraction of the spread over a scan."""
 
 
 def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArray:
-    """Return the point with each action optimised on its own. Shape ``(d,)``.
+    """Return the point at which each action is optimised separately. Shape ``(d,)``.
 
     Variables that are not named in `relevant` keep their defaults.
     """
@@ -32,7 +32,7 @@ def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArra
             for index, (key, name) in enumerate(zip(objective.keys, objective.space.names, strict=True))
             if key[0] == instance.name and name in relevant
         ]
-        # Optimise the variables in turn, then again in a narrower range, because their best values are coupled.
+        # The best values of the variables are coupled, so a second sweep repeats the scans in narrower ranges.
         for sweep in range(_SWEEPS):
             for index in mine:
                 point[index] = _scan(objective, objective.restrict_to(instance), point, index, _NARROWER**sweep)
@@ -40,7 +40,7 @@ def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArra
 
 
 def _scan(objective: Objective, evaluate: Evaluate, point: FloatArray, index: int, share: float) -> float:
-    """Return the midpoint of the best interval of one variable, within a fraction of its range around a point."""
+    """Return the midpoint of the best interval of one variable. The scan covers a share of its range around a point."""
     lower, upper = objective.space.lower[index], objective.space.upper[index]
     low, high = lower, upper
     if share < 1.0:

@@ -1,16 +1,16 @@
-"""CMA-ES with restarts (Hansen and Ostermeier 2001, Evolutionary Computation 9:159-195), using the package cmaes.
+"""CMA-ES with restarts (Hansen and Ostermeier 2001, Evolutionary Computation 9:159-195), by the package cmaes.
 
-The search starts at the default point. It runs in the unit cube of the variables, so that metres and seconds have the
+The search starts at the default point. The search space is scaled to the unit cube, so that metres and seconds have the
 same weight. cmaes uses only the order of scores within a generation. The scores are passed as ranks, because no single
 number represents the order of pairs (V, J). If all scores of a generation are equal up to rounding, all ranks are 0, so
 that cmaes recognises a flat objective.
 
-The first generations are about as wide as the cube. In these generations, cmaes samples points outside the cube again.
-Later points outside the cube are mirrored at its faces. Resampling them would push the distribution away from a face,
-so that the search could never reach an optimum in a corner (`scripts/optimisers` shows this).
+The first generations are about as wide as the cube. In these generations, cmaes replaces points outside the cube by new
+samples. In later generations, points outside the cube are mirrored at its faces. New samples would push the
+distribution away from a face, so that the search could not reach an optimum in a corner (see `scripts/optimisers`).
 
-A run ends when its generation has shrunk to a point, or when cmaes stops. Its optimum may be local. So another run
-starts at a random point with twice the population (IPOP, Auger and Hansen, CEC 2005).
+A run ends when its generation has shrunk to a point, or when cmaes stops. The optimum of a run may be local. So another
+run starts at a random point with twice the population (IPOP, Auger and Hansen, CEC 2005).
 """
 
 from dataclasses import dataclass
@@ -23,11 +23,11 @@ from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.motion.arrays import FloatArray
 
 REDRAWN = 10
-"""Number of generations in which points outside the cube are sampled again instead of mirrored."""
+"""Number of generations in which points outside the cube are replaced by new samples instead of mirrored points."""
 PATIENCE = 7
 """Number of generations within which a quick run must improve."""
 LEAST_GAIN = 0.03
-"""Smallest improvement that counts, as a fraction of the total gain."""
+"""Smallest gain within `PATIENCE` generations that lets a quick run continue, as a fraction of the total gain."""
 
 
 @dataclass(frozen=True)
@@ -38,12 +38,12 @@ class CMAES(Optimiser):
         population: number of candidates per generation in the first run, at least 4. None means ``4 + 3 ln k`` for k
             variables. A larger population explores more and costs little if rollouts run in batches.
         sigma: initial standard deviation, as a fraction of each variable's range.
-        tolerance: spread of a generation below which a run ends, as a fraction of each variable's range.
+        tolerance: a run ends if the spread of a generation is less than this fraction of each variable's range.
         restarts: maximum number of further runs within the budget.
-        quick: whether to end a run if its last generations gained almost nothing, and to start no further run once all
-            conditions are met.
+        quick: whether to end a run if its last generations gained almost nothing, and to start no further run if a
+            candidate meets all conditions.
         noisy: whether to adapt the learning rates to noise (Nomura, Akimoto and Ono, GECCO 2023). Without noise,
-            adaptation only costs evaluations.
+            adaptation wastes evaluations.
 
     Raises:
         InputError: if the population is below 4.
@@ -98,10 +98,10 @@ class CMAES(Optimiser):
 
 
 def fold(points: FloatArray) -> FloatArray:
-    """Return points of shape ``(..., k)`` mirrored at the faces of the unit cube until they lie inside."""
+    """Mirror points of shape ``(..., k)`` at the faces of the unit cube until all points lie inside the cube."""
     return np.asarray(1.0 - np.abs(1.0 - np.mod(points, 2.0)))
 
 
 def _rank(scores: Scores) -> list[float]:
-    """Return the costs that cmaes minimises, which are ranks, or zeros if all scores are equal."""
+    """Return the ranks of the scores as costs for cmaes. If all scores are equal, all costs are zero."""
     return [0.0] * len(scores) if np.all(scores.best()) else scores.ranks().astype(np.float64).tolist()

@@ -1,4 +1,4 @@
-"""Direct sampling on a regular grid, as in the paper. It is exhaustive and serves as a baseline."""
+"""Direct sampling on a regular grid, as in the paper. This exhaustive search serves as a baseline."""
 
 from dataclasses import dataclass
 from math import prod
@@ -46,7 +46,7 @@ class Grid(Optimiser):
 def axis_counts(k: int, evaluations: int) -> tuple[int, ...]:
     """Return the number of grid points on each of k axes. The grid has at most ``evaluations`` points.
 
-    The numbers differ by at most 1, and earlier axes get the larger number. An axis with one point is not searched.
+    The numbers differ by at most 1, and earlier axes have the larger numbers. An axis with one point is not searched.
     """
     least = 1
     while k > 0 and (least + 1) ** k <= evaluations:

@@ -49,7 +49,7 @@ def find_moved_measures(rollouts: list[Rollout]) -> tuple[MeasureKey, ...]:
 
 
 def is_idle(rollouts: list[Rollout]) -> bool:
-    """Say whether all candidates have the same violation and the same performance measures."""
+    """Return whether all candidates have the same violation and the same performance measures."""
     violation = np.concatenate([rollout.violation for rollout in rollouts])
     return not find_moved_measures(rollouts) and _spread(violation) <= SAME
 

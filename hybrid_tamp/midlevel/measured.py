@@ -1,4 +1,4 @@
-"""Conversion of measured runs to rollouts with the same conditions and performance measures."""
+"""Conversion of measured runs to rollouts. The conditions and the performance measures do not change."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -20,7 +20,7 @@ _Name = TypeVar("_Name")
 def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout:
     """Convert a recording to the rollout of a population with one candidate.
 
-    If the run failed, its violation is infinite. If it does not cover the `whole` plan, the goal is not measured.
+    If the run failed, its violation is infinite. The goal is measured only if the run covers the `whole` plan.
     """
     conditions: list[Condition] = []
     figures: dict[Key, FloatArray] = {}

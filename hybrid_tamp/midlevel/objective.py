@@ -1,6 +1,6 @@
 """Objective of the mid-level planner: minimise violations, then maximise the weighted sum of performance measures.
 
-The same objective scores rollouts of a population on forward models and single runs in physics.
+The same objective can score both rollouts of a population on forward models and single runs in physics.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -19,7 +19,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 RESERVE = 0.5
-"""Largest margin that a search reserves for a goal atom, as a multiple of the predicate's scale."""
+"""Largest reserve for the margin of a goal atom during a search, as a multiple of the predicate's scale."""
 
 
 class RollOut(Protocol):
@@ -29,10 +29,10 @@ class RollOut(Protocol):
         """Roll out a population.
 
         Args:
-            chosen: maps (instance, hyperparameter) to the values of all candidates. Shape ``(n,)``. Other
-                hyperparameters keep their value in the plan or, without one, their initial value.
+            chosen: maps each pair of (instance, hyperparameter) to the values of all candidates, shape ``(n,)``. All
+                other hyperparameters keep the value in the plan or, if the plan has no value, the initial value.
             count: size n of the population.
-            until: name of the instance after whose exit the rollout may stop. None rolls out the whole plan.
+            until: name of an instance. The rollout may stop after its exit. None rolls out the whole plan.
         """
 
 
@@ -44,9 +44,9 @@ class Objective:
         task: task of the plan.
         plan: plan whose hyperparameters vary.
         roll_out: function that rolls out candidates.
-        until: name of the instance after which rollouts may stop. If None, they cover the whole plan.
-        reserves: maps each goal atom to the margin that a search reserves, in the unit of its predicate. None until
-            the reserves are known.
+        until: name of an instance. Rollouts may stop after its exit. If None, rollouts cover the whole plan.
+        reserves: maps each goal atom to the margin that a search reserves, in the unit of its predicate. None if the
+            reserves are not yet known.
     """
 
     task: Task
@@ -83,13 +83,14 @@ class Objective:
         return Scores(self.sum_violations(rollout), rollout.value)
 
     def sum_violations(self, rollout: Rollout) -> FloatArray:
-        """Return the violation V plus the shortfall of each reserve. Shape ``(n,)``."""
+        """Return the violation V plus the shortfalls from the reserves. Shape ``(n,)``."""
         return np.asarray(rollout.violation + _lacking(rollout.conditions, self.reserves or {}))
 
     def keep_reserves(self, rollout: Rollout) -> "Objective":
         """Return the objective with reserves for the goal atoms, taken from the margins of the first candidate.
 
-        Without reserves, the search would give up the whole margin of a goal atom for value, and physics would miss it.
+        Without reserves, the search would trade the whole margin of a goal atom for value. The atom would then fail in
+        physics.
         """
         goal = set(self.task.goal)
         found = [condition for condition in rollout.conditions if condition.atom in goal and condition.margin[0] > 0]
@@ -118,8 +119,8 @@ class Evaluator:
 
     Attributes:
         objective: the objective. If its reserves are unknown, the first candidate determines them.
-        part: part of the space that is searched.
-        batches: pairs of (points, rollout) for each batch. The points of the whole space have shape ``(n, d)``.
+        part: searched part of the space.
+        batches: pair of (points, rollout) for each batch. The points have shape ``(n, d)`` and lie in the whole space.
     """
 
     objective: Objective
@@ -127,7 +128,7 @@ class Evaluator:
     batches: list[tuple[FloatArray, Rollout]] = field(default_factory=list)
 
     def __call__(self, points: FloatArray) -> Scores:
-        """Return the scores of points of the part. ``points`` has shape ``(n, k)``."""
+        """Return the scores of points of the searched part. ``points`` has shape ``(n, k)``."""
         whole = self.part.embed(points)
         rollout = self.objective.rollout(whole, self.objective.until)
         if self.objective.reserves is None:
@@ -142,7 +143,7 @@ class Evaluator:
 
 
 def _lacking(conditions: Iterable[Condition], reserves: Mapping[Atom, float]) -> FloatArray:
-    """Return the summed shortfalls of the reserves, divided by the predicates' scales. Negative margins count as 0."""
+    """Return the summed shortfalls of the reserves, divided by the predicates' scales. Negative margins become 0."""
     lacking = [
         np.maximum(reserves[c.atom] - np.maximum(c.margin, 0.0), 0.0) / c.predicate.scale
         for c in conditions
@@ -158,7 +159,7 @@ def find_last_measured(task: Task, plan: TaskPlan) -> str | None:
 
 
 def _variables(task: Task, plan: TaskPlan) -> Iterable[tuple[Key, Variable]]:
-    """Yield (key, variable) for all hyperparameters. Defaults come from the plan or, if missing there, the block."""
+    """Yield (key, variable) for each hyperparameter. The default is the planned value, or else the initial value."""
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
         block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
         for h in block.hyperparameters:

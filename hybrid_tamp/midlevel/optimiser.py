@@ -2,8 +2,8 @@
 
 The best candidate has the smallest violation and, at equal violations, the largest value (`Scores`). The default point
 is always the first candidate. Candidates are tied if the relative difference between their scores is below 1e-12. Of
-tied candidates, the candidate nearest to the default wins, by Euclidean distance in the unit cube. If distances are
-equal, the earliest candidate wins. So no hyperparameter changes without a gain.
+tied candidates, the candidate with the smallest Euclidean distance to the default in the unit cube wins. If distances
+are equal, the earliest candidate wins. So a hyperparameter changes only if the change improves the score.
 """
 
 import time
@@ -23,7 +23,7 @@ Evaluate = Callable[[FloatArray], Scores]
 """Function that maps read-only points of shape ``(n, d)`` to the scores of n candidates. NaN marks a failed rollout."""
 
 Progress = Callable[[Milestone], None]
-"""Progress callback. It gets every milestone of a search."""
+"""Progress callback, which is called with every milestone of a search."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Optimum:
 
     Attributes:
         point: the best candidate, in real units. Shape ``(d,)``.
-        violation: violation V of the best candidate. If it is positive, no candidate met all conditions.
+        violation: violation V of the best candidate. Positive if no candidate met all conditions.
         value: value J of the best candidate.
         evaluations: number of evaluated candidates.
         history: one milestone per batch.
@@ -114,7 +114,7 @@ class Search:
         """Return the gain of the last batches as a fraction of the total gain.
 
         The gain is the decrease of the violation or, if the violation stays constant, the increase of the value. The
-        fraction is 1 if there were no more than ``batches`` batches, or no gain at all.
+        fraction is 1 if there were at most ``batches`` batches, or if the total gain is 0.
         """
         if len(self._history) <= batches:
             return 1.0
@@ -191,7 +191,7 @@ class Optimiser(ABC):
             evaluate: function that returns the scores of a batch of points.
             space: the variables and their bounds. Constant variables keep their values.
             budget: the limits of the search.
-            rng: only source of randomness. The same generator state gives a bit-identical optimum.
+            rng: only source of randomness. Equal states of the generator lead to bit-identical optima.
             progress: callback for each milestone.
 
         Raises:

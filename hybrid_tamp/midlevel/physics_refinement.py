@@ -1,8 +1,8 @@
-"""Refinement in physics: a search near the optimum of the forward models by runs in a physics simulation.
+"""Refinement in physics, which simulates candidates near the optimum of the forward models in a physics backend.
 
-The forward models omit effects that shift the optimum slightly. The search stays within a fraction of each variable's
-range around the models' optimum, and only where the models predict no additional violation. The models' optimum is the
-first candidate and wins ties.
+The forward models omit effects that shift the optimum slightly. The search covers only a fraction of each variable's
+range around the models' optimum. There, the models predict no additional violation. The models' optimum is the first
+candidate and wins ties.
 """
 
 import logging
@@ -23,7 +23,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 _logger = logging.getLogger(__name__)
 
 _SHARE, _LEAST, _MOST = 50, 4, 40
-"""Number of budgeted evaluations per run in physics, minimum number of runs, and maximum number of runs."""
+"""Number of evaluations in the budget for each run in physics, and minimum and maximum number of runs in physics."""
 _REACH = 0.1
 """Largest distance of a value from the optimum, as a fraction of the variable's range."""
 _HALVINGS = 8
@@ -47,12 +47,12 @@ class RefinedInPhysics:
 def refine_in_physics(
     settings: SearchSettings, searched: Searched, point: FloatArray, measured: Objective
 ) -> RefinedInPhysics:
-    """Search near a point by runs in physics.
+    """Search near a point. Candidates are scored by runs in physics.
 
     Args:
         settings: optimiser and budgets. Physics gets a share of the evaluations and the full time budget again.
         searched: result of the search on the forward models.
-        point: optimum of this search. Shape ``(d,)``.
+        point: optimum on the forward models. Shape ``(d,)``.
         measured: objective that scores runs in physics. Repeated runs give bit-identical scores, so there is no noise.
     """
     began, midlevel = time.monotonic(), settings.midlevel
@@ -83,7 +83,7 @@ def _look_up(runs: Evaluator, point: FloatArray) -> tuple[Value, Shortfall | Non
 
 
 def narrow_space(objective: Objective, point: FloatArray, names: Collection[str]) -> SearchSpace:
-    """Return a part of the space around a point, narrow enough that no single variable increases the violation.
+    """Return the part of the space around a point in which changes of a single variable do not increase the violation.
 
     The point has shape ``(d,)`` and becomes the default. The part contains only the named variables.
     """

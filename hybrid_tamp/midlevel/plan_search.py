@@ -1,7 +1,8 @@
 """Search for the best hyperparameters of a plan.
 
-Screening finds the variables that have an effect. All other variables keep their defaults, which shrinks the space. The
-search starts at the default point or, if it is better, at the point with each action optimised on its own.
+Screening finds the variables that have an effect. All other variables keep their defaults, so that the search space is
+smaller. The search starts at the better of two points: the default point, and the point at which each action is
+optimised separately.
 """
 
 import time
@@ -47,7 +48,7 @@ class SearchSettings:
         rng: only source of randomness.
         began: start time of the optimisation, from `time.monotonic`, in seconds.
         tell: progress callback.
-        compare: whether to also optimise each action on its own.
+        compare: whether to also optimise each action separately.
     """
 
     midlevel: MidLevel
@@ -65,7 +66,7 @@ class Searched:
         objective: objective of the search, including its reserves.
         screening: result of the screening of the variables.
         influence: performance measures and actions that the variables affect.
-        apart: point with each action optimised on its own, or None if it was not computed. Shape ``(d,)``.
+        apart: point at which each action is optimised separately. Shape ``(d,)``. None if the point was not computed.
         optimum: best point of the search.
         spent: total number of rollouts so far.
     """
@@ -129,7 +130,7 @@ def _screen(settings: SearchSettings, objective: Objective) -> tuple[Evaluator, 
 
 
 def _choose_start(objective: Objective, apart: FloatArray | None) -> FloatArray:
-    """Return the better start point: the defaults, or the point with each action optimised on its own."""
+    """Return the better start point: the default point, or the point at which each action is optimised separately."""
     default = objective.space.default
     if apart is None or np.allclose(apart, default, rtol=1e-9):
         return default

@@ -1,4 +1,4 @@
-"""Model of one block instance, and the rollout of its candidates as rows of one array.
+"""Model of one block instance, and rollouts of many candidates as rows of one array.
 
 As in a real run, a candidate reaches its exit at the first control step after the minimum duration at which all exit
 conditions hold. Otherwise, the rollout ends at the block's maximum duration, or when state and commands are constant.
@@ -24,13 +24,13 @@ from hybrid_tamp.motion.arrays import FloatArray
 IntArray = NDArray[np.int64]
 
 CHUNK = 48
-"""Number of control steps per chunk. Conditions are checked once per chunk, for all its states together."""
+"""Number of control steps per chunk. The conditions are checked for all states of a chunk at the same time."""
 STILL = 1e-7
-"""Tolerance for a state at rest: the largest change within a chunk, in SI units."""
+"""Largest change of a state within a chunk at which the state is treated as being at rest, in SI units."""
 _STEADY = 1e-3
-"""Tolerance for a constant command: the largest change within a chunk, in SI units."""
+"""Largest change of a command within a chunk at which the command is treated as constant, in SI units."""
 _AWAKE = 0.5
-"""Time before which no state counts as at rest, in seconds, because movements begin slowly."""
+"""Time before which no state is treated as being at rest, in seconds, because movements begin slowly."""
 
 
 class InstanceModel:
@@ -84,7 +84,7 @@ class InstanceModel:
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Rollout of one instance up to its exit conditions, for each of n candidates.
+    """Rollouts of one instance until its exit conditions hold, for n candidates.
 
     Attributes:
         after: final state of the instance's tokens, or the initial state if the rollout failed. Shape ``(n, m)``.
@@ -167,14 +167,14 @@ class Population:
         self._drop_retired(chunk[-1])
 
     def _drop_retired(self, values: FloatArray) -> None:
-        """Remove finished candidates from the batch once they make up at least half of it."""
+        """Remove finished candidates from the batch if at least half of the candidates in the batch are finished."""
         left = self.pending[self.rows]
         self.after[self.rows[left]] = values[left]
         if left.any() and 2 * np.count_nonzero(left) <= len(left):
             self._restrict(self.rows[left])
 
     def _measure(self, run: State, commanded: list[Commands], counted: BoolArray) -> None:
-        """Update the peaks and integrals of the measures with the counted states of a chunk, shape ``(t, n)``."""
+        """Update the peaks and integrals of the measures with those states of a chunk that `counted` selects."""
         counted = counted & self.pending[self.rows]
         binding = self.model.binding
         for column, measure in enumerate(self.measures):
@@ -198,6 +198,6 @@ class Population:
 
 
 def _steady(commanded: Sequence[Commands]) -> BoolArray:
-    """Return a mask of the candidates with constant commands in a chunk. A changing command means upcoming motion."""
+    """Return a mask of the candidates with constant commands in a chunk. Changing commands precede motion."""
     changes = [np.abs(commanded[-1][key] - first).max(axis=-1) for key, first in commanded[0].items()]
     return np.asarray(np.logical_and.reduce([change < _STEADY for change in changes], initial=True), dtype=bool)

@@ -1,9 +1,9 @@
 """Entry point of the mid-level planner, which optimises all hyperparameters of a plan together (paper, Sec. II-D).
 
-The planner tries the defaults first. If they meet every condition and the plan has no performance measure, the planner
-keeps them. Otherwise it screens the hyperparameters and searches over the relevant ones. If the task requests it, the
-optimum is then refined in physics. On the forward models, the optimum is never worse than the defaults, nor worse than
-the point with each action optimised on its own.
+The planner keeps the defaults if the defaults meet all conditions and the plan has no performance measure. Otherwise,
+the planner screens the hyperparameters and searches over the relevant hyperparameters. If the task requests refinement
+in physics, the optimum is then refined in physics. On the forward models, the optimum is never worse than the defaults
+and never worse than the point at which each action is optimised separately.
 """
 
 import time
@@ -32,11 +32,11 @@ def refine(
     """Optimise the hyperparameters of a plan with the settings of its task.
 
     Args:
-        task: a task whose goal leaves no choice.
+        task: task of the plan. The goal must have no choice.
         plan: a lawful plan of the task.
         progress: progress callback.
         roll_out: function that rolls out candidates. By default, the blocks' forward models are used.
-        compare: whether to also optimise each action on its own, for comparison.
+        compare: whether to also optimise each action separately, for comparison.
         measured: function that runs candidates in physics, for tasks with ``refine: physics``.
 
     Raises:
@@ -49,7 +49,7 @@ def refine(
         if not objective.space.varying or defaults.violation == 0:
             return summarise_defaults(objective, defaults, began)
     if last is None:
-        objective = replace(objective, reserves={})  # Reserves are useless without a value to trade them for.
+        objective = replace(objective, reserves={})  # Without a value to maximise, reserves have no use.
     tell = progress or (lambda share, best: None)
     rng = np.random.default_rng(task.seed)
     settings = SearchSettings(task.midlevel, rng, began, tell, compare and last is not None)
@@ -67,6 +67,6 @@ def refine(
 
 
 def _compare(searched: Searched) -> Candidates:
-    """Roll out the whole plan for the defaults, the optimum and the point with each action optimised on its own."""
+    """Roll out the whole plan for the defaults, the optimum and the point of separate optimisation of each action."""
     others = [] if searched.apart is None else [searched.apart]
     return Candidates.of(searched.objective, searched.objective.space.default, searched.optimum.point, *others)

@@ -1,8 +1,9 @@
-"""Rollouts of a plan on the forward models of its blocks, for a whole population of hyperparameters at once.
+"""Rollouts of a plan on the forward models of its blocks, for a whole population of candidates at the same time.
 
-The plan determines the order of the reassignments. Their times differ between candidates. Each instance starts from the
-states in which earlier instances left its tokens. Instances that end in the same reassignment hold until all of them
-are ready. A condition that does not hold counts as a violation, and the rollout continues.
+The plan determines the order of the reassignments. The times of the reassignments differ between candidates. Each
+instance starts from the states in which earlier instances left its tokens. Instances that end in the same reassignment
+continue until all these instances have reached their exits. If a condition does not hold, its shortfall is added to the
+violation, and the rollout continues.
 """
 
 from collections.abc import Mapping
@@ -26,10 +27,10 @@ Key = tuple[str, str]
 """Pair of (instance, hyperparameter) or (instance, measure)."""
 
 Chosen = Mapping[Key, FloatArray]
-"""Maps (instance, hyperparameter) to the values of all candidates. Shape ``(n,)``."""
+"""Maps each pair of (instance, hyperparameter) to the values of all candidates. Shape ``(n,)``."""
 
 _SETTLING = 0.5
-"""Minimum time for which the last instances run before the goal is measured, as in a real run, in seconds."""
+"""Minimum duration of the last instances before the goal is measured, in seconds, as in a real run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +40,7 @@ class Condition:
     Attributes:
         where: name of the instance with this entry or exit condition, or `GOAL` for a goal atom.
         atom: the ground condition.
-        predicate: predicate of the condition. A margin of minus its scale counts as one unit of violation.
+        predicate: predicate of the condition. A margin of ``-predicate.scale`` is a violation of 1.
         margin: signed margins, in the unit of the predicate. Not finite for failed rollouts. Shape ``(n,)``.
     """
 
@@ -64,8 +65,8 @@ class Rollout:
 
     Attributes:
         conditions: entry and exit conditions of all instances in order, followed by the goal atoms.
-        figures: maps (instance, performance measure) to the measured figures. Shape ``(n,)``.
-        value: value J, the weighted sum of the performance measures, to be maximised. Shape ``(n,)``.
+        figures: maps each pair of (instance, performance measure) to the figures of all candidates. Shape ``(n,)``.
+        value: value J, which is the weighted sum of the performance measures. Shape ``(n,)``.
         final: final states. Shape ``(n, layout.size)``.
         intervals: maps each instance to a pair of (start time, end time) in seconds, each of shape ``(n,)``.
         failed: maps each instance to a mask of the candidates whose first non-finite result occurred in the instance.
@@ -81,14 +82,14 @@ class Rollout:
 
     @property
     def violation(self) -> FloatArray:
-        """Violation V, the sum over all conditions. It is infinite for failed rollouts. Shape ``(n,)``."""
+        """Violation V, the sum over all conditions. Infinite for failed rollouts. Shape ``(n,)``."""
         total = np.sum([condition.violation for condition in self.conditions], axis=0) + np.zeros(len(self.value))
         for where in self.failed.values():
             total = np.where(where, np.inf, total)
         return np.where(np.isfinite(total), total, np.inf)
 
     def worst(self, candidate: int = 0) -> Condition | None:
-        """Return the first condition in plan order that a candidate violates, or None if all conditions hold."""
+        """Return the first violated condition of a candidate, in plan order, or None if all conditions hold."""
         return next((c for c in self.conditions if not c.margin[candidate] >= 0), None)
 
     def value_of(self, task: Task, instance: BlockInstance) -> FloatArray:
@@ -150,7 +151,7 @@ class _Chain:
         self.last = np.zeros(self.count, dtype=np.int64)
 
     def begin(self, instances: tuple[BlockInstance, ...], time: IntArray) -> None:
-        """Start instances from the current states of their tokens, at a control step for each candidate."""
+        """Start instances from the current states of their tokens. `time` contains one control step per candidate."""
         for instance in instances:
             simulation = self.simulations[instance.name]
             start = self.now[:, simulation.columns]

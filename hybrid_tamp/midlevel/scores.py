@@ -12,7 +12,7 @@ IntArray = NDArray[np.int_]
 BoolArray = NDArray[np.bool_]
 
 SAME = 1e-12
-"""Largest relative difference between two figures that counts as rounding error."""
+"""Largest relative difference between two figures that is treated as a rounding error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class Scores:
 
     Attributes:
         violation: violation V, which is 0 if all conditions hold. Shape ``(n,)``.
-        value: value J, the weighted sum of the performance measures, to be maximised. Shape ``(n,)``.
+        value: value J, which is the weighted sum of the performance measures. Shape ``(n,)``.
 
     Raises:
         ValueError: if the arrays differ in length, or if a violation is negative.

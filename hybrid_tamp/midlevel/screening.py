@@ -1,13 +1,13 @@
-"""Screening of hyperparameters. Hyperparameters without an effect keep their defaults, which shrinks the search space.
+"""Screening of hyperparameters. Hyperparameters without an effect keep their defaults to shrink the search space.
 
 The effect of a variable may differ from point to point and may depend on other variables. So screening uses base points
-all over the space: the default point and a latin hypercube. From each base point, every variable is moved on its own to
-both bounds, to their midpoint and to a random value. These points form a line along the variable's axis. A variable is
-free if its largest effect on any line is within tolerance, for both the violation and the value.
+all over the space: the default point and a latin hypercube. From each base point, every variable is moved separately to
+both of its bounds, to the midpoint of the bounds and to a random value. These points form a line along the variable's
+axis. A variable is free if its effects on the violation and on the value are within tolerance on all lines.
 
-The value counts only at points that meet all conditions, because the violation takes precedence. If a variable has too
-few such points, the value counts at every point whose rollout did not fail. A variable that can make a rollout fail is
-never free.
+Values are compared only at points that meet all conditions, because the violation takes precedence. If too few points
+on the lines of a variable meet all conditions, values are compared at all points whose rollouts did not fail. A
+variable that can make a rollout fail is never free.
 """
 
 from collections.abc import Mapping
@@ -23,11 +23,14 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 LEVELS = (0.0, 0.5, 1.0)
 FEW = 4
-"""Minimum number of lines with two points that meet all conditions. With fewer such lines, all points count."""
+"""Minimum number of lines with two points that meet all conditions.
+
+With fewer lines, all finite points are compared.
+"""
 
 
 class Effect(NamedTuple):
-    """Largest changes of violation and value by one variable. The violation is inf if a rollout may fail."""
+    """Largest changes of V and J by one variable. ``violation`` is inf if the variable can make a rollout fail."""
 
     violation: float
     value: float
@@ -90,9 +93,9 @@ def screen_hyperparameters(
         space: the variables, k of which are not constant.
         rng: random generator for the base points and the random values.
         bases: number of base points including the default, at least 1. ``bases * (4 k + 1)`` points are evaluated.
-        tolerance: largest negligible effect. For the value, it is a fraction of the spread over the sample, which is
-            measured from the 5th to the 95th percentile to exclude extreme rollouts. For the violation, it is a
-            fraction of the spread or of 1, whichever is larger.
+        tolerance: largest negligible effect. For the value, a fraction of the spread over the sample. The spread is
+            measured from the 5th to the 95th percentile, to exclude extreme rollouts. For the violation, a fraction of
+            the larger of the spread and 1.
 
     Raises:
         NothingFinite: if every rollout failed.

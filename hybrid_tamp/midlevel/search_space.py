@@ -20,7 +20,7 @@ class Variable:
         unit: SI unit of the values.
         lower: lower bound, in the unit of the variable.
         upper: upper bound, in the unit of the variable. A variable with equal bounds is constant.
-        default: value without optimisation, in the unit of the variable.
+        default: value if the variable is not optimised, in the unit of the variable.
 
     Raises:
         InputError: if a bound is not finite, if the bounds are in the wrong order, or if the default is out of bounds.
@@ -36,7 +36,7 @@ class Variable:
         """Check the bounds and the default."""
         bounds = f"[{self.lower}, {self.upper}]"
         if not (self.lower <= self.upper and isfinite(self.lower) and isfinite(self.upper)):
-            raise InputError([Issue(self.name, "the bounds must be finite, with the lower bound first", bounds)])
+            raise InputError([Issue(self.name, "the bounds must be finite with lower <= upper", bounds)])
         if not self.lower <= self.default <= self.upper:
             raise InputError([Issue(self.name, f"the default must be within {bounds}", str(self.default))])
 
@@ -124,7 +124,7 @@ class SearchSpace:
         return replace(self, variables=tuple(variables))
 
     def embed(self, points: FloatArray) -> FloatArray:
-        """Return points ``(n, k)`` of this part as points ``(n, d)`` of the whole. Without a whole, keep the points."""
+        """Return points ``(n, k)`` of this part as points ``(n, d)`` of `whole`, or unchanged if `whole` is None."""
         if self.whole is None:
             return points
         embedded = np.tile(self.whole.default, (len(points), 1))

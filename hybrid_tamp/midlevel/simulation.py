@@ -1,4 +1,4 @@
-"""Rollout of one block instance for a whole population, followed by its hold until the reassignment."""
+"""Rollout of one block instance for a whole population until its exit, and then until the reassignment."""
 
 from collections.abc import Mapping
 
@@ -39,9 +39,9 @@ class Simulation(InstanceModel):
         return self._known[key].rows(inverse)
 
     def hold(self, start: FloatArray, chosen: Mapping[str, FloatArray], begun: Stretch, until: IntArray) -> FloatArray:
-        """Return the states of the instance's tokens at the end of its hold. Shape ``(n, m)``.
+        """Continue the instance after its exit, and return the final states of its tokens. Shape ``(n, m)``.
 
-        ``until`` is the number of control steps from the start of the instance to the end of its hold. Shape ``(n,)``.
+        ``until`` is the number of control steps from the start of the instance to its end. Shape ``(n,)``.
         """
         more: IntArray = until - begun.steps
         if not self.block.moves or not more.max() > 0:

@@ -1,4 +1,4 @@
-"""Summary of a search as a refined plan, from rollouts of its last candidates over the whole plan."""
+"""Summary of a search as a refined plan. The remaining candidates are rolled out over the whole plan."""
 
 import time
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 class Candidates:
     """The candidates that remain after a search.
 
-    The defaults come first, then the optimum. The point with each action optimised on its own comes last.
+    The candidates are the defaults, the optimum and, if computed, the result of optimising each action separately.
 
     Attributes:
         rollout: rollout of all candidates over the whole plan.
@@ -52,7 +52,7 @@ class Candidates:
         return Value(float(self.rollout.violation[candidate]), float(self.rollout.value[candidate]))
 
     def replace_best(self, objective: Objective, point: FloatArray) -> "Candidates":
-        """Return the candidates with a new best point of shape ``(d,)``, which replaces the optimum."""
+        """Return the candidates with a new best point in place of the optimum. ``point`` has shape ``(d,)``."""
         points = np.vstack([self.points[:1], point, self.points[2:]])
         return Candidates(objective.rollout(points), points, 1)
 
@@ -120,7 +120,7 @@ def _summarise(
 
 
 def _tune(objective: Objective, point: FloatArray, statuses: dict[str, str]) -> Iterator[Tuned]:
-    """Yield each hyperparameter with its value at a point of shape ``(d,)``. Equal bounds give the status "fixed"."""
+    """Yield each hyperparameter with its value at a point of shape ``(d,)``. The status for equal bounds is "fixed"."""
     for key, variable, value in zip(objective.keys, objective.space.variables, point.tolist(), strict=True):
         status = statuses[variable.name] if variable.lower < variable.upper else "fixed"
         yield Tuned(*key, variable.unit, variable.lower, variable.upper, variable.default, value, status)

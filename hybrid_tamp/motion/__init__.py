@@ -13,7 +13,7 @@ Units
 Quaternions
     Unit quaternions have the order ``(x, y, z, w)``, as in PyBullet. The identity is ``(0, 0, 0, 1)``. The product
     is Hamilton's product: ``quaternion_multiply(a, b)`` rotates first by ``b`` and then by ``a``. The quaternions
-    ``q`` and ``-q`` are the same rotation. Functions that return an angle choose the smaller of the two angles.
+    ``q`` and ``-q`` represent the same rotation. Of their two rotation angles, functions return the smaller angle.
 
 Names of rotations
     ``target_from_source`` transforms the coordinates of a vector from the source frame to the target frame. In a

@@ -12,7 +12,7 @@ def sums(*rows: dict[tuple[int, int], float]) -> tuple[IntArray, IntArray, Float
     """Return the table that `products` needs to compute some sums of products.
 
     Args:
-        rows: mappings from pairs of (first component, second component) to the weight of their product, one per sum.
+        rows: one mapping per sum. Maps each pair of (first component, second component) to the weight of the product.
 
     Returns:
         First components of all products, second components, and weights with one column per sum.
@@ -39,7 +39,7 @@ TURN = sums(
     {(1, 2): 2.0, (0, 3): 2.0},
     {(0, 0): -2.0, (1, 1): -2.0},
 )
-"""Table that gives the rotation matrix minus the identity, row by row, if both factors are the same quaternion."""
+"""Table for the rotation matrix minus the identity, row by row. Both factors must be the same quaternion."""
 EACH_ROW, ROW_SUMS = np.tile(np.arange(3), 3), np.kron(np.eye(3), np.ones((3, 1)))
 """Indices of the vector components that multiply the elements of the `TURN` result, and a matrix of row sums."""
 

@@ -35,7 +35,7 @@ class ShownMovement:
 
         Args:
             moves: ``position`` or ``orientation``.
-            dimensions: 1 to learn the travelled fraction of the path or angle, otherwise the dimension of positions.
+            dimensions: 1 for the travelled fraction of the path or angle, otherwise the number of position components.
 
         Returns:
             The samples, shape ``(t, dimensions)``, and the scale. For fractions, the scale is the length [m] or the

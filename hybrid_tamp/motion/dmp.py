@@ -77,8 +77,8 @@ class DMP:
             time: times of the samples [s], shape ``(t,)``, or a sequence with one array for each demonstration.
             positions: positions [m], shape ``(t, d)``, or a sequence with one array for each demonstration.
             n_weights: number k of basis functions.
-            soft_start: value of the attribute `soft_start`. A soft start better preserves the initial part of the
-                movement, e.g. lifting before travelling, if the goal changes.
+            soft_start: value of the attribute `soft_start`. If the goal changes, a soft start better preserves the
+                initial part of the movement, e.g. lifting before travelling.
 
         Returns:
             The learnt primitive, with the default spring.
@@ -149,7 +149,7 @@ class DMP:
         """Return the movement of the primitive as time series.
 
         All movements of a batch have the same grid in normalised time. The time step of the longest movement is at most
-        ``dt`` and divides its duration.
+        ``dt`` and divides the duration of this movement.
 
         Args:
             start: initial positions [m], shape ``(..., d)``. The initial velocity is zero.

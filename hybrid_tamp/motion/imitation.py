@@ -18,7 +18,7 @@ _END_EMPHASIS = np.array([[300.0], [30.0]])
 
 
 def fitted_weights(system: TransformationSystem, demonstrations: Sequence[Demonstration]) -> FloatArray:
-    """Return the weights for which the movements are closest to all demonstrations.
+    """Return the weights for which the movements of the primitive are closest to all demonstrations.
 
     A movement is linear in the weights, so the weights are fitted directly to positions. The usual fit to the forcing
     term (Ijspeert et al. 2013, Sec. 2.1.3) requires accelerations, whose computation amplifies measurement noise.

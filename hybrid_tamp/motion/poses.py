@@ -101,7 +101,7 @@ def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
 
 
 def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
-    """Return the rotations for rotation vectors, which is the exponential map (Sola 2017, Eq. 101).
+    """Return the unit quaternions of rotation vectors, by the exponential map (Sola 2017, Eq. 101).
 
     Args:
         vector: rotation vectors [rad], shape ``(..., 3)``.
@@ -113,7 +113,7 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
         ValueError: if the last dimension is not 3.
     """
     half = 0.5 * _array(vector, 3, "vector")
-    # At 0, the constant gives sin(x) / x its limit. At all other values, the constant is lost in rounding.
+    # For a zero vector, the constant prevents 0 / 0. For other vectors, the constant is lost in rounding.
     half_angle = np.sqrt(np.einsum("...i,...i->...", half, half) + 1e-60)[..., None]
     return np.concatenate([np.sin(half_angle) / half_angle * half, np.cos(half_angle)], axis=-1)
 
@@ -175,20 +175,20 @@ def quaternion_of_rotation(matrix: ArrayLike) -> FloatArray:
 
 
 def rotation_vector(quaternion: ArrayLike) -> FloatArray:
-    """Return the shortest rotation vectors, which is the logarithmic map (Sola 2017, Sec. 2.4).
+    """Return the shortest rotation vectors, by the logarithmic map (Sola 2017, Sec. 2.4).
 
     Args:
         quaternion: unit quaternions, shape ``(..., 4)``.
 
     Returns:
         Rotation vectors of length at most pi [rad], shape ``(..., 3)``. A half turn has two shortest rotation vectors,
-        and the sign of the quaternion decides which one is returned.
+        and the sign of the quaternion selects one of both.
 
     Raises:
         ValueError: if the last dimension is not 4.
     """
     unit = _array(quaternion, 4, "quaternion")
-    # q and -q are the same rotation. The quaternion with w >= 0 has an angle of at most pi.
+    # q and -q represent the same rotation. The quaternion with w >= 0 has an angle of at most pi.
     unit = np.where(unit[..., 3:] < 0.0, -unit, unit)
     vector, scalar = unit[..., :3], unit[..., 3:]
     sine = np.sqrt(np.sum(vector * vector, axis=-1, keepdims=True))
@@ -218,11 +218,11 @@ def integrate(quaternion: ArrayLike, angular_velocity: ArrayLike, dt: ArrayLike)
 
 
 def angle_about(axis: ArrayLike, quaternions: ArrayLike) -> FloatArray:
-    """Return the accumulated rotation angle about an axis that is fixed in the body. The angle is not wrapped.
+    """Return the accumulated rotation angle about a body-fixed axis. The angle is not wrapped.
 
-    The angle is the integral of the angular velocity's component along the axis. It is computed as the sum of the
-    rotations between consecutive samples, projected on the axis. A comparison with the travelled distance distinguishes
-    rolling from sliding. Between two samples, the body must rotate by less than half a turn.
+    The angle is the integral of the angular velocity's component along the axis. The function sums the rotations
+    between consecutive samples, projected on the axis. A comparison of the angle with the travelled distance
+    distinguishes rolling from sliding. Between two samples, the body must rotate by less than half a turn.
 
     Args:
         axis: axis in the body frame, of any non-zero length, shape ``(..., 3)``.

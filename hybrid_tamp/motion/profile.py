@@ -1,6 +1,6 @@
 """Profiles, which describe the progress of a movement along a given path or about a given axis.
 
-A profile is the movement of a one-dimensional primitive from 0 to 1, which is sampled once and then interpolated.
+A profile is the movement of a one-dimensional primitive from 0 to 1. The movement is sampled once and interpolated.
 """
 
 from dataclasses import dataclass

@@ -30,7 +30,7 @@ class Trajectory:
         return np.asarray(self.duration * (self.spacing * (len(self.samples) - 1)))
 
     def at(self, elapsed: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the position, velocity and acceleration at a time, each linearly interpolated between its own samples.
+        """Return the position, velocity and acceleration at a time, each interpolated linearly between its samples.
 
         Args:
             elapsed: time since the start of the movement [s], shape ``(...)``. Negative times are treated as 0.

@@ -1,4 +1,4 @@
-"""The transformation system of a movement primitive, which is a damped spring, and its responses to inputs.
+"""The transformation system of a movement primitive. The system is a damped spring that responds to inputs.
 
 The spring is linear, so a movement is a weighted sum of the spring's responses to a few inputs. The responses are
 computed once for each time grid and cached. The rollout of a whole batch is then a single matrix product. See
@@ -138,9 +138,9 @@ class TransformationSystem(NamedTuple):
 def settling_responses(system: TransformationSystem, n_steps: int, n_settle: int) -> FloatArray:
     """Return the responses on a uniform time grid that includes the settling time after the movement.
 
-    During the settling time, a minimum-jerk profile fades out the displacement by all inputs that decay with s. So the
-    movement ends on the goal for all weights. The response to the goal itself is not faded out. With the default
-    constants, its distance from the limit is ``(1 + 12.5 p) exp(-12.5 p)``, e.g. 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
+    During the settling time, a minimum-jerk profile fades out the displacement by the decaying inputs. So the movement
+    ends on the goal for all weights. The response to the goal is not faded out. With default constants, its distance
+    from its limit is ``(1 + 12.5 p) exp(-12.5 p)``, e.g. 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
 
     Args:
         system: spring and its inputs.

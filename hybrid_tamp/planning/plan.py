@@ -20,11 +20,11 @@ from hybrid_tamp.symbolic.strategies.search import Planner, SearchResult
 _LOG = logging.getLogger(__name__)
 
 _WITHOUT = {
-    "unsolvable": "the planner has proven that the network without this object has no plan",
+    "unsolvable": "the planner has proven that no plan exists in the network without this object",
     "not_found": "the planner found no plan in the network without this object",
     "plan_refused": "the plan found in the network without this object breaks the law of assignment",
 }
-_TOO_LONG = "the planner found no plan in the network without this object in half of the remaining time"
+_TOO_LONG = "the planner found no plan in the network without this object within half of the remaining time"
 
 
 def plan_task(task: Task, planner: Planner) -> PlanOutcome:
@@ -85,12 +85,12 @@ class _TailoredNetwork:
 
     @property
     def can_widen(self) -> bool:
-        """Whether any objects remain to be added to the network."""
+        """Whether objects remain that can be added to the network."""
         return bool(self._widening.find_outside(self.reduction))
 
     @property
     def unreachable(self) -> str:
-        """Message about the goal atoms that no block of the network achieves, empty if there are none."""
+        """Message about goal atoms that no block of the network achieves. Empty if each atom has such a block."""
         atoms = " and ".join(atom.text for atom in find_unreachable(self.reduction.task))
         return f"no block achieves {atoms} in the network without this object" if atoms else ""
 

@@ -1,4 +1,4 @@
-"""Reduction of a task's network to the part that its objects and hands afford (paper, Sec. II-C).
+"""Reduction of a task's network to the part that the task's objects and hands afford (paper, Sec. II-C).
 
 "The size of the network can be reduced by only considering the parts of the network associated with the affordances of
 the objects that need to be manipulated." The reduced task has fewer tokens, and its domain has fewer blocks. A plan of
@@ -28,7 +28,7 @@ class Reduction:
         brought: names of the tokens that were added as tools.
         tokens: names of the tokens of the reduced task.
         blocks: blocks of the reduced network.
-        fillable: blocks that the tokens can fill by their classes, whether or not edges lead to the blocks.
+        fillable: blocks whose roles the tokens can fill. The blocks may be unreachable along the edges of the network.
     """
 
     whole: Task
@@ -81,7 +81,7 @@ class Reducer:
 
     @cached_property
     def needed(self) -> frozenset[str]:
-        """Names of the tokens that the goal names or allows as a choice, and of tokens that do not start at rest."""
+        """Names of the tokens in the goal or in its groundings, and of the tokens that do not start at rest."""
         chosen = (each for atom in self._task.goal if ANY in atom.arguments for each in self._task.groundings(atom))
         named = (name for atom in (*self._task.goal, *chosen) for name in atom.arguments)
         return frozenset(name for name in (*named, *self._begun) if name in self._task.token_by_name)
@@ -99,10 +99,10 @@ class Reducer:
 
         - the present tokens can fill its slots and targets,
         - edges lead into all of its slots,
-        - edges lead out of all of its slots, or it has a hold, and
+        - edges lead out of all of its slots, or the block has ``hold``, and
         - a chain of shared tokens connects the block to the needed tokens.
 
-        A token is kept if it is needed or fits one of the kept blocks.
+        A token is kept if the token is needed or fits a kept block.
 
         Args:
             brought: names of the tokens to add as tools.
@@ -121,7 +121,7 @@ class Reducer:
         return Reduction(self._task, tuple(brought), names, tuple(kept), tuple(fillable))
 
     def _relate(self, able: Mapping[str, Set[str]]) -> list[str]:
-        """Return the names of the blocks connected to the needed tokens by chains of shared tokens, except places."""
+        """Return the names of the blocks that chains of shared tokens (not places) connect to the needed tokens."""
         tokens, related = set(self.needed - self._places), list[str]()
         waiting = dict(able)
         while found := [name for name, fit in waiting.items() if not tokens.isdisjoint(fit)]:
@@ -135,7 +135,7 @@ class Reducer:
 
 
 def _keep_passable(domain: Domain, blocks: list[Block], started: Collection[str]) -> list[Block]:
-    """Return the blocks that tokens can reach from their initial blocks. A block without a hold needs a way out."""
+    """Return the blocks that tokens can reach from their initial blocks. A block without ``hold`` also needs exits."""
     kept = {block.name: block for block in blocks} | {name: domain.block_by_name[name] for name in started}
     size = -1
     while len(kept) != size:
@@ -150,7 +150,7 @@ def _keep_passable(domain: Domain, blocks: list[Block], started: Collection[str]
 
 
 def _enterable_blocks(domain: Domain, blocks: Mapping[str, Block], started: Collection[str]) -> set[str]:
-    """Return the names of the initial blocks and of all blocks that tokens can enter, with an edge into every slot."""
+    """Return the names of the initial blocks and of blocks with an edge from an enterable block into every slot."""
     entered, size = set(started), -1
     while len(entered) != size:
         size = len(entered)

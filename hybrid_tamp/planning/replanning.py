@@ -1,7 +1,7 @@
-"""Planning, optimisation of the plan, and replanning if no hyperparameters satisfy the plan.
+"""Planning, optimisation of the plan, and replanning if no hyperparameters meet all conditions of the plan.
 
 If a condition fails even with the best hyperparameters, the binding of the failing block is excluded and the task
-planner runs again. The task limits the number of repetitions.
+planner runs again. ``task.limits.refinements`` limits the number of repetitions.
 """
 
 from collections.abc import Callable

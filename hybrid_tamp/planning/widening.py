@@ -1,9 +1,9 @@
 """Widening of a reduced network by other objects as tools, nearest objects first (paper, Sec. II-C).
 
 "If the task cannot be accomplished with the reduced network, the network can be expanded by incorporating other
-available objects as tools." The distance of an object is the smallest number of edges between a block that it makes
-fillable and a block in use. The blocks in use are the blocks of the reduced network and the blocks that achieve a goal
-atom. Ties are broken by the distance in space, then by name.
+available objects as tools." The distance of an object is the smallest number of edges between a block that the object
+makes fillable and a block in use. The blocks in use are the blocks of the reduced network and the blocks that achieve a
+goal atom. Ties are broken by the distance in space, then by name.
 """
 
 import math
@@ -23,7 +23,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.planning.reduction import Reducer, Reduction
 
 MOST_EXAMINED = 16
-"""Number of nearest objects for which to test whether a single object makes the goal reachable."""
+"""Number of nearest objects that are tested separately. A test adds one object and checks if the goal is reachable."""
 
 
 class Widening:
@@ -40,7 +40,7 @@ class Widening:
 
     @cached_property
     def all(self) -> Reduction:
-        """The relevant network with all objects. It has a plan if the full network has a plan."""
+        """The relevant network with all objects. This network has a plan if the full network has a plan."""
         return self.reducer.reduce(self.task.token_by_name, find_relevant_blocks(self.task))
 
     def find_outside(self, reduction: Reduction) -> list[Token]:
@@ -53,7 +53,7 @@ class Widening:
         """Return the names of the objects to add next, in order. The list is empty if no objects remain.
 
         If one of the nearest objects alone may make the goal reachable, return only this object. Otherwise return the
-        `most` nearest objects, or all objects if not even all of them make the goal reachable.
+        `most` nearest objects. If the goal is unreachable even with all objects, return all objects.
         """
         order = self._order_by_distance(reduction)
         for name in order[:MOST_EXAMINED]:
@@ -93,7 +93,7 @@ class Widening:
     def _distances(self, reduction: Reduction) -> Mapping[str, float]:
         """Return a dict that maps each block to its number of edges from the nearest block in use.
 
-        Paths through the resting block do not count.
+        Paths through the resting block are ignored.
         """
         graph: nx.Graph[str] = nx.Graph()
         graph.add_nodes_from(self.all.names)
@@ -144,7 +144,7 @@ def find_unreachable(task: Task) -> list[Atom]:
 
 
 def is_within_reach(task: Task) -> bool:
-    """Say whether the goal may be reachable according to the backward search (see `backward_search`)."""
+    """Return whether the goal may be reachable according to the backward search (see `backward_search`)."""
     if find_unreachable(task):
         return False
     search = BackwardSearch(task)

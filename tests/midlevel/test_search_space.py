@@ -27,9 +27,9 @@ def spaces(draw: st.DrawFn) -> SearchSpace:
 @pytest.mark.parametrize(
     ("lower", "upper", "default", "words"),
     [
-        (1.0, 0.0, 0.5, "grasp: the bounds must be finite, with the lower bound first; got [1.0, 0.0]"),
-        (0.0, np.inf, 0.5, "grasp: the bounds must be finite, with the lower bound first; got [0.0, inf]"),
-        (np.nan, 1.0, 0.5, "grasp: the bounds must be finite, with the lower bound first; got [nan, 1.0]"),
+        (1.0, 0.0, 0.5, "grasp: the bounds must be finite with lower <= upper; got [1.0, 0.0]"),
+        (0.0, np.inf, 0.5, "grasp: the bounds must be finite with lower <= upper; got [0.0, inf]"),
+        (np.nan, 1.0, 0.5, "grasp: the bounds must be finite with lower <= upper; got [nan, 1.0]"),
         (0.0, 1.0, 1.5, "grasp: the default must be within [0.0, 1.0]; got 1.5"),
         (0.0, 1.0, np.nan, "grasp: the default must be within [0.0, 1.0]; got nan"),
     ],
