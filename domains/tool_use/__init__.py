@@ -1,4 +1,4 @@
-"""Tool use (paper, Sec. III-B, Figs. 4 to 6): a hand grasps a hammer to push and to strike objects.
+"""Tool use (paper, Sec. III-B, Figs. 4 to 6): a hand grasps a hammer, and pushes and strikes objects with it.
 
 Modules, in reading order: `classes`, `geometry`, `holding`, `swing`, `predicates`, `feasibility`, `grasping` (GRASPING
 D7 and RELEASING D11), `carrying` (D10), `pushing` (D9), `arc`, `striking` (D8). `..common` provides REACHING (D5) and
@@ -31,7 +31,7 @@ _EDGES = (
     ("CARRYING:down.tool", "RELEASING.tool"),
     ("RELEASING.hand", "RESTING.token"),
     ("RELEASING.tool", "RESTING.token"),
-    # The hand carries the tool from one use to the next.
+    # The hand carries the tool to the place of its next use.
     ("GRASPING.hand", "CARRYING.hand"),
     ("GRASPING.tool", "CARRYING.tool"),
     ("PUSHING.hand", "CARRYING.hand"),
@@ -42,13 +42,13 @@ _EDGES = (
     ("CARRYING:push.tool", "PUSHING.tool"),
     ("CARRYING:strike.hand", "STRIKING.hand"),
     ("CARRYING:strike.tool", "STRIKING.tool"),
-    # Objects are pushed and struck.
+    # The tool pushes and strikes objects.
     ("RESTING.token", "PUSHING.object"),
     ("PUSHING.object", "RESTING.token"),
     ("RESTING.token", "STRIKING.object"),
     ("STRIKING.object", "RESTING.token"),
 )
-"""Reassignments (paper, Fig. 4). An edge that names an action without a mode applies to each of the action's modes."""
+"""Reassignments (paper, Fig. 4). If an edge names an action without a mode, it applies to all modes of the action."""
 
 DOMAIN = Domain(
     name="tool_use",
@@ -58,5 +58,5 @@ DOMAIN = Domain(
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_EDGES, [block.name for block in _BLOCKS]),
     metrics=metrics,
-    description="a hand grasps tools to push and to strike objects",
+    description="a hand grasps tools, and pushes and strikes objects with the tools",
 )

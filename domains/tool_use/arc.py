@@ -1,4 +1,4 @@
-"""The path of the hand and the tool in a strike: an arc about an elbow, from the wind-up to the impact."""
+"""The path of the hand and the tool in a strike, which ends with an arc about an elbow."""
 
 import numpy as np
 
@@ -12,11 +12,11 @@ from .holding import keeping
 from .swing import Swing, swing_of
 
 WINDING_UP = 0.4
-"""Duration of a wind-up in which the hand does not move [s]."""
+"""Duration of a wind-up over a distance of 0 m [s]."""
 _WINDING_SPEED = 0.4
-"""Mean speed of the hand during the wind-up [m/s]."""
+"""Ratio of the distance of a wind-up to its additional duration [m/s]."""
 _FOLLOWING_THROUGH = 1.5
-"""Longest duration of a swing without an impact, as a multiple of the planned duration."""
+"""Ratio of the longest duration of a swing, which ends without an impact, to the planned duration."""
 
 
 def along(ahead: FloatArray, angle: FloatArray) -> FloatArray:
@@ -25,7 +25,7 @@ def along(ahead: FloatArray, angle: FloatArray) -> FloatArray:
 
 
 class Arc:
-    """The path of the hand and the tool in one strike: the elbow, the wind-up and the swing."""
+    """The path of the hand and the tool in one strike. A wind-up is followed by a swing about an elbow."""
 
     def __init__(self, binding: Binding, start: State, hyperparameters: Hyperparameters) -> None:
         hand, tool, thing = get_tokens(binding, "hand", "tool", "object")
@@ -50,7 +50,7 @@ class Arc:
 def on_arc(state: State, hand: Token, tool: Token, arc: Arc, spin: FloatArray, driven: FloatArray) -> FloatArray:
     """Return the acceleration ``(..., 3)`` [m/s^2] that keeps a hand on its arc about the elbow.
 
-    `spin` [rad/s] and `driven` [rad/s^2] are the angular speed and acceleration of the swing, both ``(...)``.
+    `spin` [rad/s] and `driven` [rad/s^2] are the angular speed and angular acceleration of the swing, both ``(...)``.
     """
     arm = arc.radius[..., None] * along(arc.ahead, swing_angle(state, tool))
     velocity = spin[..., None] * cross(arc.axis, arm)
@@ -59,7 +59,7 @@ def on_arc(state: State, hand: Token, tool: Token, arc: Arc, spin: FloatArray, d
 
 
 def in_plane(state: State, tool: Token, axis: FloatArray, driven: FloatArray) -> FloatArray:
-    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that drives a swing and keeps the swing in its plane."""
+    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that drives a tool's swing and keeps it in its plane."""
     spin = state[tool, "angular_velocity"]
     out_of_plane = spin - dot(spin, axis)[..., None] * axis
     back = ORIENTATION_RATE**2 * cross(side(state, tool), axis)

@@ -1,8 +1,8 @@
 """The block CARRYING (paper, D10), in which a hand brings a tool to the place of its next use.
 
-In mode ``push``, the tool ends upright behind the object to push. In mode ``strike``, the tool ends raised above the
-object to strike. In mode ``down``, the tool ends standing at its initial place. The hand follows the demonstrated reach
-and turns the tool in the high part of the reach.
+In mode ``push``, the tool ends upright behind the object that it will push. In mode ``strike``, the tool ends raised
+above the object that it will strike. In mode ``down``, the tool ends standing at its initial place. The hand follows
+the demonstrated reach and turns the tool in the high part of the reach.
 """
 
 from collections.abc import Callable
@@ -52,21 +52,21 @@ from .holding import HeldTool, pose_tool
 from .predicates import HELD, IN_PUSH_STANCE, IN_STRIKE_STANCE, STANDS
 
 Pose = tuple[FloatArray, FloatArray, FloatArray]
-"""Position of the hand ``(..., 3)`` [m], yaw of the tool and swing angle of the tool, each ``(...)`` [rad]."""
+"""Triple of (position of the hand ``(..., 3)`` [m], yaw of the tool [rad], swing angle of the tool [rad])."""
 Goal = Callable[[Binding, State], Pose]
 
 _SETTLING = 0.1
 _TURN = (0.3, 0.4)
-"""Beginning and duration of the turn, as shares of the reach's duration. The hand is high during the turn."""
+"""Beginning and duration of the tool's turn, as fractions of the reach's duration."""
 
 
 def _seen(object_class: type[AffordanceClass]) -> Target:
-    """Return the target object. The hand reads the object's place only at the start, so the object may move later."""
+    """Return the target object. Only the object's initial position is used, so the object may move later."""
     return Target("object", object_class, reads=())
 
 
 def _hand_at(binding: Binding, state: State, place: FloatArray, direction: FloatArray, angle: float) -> Pose:
-    """Return the pose of the hand that brings its tool to a place ``(..., 3)`` [m] with the current grasp."""
+    """Return the pose of the hand for a place ``(..., 3)`` [m] of its tool, which remains in the current grasp."""
     hand, tool = get_tokens(binding, "hand", "tool")
     arm = rotate(tool_orientation(direction, angle), hand_in_tool(state, hand, tool))
     return place + arm, direction, np.full_like(direction, angle)
@@ -155,7 +155,7 @@ def _carrying(
         entry=(HELD("tool", "hand"), *entry),
         exit=(*arrived, HELD("tool", "hand"), AT_REST("hand"), AT_REST("tool")),
         writes={"hand": BODY, "tool": BODY},
-        # These facts concern the initial place of the tool.
+        # These facts depend only on the initial place of the tool.
         keeps=(HANDLE_WITHIN_REACH, HOME),
         hyperparameters=(chosen,),
         duration=duration,
@@ -180,7 +180,7 @@ CARRYING = (
             AT_REST("object"),
         ),
         (IN_PUSH_STANCE("tool", "object", "region"), ~STANDS("tool")),
-        "the hand brings the upright tool to a place behind the object to push",
+        "the hand brings the upright tool to a place behind the object that it will push",
     ),
     _carrying(
         "strike",
@@ -189,7 +189,7 @@ CARRYING = (
         (_seen(Strikable),),
         (ABLE_TO_STRIKE("hand", "tool", "object"), AT_REST("object")),
         (IN_STRIKE_STANCE("hand", "tool", "object"), ~STANDS("tool")),
-        "the hand raises the tool above the object to strike",
+        "the hand raises the tool above the object that it will strike",
     ),
     _carrying(
         "down",

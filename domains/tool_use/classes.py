@@ -1,4 +1,4 @@
-"""Classes of hands that can grasp, of tools, and of objects that tools push and strike."""
+"""Classes of hands, of tools, and of objects that hands push and strike with tools."""
 
 from typing import ClassVar
 
@@ -25,11 +25,11 @@ from ..common.classes import (
 
 _OPEN = 0.08
 """Gap between open fingers [m]."""
-IMPULSE = VaryingProperty("impulse", 1, "N s", (0.0,), "largest impact that the object has received so far")
+IMPULSE = VaryingProperty("impulse", 1, "N s", (0.0,), "largest impulse that the object has received so far")
 
 
 class DexterousHand(StaticEndEffector):
-    """A hand that can also open, close and turn its wrist (paper, Sec. III-B)."""
+    """A hand with two virtual fingers that open and close, and with a wrist that turns (paper, Sec. III-B)."""
 
     name: ClassVar[str] = "2-VIRTUAL-FINGERED HAND"
     varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, aperture_property(_OPEN))
@@ -43,16 +43,18 @@ class DexterousHand(StaticEndEffector):
     maximal_grip: float = positive("N", "largest force of each virtual finger", 1e6)
     maximal_aperture: float = positive("m", "largest gap between the fingers", 1, default=_OPEN)
     wrist_inertia: float = positive("kg m^2", "moment of inertia of the hand about its wrist", 1e3)
-    contact_width: float = positive("m", "length of the part of a handle that the hand touches", 1)
-    strike_torque: float = positive("N m", "torque that drives a strike, without the torque that bears the tool", 1e6)
-    strike_angle: float = positive("rad", "angle over which strike_torque drives the strike", 2.5)
+    contact_width: float = positive("m", "length of the hand's contact with a handle, along the handle", 1)
+    strike_torque: float = positive(
+        "N m", "torque that drives a strike, in addition to the torque that bears the tool", 1e6
+    )
+    strike_angle: float = positive("rad", "angle through which strike_torque drives a strike", 2.5)
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Return an error message if a strike needs more torque than the wrist has, otherwise None."""
+        """Return an error message if the strike torque exceeds the wrist's maximal torque, otherwise None."""
         strike, most = token["strike_torque"], token["maximal_torque"]
         if strike > most:
-            return f"strike_torque must be at most maximal_torque, {most} N m, got {strike} N m"
+            return f"strike_torque must be at most {most} N m, the maximal_torque; got {strike} N m"
         return StaticEndEffector.consistent(token)
 
 
@@ -68,13 +70,13 @@ class Graspable(AffordanceClass):
     mass: float = mass_property()
     friction: float = friction_property()
     inertia: Extents = quantity("kg m^2", "principal moments of inertia about the body's axes")
-    handle_from: Vector3 = quantity("m", "end of the graspable segment that is far from the head, in the body frame")
-    handle_to: Vector3 = quantity("m", "end of the graspable segment that is near the head, in the body frame")
+    handle_from: Vector3 = quantity("m", "far end of the graspable segment, away from the head, in the body frame")
+    handle_to: Vector3 = quantity("m", "near end of the graspable segment, next to the head, in the body frame")
     handle_width: float = positive("m", "width of the handle", 1)
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Return an error message if the handle has no length or does not point along x to the head, otherwise None."""
+        """Return an error message if the handle does not extend along x towards the head, otherwise None."""
         start, end = token["handle_from"], token["handle_to"]
         if end[0] - start[0] < 1e-3:
             return "handle_to must have a larger x than handle_from, because the x axis points towards the head"
@@ -90,7 +92,9 @@ class Striker(Graspable):
 
     name: ClassVar[str] = "STRIKER"
 
-    impact_point: Vector3 = quantity("m", "point that strikes, in the body frame; a strike moves this point along -z")
+    impact_point: Vector3 = quantity(
+        "m", "striking point of the head, in the body frame; a strike moves this point along -z"
+    )
 
 
 class Pusher(Graspable):
@@ -98,14 +102,16 @@ class Pusher(Graspable):
 
     name: ClassVar[str] = "PUSHER"
 
-    pushing_point: Vector3 = quantity("m", "point that pushes, in the body frame; a push moves this point along +z")
+    pushing_point: Vector3 = quantity(
+        "m", "pushing point of the head, in the body frame; a push moves this point along +z"
+    )
 
 
 class _Boxes(BoxShaped):
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Return an error message if the shape is not the box of the half extents, otherwise None."""
-        return find_box_fault(token, "the shape of an object to push or strike must be a box: remove the shape")
+        """Return an error message if the shape is not a box with the half extents, otherwise None."""
+        return find_box_fault(token, "a PUSHABLE or STRIKABLE token must be a box; remove its shape")
 
 
 class Strikable(_Boxes, AffordanceClass):
@@ -115,7 +121,7 @@ class Strikable(_Boxes, AffordanceClass):
     varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, IMPULSE)
 
     half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
-    impulse_needed: float = positive("N s", "smallest impact that counts as a strike", 1e6)
+    impulse_needed: float = positive("N s", "smallest impulse with which the object counts as struck", 1e6)
 
 
 class Pushable(_Boxes, AffordanceClass):
@@ -123,7 +129,7 @@ class Pushable(_Boxes, AffordanceClass):
 
     name: ClassVar[str] = "PUSHABLE"
 
-    # Declared exactly as in STRIKABLE, so that a token may be a member of both.
+    # Declared exactly as in STRIKABLE, so that a token may belong to both classes.
     half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
     mass: float = mass_property()
     friction: float = friction_property()

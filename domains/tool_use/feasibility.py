@@ -1,4 +1,4 @@
-"""Feasibility predicates of tool use, which are decided before any search."""
+"""Feasibility predicates of tool use. The planner evaluates these predicates before the search."""
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from .predicates import HAND, OPEN, TOOL
 from .swing import swing_of
 
 _RESERVE = 1.5
-"""Load that a grip must be able to hold, as a multiple of the tool's weight."""
+"""Ratio of the load that a grip must be able to bear to the tool's weight."""
 _FLOOR_FRICTION = 1.0
 _SQUARE_TOLERANCE = np.radians(5.0)
 _GRASPS = 31
@@ -39,12 +39,12 @@ def _width(hand: Token, tool: Token) -> float:
 
 
 def resistance(thing: Token) -> float:
-    """Return the force [N] with which the floor resists an object that is pushed over it."""
+    """Return the friction force [N] of the floor on a sliding object."""
     return float(_FLOOR_FRICTION * thing["friction"] * GRAVITY * thing["mass"])
 
 
 def _push(hand: Token, tool: Token, thing: Token) -> float:
-    """Return the force [N] that a hand can exert with the grasp nearest to the head, minus the force of the push."""
+    """Return the force [N] that a hand can exert if it grasps the tool near the head, minus the force of the push."""
     force = resistance(thing)
     lever = abs(tool["pushing_point"][0] - tool["handle_to"][0])
     most = min(hand["maximal_force"], GRIP_FRICTION * hand["maximal_grip"] - GRAVITY * tool["mass"])
@@ -54,7 +54,7 @@ def _push(hand: Token, tool: Token, thing: Token) -> float:
 
 
 def _strike(hand: Token, tool: Token, thing: Token) -> float:
-    """Return the largest impulse [N s] of a swing with any grasp that the wrist can bear, minus the impulse needed."""
+    """Return the largest impulse [N s] over all grasps that the wrist can bear, minus the impulse needed."""
     places = np.linspace(0.0, handle_length(tool), _GRASPS)
     swing = swing_of(hand, tool, tool["handle_to"][0] - places, 0.0)
     bearable = swing.torque(hand) + swing.weight_torque <= hand["maximal_torque"]
@@ -62,7 +62,7 @@ def _strike(hand: Token, tool: Token, thing: Token) -> float:
 
 
 def _depth(hand: Token, *places: FloatArray) -> FloatArray:
-    """Return the smallest depth ``(...)`` [m] of the places ``(..., 3)`` [m] inside the hand's workspace."""
+    """Return the smallest depth ``(...)`` [m] of positions ``(..., 3)`` [m] in the hand's workspace."""
     return np.asarray(np.min([depth_in_workspace(hand, place) for place in places], axis=0))
 
 
@@ -71,7 +71,7 @@ def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
 
 
 def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
-    """Return the depth [m] of the hand inside its workspace at the end of a push, for the worst grasp."""
+    """Return the smallest depth [m], over all grasps, of the hand in its workspace at the end of a push."""
     ahead, _ = way(state, thing, region)
     back = half_depth(state, thing, ahead) + tool["pushing_point"][2]
     place = (state[region, "position"] - ahead * back[..., None]) * HORIZONTAL
@@ -79,7 +79,7 @@ def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region:
 
 
 def _squareness(state: State, thing: Token, region: Token) -> FloatArray:
-    """Return a margin [rad] that is positive if a push is nearly perpendicular to a side of the box."""
+    """Return a margin [rad] that is positive if the line to the region is nearly perpendicular to a side of the box."""
     ahead, _ = way(state, thing, region)
     local = to_body(state, thing, ahead)
     return np.asarray(_SQUARE_TOLERANCE - np.arccos(np.clip(np.abs(local).max(axis=-1), 0.0, 1.0)))
@@ -149,8 +149,8 @@ PUSH_WITHIN_REACH = length_predicate(
     _reach_of_push,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
-    description="{hand} can push {object} to {region} with {tool} within its workspace",
-    denial="{hand} cannot push {object} all the way to {region} with {tool} within its workspace",
+    description="{hand} can push {object} to {region} with {tool} without leaving the workspace of the hand",
+    denial="{hand} cannot push {object} to {region} with {tool} without leaving the workspace of the hand",
 )
 HOME = length_predicate(
     "home",

@@ -1,9 +1,9 @@
-"""Places at which a tool is held, stands, pushes and strikes.
+"""Positions and orientations of a hand and its tool while the tool is grasped, stands, pushes or strikes.
 
-A tool swings in the vertical plane of its heading. This plane contains the x axis of its body frame, which points along
-the handle, and the z axis. The swing angle is 0 if the tool stands on its head, with x down and z ahead. The angle is
--pi/2 if the tool is level, with its head ahead and its striking face down. The angle is -pi if the head is up. Vectors
-are in the world frame unless a name says otherwise. Batch dimensions come first.
+A tool swings in the vertical plane of its heading. This plane contains the x axis of the body frame, which points along
+the handle, and the z axis of this frame. The swing angle is 0 if the tool stands on its head, with x down and z ahead.
+The angle is -pi/2 if the tool is level, with its head ahead and its striking face down. The angle is -pi if the head is
+up. Vectors are in the world frame unless a name says otherwise. Batch dimensions come first.
 """
 
 from functools import cache
@@ -31,13 +31,13 @@ LEVEL = -np.pi / 2
 RAISED = -np.pi
 """Swing angle of a tool that is raised for a strike [rad]."""
 STANDOFF = 0.03
-"""Gap between a tool and the object that the tool is about to push [m]."""
+"""Gap between a tool and an object before a push [m]."""
 CLEARANCE = 0.012
 """Gap between a pushing tool and the floor [m]."""
 BESIDE = 0.09
-"""Distance from a handle at which a hand waits before and after a grasp [m]."""
+"""Distance between a handle and a hand that waits before or after a grasp [m]."""
 _RIGHT, _AHEAD_OF_SIDE = np.array([1, 0, 2]), np.array([1.0, -1.0, 0.0])
-"""Indices and signs of the cross product of a vector and `UP`."""
+"""Indices and signs with which components form the cross product of a vector and `UP`."""
 
 
 def dot(one: FloatArray, other: FloatArray) -> FloatArray:
@@ -51,12 +51,12 @@ def norm(vector: FloatArray) -> FloatArray:
 
 
 def point(state: State, tool: Token, body: FloatArray) -> FloatArray:
-    """Return the position ``(..., 3)`` [m] of a point of the tool that is given in the body frame."""
+    """Convert a point ``(..., 3)`` [m] from the tool's body frame to the world frame."""
     return state[tool, "position"] + rotate(state[tool, "orientation"], body)
 
 
 def point_velocity(state: State, tool: Token, body: FloatArray) -> FloatArray:
-    """Return the velocity ``(..., 3)`` [m/s] of a point of the tool that is given in the body frame."""
+    """Return the velocity ``(..., 3)`` [m/s] of a point of the tool. The point `body` is in the body frame."""
     arm = rotate(state[tool, "orientation"], body)
     return np.asarray(state[tool, "velocity"] + cross(state[tool, "angular_velocity"], arm))
 
@@ -72,12 +72,12 @@ def handle_length(tool: Token) -> float:
 
 
 def on_handle(tool: Token, location: FloatArray | float) -> FloatArray:
-    """Return the body-frame point ``(..., 3)`` [m] of the handle at a distance [m] from its end near the head."""
+    """Return the point ``(..., 3)`` [m] of the handle, in the body frame, at a distance [m] from ``handle_to``."""
     return np.asarray(tool["handle_to"] - np.asarray(location)[..., None] * np.array([1.0, 0.0, 0.0]))
 
 
 def location(state: State, hand: Token, tool: Token) -> FloatArray:
-    """Return the distance ``(...)`` [m] along the handle from its end near the head to the hand."""
+    """Return the distance ``(...)`` [m] along the handle from ``handle_to`` to the hand."""
     return np.asarray(tool["handle_to"][0] - hand_in_tool(state, hand, tool)[..., 0])
 
 
@@ -91,14 +91,14 @@ def off_handle(state: State, hand: Token, tool: Token) -> FloatArray:
 
 
 def beside(state: State, hand: Token, tool: Token) -> FloatArray:
-    """Return the place ``(..., 3)`` [m] beside the middle of a handle at which a hand waits, on the hand's own side."""
+    """Return the waiting position ``(..., 3)`` [m] of a hand beside the middle of a handle, on the hand's side."""
     aside = np.where(hand_in_tool(state, hand, tool)[..., 1] < 0, -BESIDE, BESIDE)
     middle = on_handle(tool, handle_length(tool) / 2)
     return point(state, tool, middle + aside[..., None] * np.array([0.0, 1.0, 0.0]))
 
 
 def side(state: State, tool: Token) -> FloatArray:
-    """Return the y axis ``(..., 3)`` of the tool, about which the tool swings."""
+    """Return the y axis ``(..., 3)`` of the tool, which is the axis of its swings."""
     return rotate(state[tool, "orientation"], np.array([0.0, 1.0, 0.0]))
 
 
@@ -122,25 +122,25 @@ def swing_angle(state: State, tool: Token) -> FloatArray:
 
 
 def tool_orientation(direction: FloatArray, angle: FloatArray | float) -> FloatArray:
-    """Return the orientation ``(..., 4)`` of a tool from the yaw [rad] of its heading and its swing angle [rad]."""
+    """Return the orientation ``(..., 4)`` of a tool with a yaw [rad] and a swing angle [rad]."""
     turned, swung = np.broadcast_arrays(direction, np.asarray(angle) + np.pi / 2)
     return quaternion_from_rpy(np.stack([np.zeros_like(turned), swung, turned], axis=-1))
 
 
 def foot(tool: Token) -> float:
-    """Return the distance [m] from the centre of mass to the end of the head, on which the tool stands."""
+    """Return the height [m] of the centre of mass of a tool that stands on its head."""
     return max(map(_ahead, solids_of(tool.solid)))
 
 
 def butt(tool: Token) -> FloatArray:
-    """Return the corner ``(3,)`` [m] of the handle's far end, in the body frame, that comes near a struck object."""
+    """Return the corner ``(3,)`` [m] of the handle, in the body frame, that may hit a struck object or the floor."""
     back = max(_ahead(part, -1.0) for part in solids_of(tool.solid))
     return np.array([-back, 0.0, tool["handle_to"][2] - tool["handle_width"] / 2])
 
 
 @cache
 def _ahead(part: Part, way: float = 1.0) -> float:
-    """Return the extent [m] of a part of a shape along the body's x axis, or along -x if `way` is -1."""
+    """Return how far [m] a part of a shape extends along the body's x axis, or along -x if `way` is -1."""
     along = rotate(quaternion_conjugate(quaternion_from_rpy(part.rpy)), np.array([way, 0.0, 0.0]))
     if isinstance(part, Box):
         reach = float(np.abs(along) @ np.asarray(part.half_extents))
@@ -163,7 +163,7 @@ def in_box(state: State, thing: Token, place: FloatArray) -> FloatArray:
 
 
 def half_depth(state: State, thing: Token, direction: FloatArray) -> FloatArray:
-    """Return the extent ``(...)`` [m] of a box from its centre in a direction ``(..., 3)``."""
+    """Return how far ``(...)`` [m] a box extends from its centre in a direction ``(..., 3)``."""
     return np.asarray(np.abs(to_body(state, thing, direction)) @ np.asarray(thing["half_extents"]))
 
 
@@ -177,20 +177,20 @@ def push_pose(state: State, tool: Token, thing: Token, region: Token) -> tuple[F
 
 
 def top(state: State, thing: Token) -> FloatArray:
-    """Return the centre ``(..., 3)`` [m] of the top of a box."""
+    """Return the centre ``(..., 3)`` [m] of a box's top face."""
     high = half_depth(state, thing, np.broadcast_to(UP, state[thing, "position"].shape))
     return np.asarray(state[thing, "position"] + high[..., None] * UP)
 
 
 def strike_place(state: State, hand: Token, tool: Token, target: FloatArray) -> FloatArray:
-    """Return the position ``(..., 3)`` [m] of the hand's centre when its level tool meets a target ``(..., 3)`` [m]."""
+    """Return the position ``(..., 3)`` [m] of the hand's centre when the level tool hits a target ``(..., 3)`` [m]."""
     arm = hand_in_tool(state, hand, tool) - np.asarray(tool["impact_point"])
     return np.asarray(target + arm[..., :1] * heading(state, tool) + arm[..., 2:] * UP)
 
 
 def _unit(vector: FloatArray) -> FloatArray:
     length = norm(vector)[..., None]
-    # The result must be finite for a zero vector, too. A predicate does not hold where that result would matter.
+    # The result must be finite for a zero vector, too. Predicates exclude states with a zero vector.
     if np.minimum.reduce(length, axis=None, initial=1.0) > 1e-9:
         return np.asarray(vector / length)
     return np.where(length > 1e-9, vector / np.maximum(length, 1e-9), np.array([1.0, 0.0, 0.0]))

@@ -1,4 +1,4 @@
-"""The blocks GRASPING (paper, D7), in which a hand closes on a handle, and RELEASING (D11), in which the hand opens."""
+"""The blocks GRASPING (paper, D7) and RELEASING (D11), in which a hand closes on a handle and opens again."""
 
 import numpy as np
 
@@ -32,13 +32,13 @@ from .holding import gripping_system
 from .predicates import AT_HANDLE, EMPTY, HELD, STANDS
 
 _APPROACH = 0.8
-"""Duration of the movement from beside the handle to the grasp location [s]."""
+"""Duration of the hand's movement from its waiting position to the grasp location [s]."""
 _CLOSES_AFTER = 0.95
-"""Elapsed time at which the hand begins to close [s]. The hand is at rest by then."""
+"""Elapsed time at which the hand, which is then at rest, begins to close [s]."""
 _OPENING = 0.3
-"""Time that the fingers take to open before the hand moves away [s]."""
+"""Time in which the fingers open before the hand moves away [s]."""
 _LEAVING = 0.8
-"""Time that the hand takes to move away [s]."""
+"""Duration of the movement away from the handle [s]."""
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
@@ -74,7 +74,7 @@ def _grasp(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _contact(binding: Binding, before: State, after: State, hyperparameters: Hyperparameters) -> FloatArray:
-    """Return the share ``(...)`` of the hand's contact width that touches the handle after the grasp."""
+    """Return the fraction ``(...)`` of the hand's contact width that touches the handle after the grasp."""
     hand, tool = get_tokens(binding, "hand", "tool")
     place, half = location(after, hand, tool), hand["contact_width"] / 2
     touching = np.minimum(place + half, handle_length(tool)) - np.maximum(place - half, 0.0)
@@ -113,7 +113,7 @@ REACH_HANDLE = ReachGoal(
     entry=(*_GRASPABLE, EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     arrived=(AT_HANDLE("hand", "tool"),),
     hand_class=DexterousHand,
-    # Only an empty hand reaches, so no hand leaves a tool behind.
+    # Only an empty hand can reach, so no hand leaves a tool behind.
     keeps=(HELD,),
 )
 
@@ -131,7 +131,7 @@ GRASPING = Block(
             0.0,
             100.0,
             _middle,
-            "distance from the handle's end near the head to the grasp",
+            "distance of the grasp from handle_to, along the handle",
             _bounds,
         ),
     ),
@@ -140,7 +140,7 @@ GRASPING = Block(
     policy=_grasp,
     system=gripping_system,
     performance=(
-        Measure("contact", "1", 1.0, end=_contact, description="share of contact_width that touches the handle"),
+        Measure("contact", "1", 1.0, end=_contact, description="fraction of contact_width that touches the handle"),
     ),
     outcome=_grasped,
     description="the hand moves to the grasp location and closes on the handle",
@@ -151,12 +151,12 @@ RELEASING = Block(
     slots=(Slot("hand", DexterousHand), Slot("tool", Graspable)),
     anchor="hand",
     entry=(HELD("tool", "hand"), STANDS("tool")),
-    # The exit requires STANDS because the tool must not fall over when the hand releases it.
+    # The exit requires STANDS, because the tool must not fall over when the hand opens.
     exit=(~HELD("tool", "hand"), EMPTY("hand"), STANDS("tool"), AT_REST("hand"), AT_REST("tool")),
     writes={"hand": (*MOTION, "aperture")},
     duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05),
     policy=_release,
     system=gripping_system,
     outcome=_released,
-    description="the hand opens, moves away and leaves the tool standing",
+    description="the hand opens and moves away, and the tool remains standing",
 )

@@ -1,4 +1,4 @@
-"""Dynamics of a hand and the tool that the hand holds, which move as one rigid body.
+"""Dynamics of a hand and its tool, which move as one rigid body.
 
 The hand is at x and the tool's centre of mass is at x + r. The Newton-Euler equations are::
 
@@ -36,17 +36,17 @@ from ..common.vectors import UP
 from .geometry import dot, hand_in_tool, off_handle
 
 _LIFT = GRAVITY * UP
-"""Acceleration that compensates gravity [m/s^2]."""
+"""Upward acceleration that compensates gravity [m/s^2]."""
 POSITION_RATE = 60.0
-"""Natural frequency of the servo that controls the position of a hand and its tool [rad/s]."""
+"""Natural frequency of the position servo of a hand with its tool [rad/s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """A force on a held tool in addition to its weight and to the force of the hand.
+    """A force on a held tool, in addition to the tool's weight and the hand's force.
 
     Attributes:
-        force: the force ``(..., 3)`` [N].
+        force: force ``(..., 3)`` [N].
         point: point of application of the force ``(..., 3)`` [m].
     """
 
@@ -59,7 +59,7 @@ Whole = tuple[FloatArray, float, FloatArray]
 
 
 class HeldTool:
-    """A rigid body that consists of a hand and the tool that the hand holds. States have the batch shape ``(...)``."""
+    """A rigid body that consists of a hand and its tool. All states have the same batch shape ``(...)``."""
 
     def __init__(self, hand: Token, tool: Token) -> None:
         self.hand, self.tool = hand, tool
@@ -157,7 +157,7 @@ class HeldTool:
 def pose_tool(
     state: State, hand: Token, tool: Token, place: FloatArray, orientation: FloatArray
 ) -> dict[tuple[str, str], FloatArray]:
-    """Return the poses of a hand at a place ``(..., 3)`` [m] and of its tool in an orientation ``(..., 4)``."""
+    """Return the poses of a hand at a position ``(..., 3)`` [m] and of its tool with an orientation ``(..., 4)``."""
     arm = rotate(orientation, hand_in_tool(state, hand, tool))
     return {
         (hand.name, "position"): place,
@@ -179,7 +179,7 @@ def keeping(
 
 
 def gripping_system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system of a hand without a tool. The fingers open or close, and a handle between them stops them."""
+    """Return the system of a hand that opens or closes its fingers, which stop at a handle between the fingers."""
     hand, tool = get_tokens(binding, "hand", "tool")
     arm, width, widest = hand_system(binding, start), tool["handle_width"], hand["maximal_aperture"]
 
@@ -196,7 +196,7 @@ def gripping_system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def effective_mass(body: Whole, at: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return the effective mass ``(...)`` [kg] of a hand with its tool for an impact at a point along a unit direction.
+    """Return the effective mass ``(...)`` [kg] of a hand with its tool in an impact at a point along a unit direction.
 
     An impulse P at distance l from the common centre of mass changes the speed of the point by P (1/M + l^2/I).
     """

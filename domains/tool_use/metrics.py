@@ -1,4 +1,4 @@
-"""Metrics of tool use in a finished run, and their predictions in closed form."""
+"""Metrics of tool use in a finished run, measured and predicted in closed form."""
 
 from collections.abc import Iterator, Mapping
 
@@ -18,10 +18,10 @@ _WITH_TOOL = ("CARRYING", "PUSHING", "STRIKING")
 
 
 def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]:
-    """Return the metrics of every grasp, push and strike. The result maps each (instance, metric) to its value.
+    """Return the metrics of every grasp, push and strike. The result maps each pair of (instance, metric) to a value.
 
-    - Grasp: the grasp location, and the largest slip of the hand in the tool's frame. The slip is measured at the end
-      of each later block in which the hand holds the tool.
+    - Grasp: the grasp location and the largest slip of the hand in the tool's frame. The slip is measured at the ends
+      of the later blocks in which the hand holds the tool.
     - Push: the mean torque of the wrist about the tool's y axis while the object moves, measured and predicted.
     - Strike: the largest speed of the impact point along its normal, measured and predicted.
     """
@@ -47,7 +47,7 @@ def _grasp(task: Task, recording: Recording, instance: BlockInstance) -> Iterato
 
 
 def _later(recording: Recording, grasp: BlockInstance) -> Iterator[BlockInstance]:
-    """Yield the hand's instances between a grasp and the hand's next grasp, in order of time."""
+    """Yield the instances of a grasp's hand, in order of time, until the hand's next grasp."""
     for instance in sorted(recording.instances, key=lambda other: other.start):
         if instance.slots.get("hand") == grasp.slots["hand"] and instance.start >= grasp.end:
             if instance.block == grasp.block:

@@ -1,4 +1,4 @@
-"""Predicates for tool use whose truth changes during a task. Module `feasibility` has the static predicates."""
+"""Predicates for tool use that may change during a task. Module `feasibility` contains the static predicates."""
 
 import numpy as np
 
@@ -28,7 +28,7 @@ _PUSHED = Parameter("object", Pushable)
 _STRUCK = Parameter("object", Strikable)
 _REGION = Parameter("region", Region)
 OPEN = 0.7
-"""Smallest gap between the fingers of an empty hand, as a share of the hand's largest gap."""
+"""Smallest ratio of the gap between an empty hand's fingers to the largest gap."""
 _FINGER_TOLERANCE = 1e-4
 _BESIDE_TOLERANCE = 0.02
 _FOOT_TOLERANCE = 0.005
@@ -46,7 +46,7 @@ def _openness(state: State, hand: Token) -> FloatArray:
 
 
 def _grip(state: State, tool: Token, hand: Token) -> FloatArray:
-    """Return a margin [m] that is positive if the handle is between the fingers and the fingers touch it."""
+    """Return a margin [m] that is positive if the handle is between the fingers and the fingers touch the handle."""
     closed = _FINGER_TOLERANCE - np.abs(state[hand, "aperture"][..., 0] - tool["handle_width"])
     return np.asarray(np.minimum(closed, CAPTURE - off_handle(state, hand, tool)))
 
@@ -60,7 +60,7 @@ def _standing(state: State, tool: Token) -> FloatArray:
 
 
 def _stance(distance: FloatArray, *angles: FloatArray) -> FloatArray:
-    """Return the smallest margin [m] of a distance [m] and angles [rad]. Margins of angles are scaled to lengths."""
+    """Return the smallest margin [m] of a distance [m] and of angles [rad], whose margins are scaled to lengths."""
     margin = np.asarray(_STANCE_TOLERANCE - distance)
     for angle in angles:
         turned = np.abs((angle + np.pi) % (2 * np.pi) - np.pi)
@@ -99,7 +99,7 @@ EMPTY = length_predicate(
     _openness,
     reads={"hand": ("aperture",)},
     description="{hand} is open and empty",
-    denial="{hand} is not open and empty",
+    denial="{hand} is closed or not empty",
 )
 HELD = length_predicate(
     "held",

@@ -1,8 +1,8 @@
 """The block PUSHING (paper, D9), in which the head of an upright tool pushes an object in a straight line to a region.
 
-First the tool moves until it touches the object. Then it pushes the object. Both movements are straight and have the
-speed profile of human movements. The torque of the wrist is the resistance times the hand's height above the pushing
-point.
+First the tool moves until it touches the object. Then the tool pushes the object. Both movements are straight and have
+the speed profile of human movements. The torque of the wrist is the friction force on the object times the height of
+the hand above the pushing point.
 """
 
 import numpy as np
@@ -53,15 +53,15 @@ _APPROACH = 0.8
 _SHORTEST = 1.0
 """Shortest duration of a push [s]."""
 _STEERING = 0.08
-"""Lateral offset of the pushing point per angle by which the object has turned [m/rad]."""
+"""Ratio of the pushing point's lateral offset to the angle by which the object has turned [m/rad]."""
 _RETURNING = 15.0
-"""Wanted turn of the object towards its line, per distance from the line [rad/m]."""
+"""Ratio of the object's wanted turn towards its line to its distance from the line [rad/m]."""
 _LARGEST_TURN = 0.3
 """Largest wanted turn of the object [rad]."""
 _MARGIN = 0.6
-"""Largest lateral offset of the pushing point, as a share of the object's half width."""
+"""Ratio of the pushing point's largest lateral offset to the object's half width."""
 _CREEP = 0.01
-"""Smallest speed at which the policy compensates the full resistance [m/s]."""
+"""Smallest speed at which the policy compensates the full friction force [m/s]."""
 _TOUCH = 1e-6
 
 
@@ -91,11 +91,11 @@ def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArr
 
 
 def _steering(state: State, thing: Token, line: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the lateral position ``(...)`` [m] of the pushing point and its rate [m/s].
+    """Return the lateral position ``(...)`` [m] of the pushing point and the rate ``(...)`` [m/s] of this position.
 
-    If a single point pushes an object from behind, the object turns away from that point more and more. So the tool
-    pushes on the side to which the object has turned. If the object has left its line, the tool turns the object a
-    little towards the line.
+    An object that is pushed from behind at a single point turns away from this point. To counteract a turn, the tool
+    pushes on the side to which the object has turned. If the object has left its line, the tool turns the object
+    slightly towards the line.
 
     Args:
         state: current state.
@@ -151,7 +151,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system in which hand and tool are one body. The object slides with friction and never bounces."""
+    """Return the system in which the hand and the tool are one body. The object slides with friction and no bounce."""
     hand, tool, thing, _ = _roles(binding)
     held, head = HeldTool(hand, tool), np.asarray(tool["pushing_point"])
     friction, own_mass = resistance(thing), thing["mass"]
@@ -180,14 +180,14 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def _torque_work(binding: Binding, state: State, commands: Commands) -> FloatArray:
-    """Return the squared torque of the wrist times the speed of the pushed object, ``(...)`` [N^2 m^3 / s]."""
+    """Return the product ``(...)`` [N^2 m^3 / s] of the wrist's squared torque and the pushed object's speed."""
     hand, tool, thing, _ = _roles(binding)
     torque = dot(commands[hand.name, "torque"], side(state, tool))
     return np.asarray(torque**2 * norm(state[thing, "velocity"]))
 
 
 def _outcome(binding: Binding, state: State) -> State:
-    """Return the state with the object at the centre of the region, and with the tool in contact behind the object."""
+    """Return the state with the object at the centre of the region and the tool in contact behind the object."""
     hand, tool, thing, region = _roles(binding)
     ahead, _ = way(state, thing, region)
     pushed = (state[region, "position"] - state[thing, "position"]) * HORIZONTAL
@@ -224,11 +224,11 @@ PUSHING = Block(
         AT_REST("tool"),
     ),
     writes={"hand": BODY, "tool": BODY, "object": BODY},
-    # A push is straight, and the object keeps its heading. The other facts concern the initial place of the tool.
+    # A push is straight, and the object keeps its heading. The other facts depend only on the tool's initial place.
     keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),
     hyperparameters=(
-        # The bounds are narrow because a search would spend most of its time on pushes far past the region.
-        Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "distance past the region's centre"),
+        # With wider bounds, a search would spend most of its time on pushes that end far outside the region.
+        Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "push beyond the region's centre"),
         Hyperparameter("speed", "m/s", 0.05, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
     ),
     duration=Duration(_APPROACH, 40.0, _expected),
@@ -240,9 +240,9 @@ PUSHING = Block(
             "N^2 m^3",
             -4.0,
             rate=_torque_work,
-            description="square of the wrist's torque, integrated over the distance pushed",
+            description="integral of the wrist's squared torque over the pushed distance",
         ),
     ),
     outcome=_outcome,
-    description="the tool pushes the object in a straight line until it rests within the region",
+    description="the tool pushes the object in a straight line until the object rests in the region",
 )

@@ -1,8 +1,8 @@
 """The block STRIKING (paper, D8): a hammering movement in which the tool's impact point hits the top of an object.
 
-First the hand winds up. Then a constant torque swings the hand and the tool about an elbow. The work of this torque
-determines the final speed. The tool coasts at the final speed until it hits its target. After the impact, the hand
-holds the tool just above the object.
+First the hand winds up, i.e. swings the tool back. Then a constant torque swings the hand and the tool about an elbow.
+The work of this torque determines the final speed. The tool coasts at the final speed until it hits the target. After
+the impact, the hand raises the tool slightly above the object.
 """
 
 import numpy as np
@@ -54,7 +54,7 @@ from .holding import HeldTool, effective_mass, keeping, pose_tool
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
 
 _ABOVE = 0.15
-"""Angle above level to which the tool is raised after the impact [rad]."""
+"""Angle above the horizontal to which the hand raises the tool after the impact [rad]."""
 _RAISING_RATE = 20.0
 """Natural frequency of the servo that raises the tool [rad/s]."""
 _SETTLING = 0.5
@@ -115,7 +115,7 @@ def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system in which hand and tool are one body that stops in an inelastic impact on an object's top.
+    """Return the system in which the hand and the tool are one body, which an inelastic impact on an object stops.
 
     If the hand holds the tool near its head, the far end of the handle may hit the object or the floor first. This
     contact also ends the swing.
@@ -165,7 +165,7 @@ def _hand_speed(binding: Binding, state: State) -> FloatArray:
 
 
 def _outcome(binding: Binding, state: State) -> State:
-    """Return the state with the object struck and the tool raised above it."""
+    """Return the state with the object struck and the tool raised above the object."""
     hand, tool, thing = _roles(binding)
     place = strike_place(state, hand, tool, top(state, thing))
     orientation = tool_orientation(yaw(state, tool), LEVEL - _ABOVE)
@@ -197,14 +197,14 @@ STRIKING = Block(
         AT_REST("tool"),
     ),
     writes={"hand": BODY, "tool": BODY, "object": ("velocity", "impulse")},
-    # These facts concern the initial place of the tool.
+    # These facts depend only on the initial place of the tool.
     keeps=(HANDLE_WITHIN_REACH, HOME),
     hyperparameters=(
         _offset(
             "swing_radius",
             0.0,
             0.3,
-            "distance from the hand to the elbow about which it swings; at 0 the hand only turns",
+            "distance between the hand and the elbow of its swing; at 0 the hand only turns",
         ),
         _offset("target_x", -0.03, 0.03, "distance of the target ahead of the centre of the object's top"),
         _offset("target_y", -0.03, 0.03, "distance of the target to the left of the centre of the object's top"),
@@ -223,5 +223,5 @@ STRIKING = Block(
         Measure("hand_speed", "m/s", -0.1, peak=_hand_speed, description="largest speed of the hand"),
     ),
     outcome=_outcome,
-    description="the hand swings the tool so that the impact point hits the object's top",
+    description="the hand swings the tool until its impact point hits the top of the object",
 )

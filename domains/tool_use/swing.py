@@ -1,4 +1,4 @@
-"""A strike in closed form: the speed and impulse of a tool that a constant torque swings through an angle."""
+"""The speed and impulse, in closed form, of a tool that a constant torque swings through an angle."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from hybrid_tamp.authoring import CONTROL_PERIOD, GRAVITY, FloatArray, Token
 from .geometry import LEVEL
 
 _COASTING = 0.2
-"""Number of control periods for which the tool coasts at its final speed before the planned impact."""
+"""Number of control periods in which the tool coasts at its final speed before the planned impact."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,9 +19,9 @@ class Swing:
     Attributes:
         inertia: moment of inertia of the hand and the tool about the elbow [kg m^2].
         rate: final angular speed omega [rad/s], given by the work of the torque: tau phi = I omega^2 / 2.
-        lever: distance from the elbow to the impact point along the handle [m].
+        lever: distance between the elbow and the impact point, measured along the handle [m].
         impulse: impulse of an inelastic impact [N s].
-        weight_torque: largest torque of the wrist that the weight of the tool requires [N m].
+        weight_torque: largest torque with which the wrist bears the weight of the tool [N m].
     """
 
     inertia: FloatArray
@@ -36,23 +36,23 @@ class Swing:
         return np.asarray(self.rate * self.lever)
 
     def periods(self, hand: Token) -> FloatArray:
-        """Return the number of control periods, at least 1, of a drive with about the hand's strike torque."""
+        """Return the number of control periods, at least 1, in which about the strike torque drives the swing."""
         exact = self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD)
         return np.asarray(np.maximum(np.round(exact), 1.0))
 
     def drive(self, hand: Token) -> FloatArray:
-        """Return the constant angular acceleration [rad/s^2] that reaches the final speed at the end of the drive."""
+        """Return the constant angular acceleration [rad/s^2] that leads to the final speed after `periods`."""
         return np.asarray(self.rate / (self.periods(hand) * CONTROL_PERIOD))
 
     def torque(self, hand: Token) -> FloatArray:
-        """Return the torque [N m] of the drive about the elbow, in addition to the torque that bears the tool."""
+        """Return the driving torque [N m] about the elbow, in addition to the torque that bears the tool."""
         return np.asarray(self.inertia * self.drive(hand))
 
     def wound_up(self, hand: Token) -> FloatArray:
         """Return the swing angle [rad] at which the swing begins.
 
-        The speed changes once per period. So n periods turn the tool by (n + 1)/2 times the angle of one period at full
-        speed.
+        The speed changes once per control period, so n periods of acceleration turn the tool by (n + 1)/2 times the
+        angle of one period at full speed.
         """
         return np.asarray(LEVEL - self.rate * CONTROL_PERIOD * ((self.periods(hand) + 1.0) / 2.0 + _COASTING))
 
@@ -67,7 +67,7 @@ def swing_of(hand: Token, tool: Token, held_at: FloatArray, radius: FloatArray |
     Args:
         hand: the hand.
         tool: the tool.
-        held_at: position of the hand along the tool's x axis ``(...)`` [m].
+        held_at: position ``(...)`` [m] of the hand along the tool's x axis.
         radius: distance of the hand from the elbow ``(...)`` [m]. A hand at radius 0 only turns.
     """
     aside = tool["handle_to"][2]
