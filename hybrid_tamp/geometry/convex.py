@@ -79,7 +79,7 @@ Body = Sequence[ConvexBody]
 
 
 def placed(shape: Shape, position: FloatArray, orientation: FloatArray) -> Body:
-    """Return the body with a shape at a position [m], shape ``(3,)``, and with a unit quaternion, shape ``(4,)``."""
+    """Return the body of a shape. The position [m] has shape ``(3,)`` and the unit quaternion has shape ``(4,)``."""
     solids = []
     for part in solids_of(shape):
         axes = rotate(orientation, rotate(quaternion_from_rpy(part.rpy), np.eye(3)))

@@ -1,4 +1,4 @@
-"""Bodies of convex parts with triangulated surfaces, as read from a mesh file. All lengths are in metres."""
+"""Bodies of convex parts, whose triangulated surfaces come from a mesh file. All lengths are in metres."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -52,7 +52,7 @@ def outer_surface(shape: Shape) -> "Trimesh":
 
 
 def _uncovered(hull: Hull, others: Sequence[Hull]) -> FloatArray:
-    """Return whether each triangle is not covered by another solid, shape ``(m,)``."""
+    """Return a mask of the triangles that no other solid covers, shape ``(m,)``."""
     corners, normals = _planes(hull)
     outside = corners.mean(axis=1) + normals * _OUTSIDE
     covered = np.zeros(len(outside), dtype=bool)

@@ -21,7 +21,7 @@ _EQUAL = 1e-6
 
 
 def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArray:
-    """Return the point at which each action is optimised separately. Shape ``(d,)``.
+    """Optimise each action separately, and return the resulting point. Shape ``(d,)``.
 
     Variables that are not named in `relevant` keep their defaults.
     """

@@ -1,8 +1,7 @@
 """Search for the best hyperparameters of a plan.
 
 Screening finds the variables that have an effect. All other variables keep their defaults, so that the search space is
-smaller. The search starts at the better of two points: the default point, and the point at which each action is
-optimised separately.
+smaller. The search starts at the default point or, if better, at the result of optimising each action separately.
 """
 
 import time
@@ -66,7 +65,7 @@ class Searched:
         objective: objective of the search, including its reserves.
         screening: result of the screening of the variables.
         influence: performance measures and actions that the variables affect.
-        apart: point at which each action is optimised separately. Shape ``(d,)``. None if the point was not computed.
+        apart: point that results from optimising each action separately. Shape ``(d,)``. None if not computed.
         optimum: best point of the search.
         spent: total number of rollouts so far.
     """
@@ -130,7 +129,7 @@ def _screen(settings: SearchSettings, objective: Objective) -> tuple[Evaluator, 
 
 
 def _choose_start(objective: Objective, apart: FloatArray | None) -> FloatArray:
-    """Return the better start point: the default point, or the point at which each action is optimised separately."""
+    """Return the better start point: the default point, or the result of optimising each action separately."""
     default = objective.space.default
     if apart is None or np.allclose(apart, default, rtol=1e-9):
         return default

@@ -3,7 +3,7 @@
 The planner keeps the defaults if the defaults meet all conditions and the plan has no performance measure. Otherwise,
 the planner screens the hyperparameters and searches over the relevant hyperparameters. If the task requests refinement
 in physics, the optimum is then refined in physics. On the forward models, the optimum is never worse than the defaults
-and never worse than the point at which each action is optimised separately.
+and never worse than the result of optimising each action separately.
 """
 
 import time
@@ -67,6 +67,6 @@ def refine(
 
 
 def _compare(searched: Searched) -> Candidates:
-    """Roll out the whole plan for the defaults, the optimum and the point of separate optimisation of each action."""
+    """Roll out the whole plan for the defaults, the optimum and the result of optimising each action separately."""
     others = [] if searched.apart is None else [searched.apart]
     return Candidates.of(searched.objective, searched.objective.space.default, searched.optimum.point, *others)

@@ -107,7 +107,7 @@ class ObjectClass(BaseModel):
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
-        """Return the shape implied by the properties, or None. A token gets this shape if its task gives no shape."""
+        """Return the shape implied by the properties, or None. A token without a shape in the task gets this shape."""
         return None
 
     @classmethod

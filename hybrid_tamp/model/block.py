@@ -52,7 +52,7 @@ class Duration:
 
     Attributes:
         minimum: lower bound of the duration [s], greater than zero.
-        maximum: upper bound of the time until the exit conditions hold [s], and of the whole duration without `hold`.
+        maximum: upper bound of the time until the exit conditions hold [s]. Without `hold`, also of the whole duration.
         expected: function ``expected(binding, state, hyperparameters)`` that returns the expected duration [s].
     """
 
@@ -125,11 +125,11 @@ class Block:
     """A type of action, or one mode of a type of action.
 
     An action with several possible outcomes has one mode for each outcome. Each mode has its own conditions, targets
-    and hyperparameters, and is a block named ``"ACTION:mode"``. Edges that name only the action join all modes.
+    and hyperparameters, and is a block named ``"ACTION:mode"``. An edge of the action is copied for each mode.
 
     Attributes:
         name: name of the block, e.g. ``"ROLLING"`` or ``"REACHING:behind"``.
-        slots: slots of the block, at least one. Each slot is filled with exactly one token.
+        slots: one or more slots of the block. Each slot is filled with exactly one token.
         anchor: name of the slot whose token identifies an instance.
         targets: roles of tokens and symbols that the block reads, but that are in no slot of the block.
         entry: conditions over roles that must hold when tokens enter the slots.
@@ -138,14 +138,15 @@ class Block:
         keeps: predicates that read a written property, but whose atoms the block does not change.
         hyperparameters: policy parameters whose values are optimised.
         duration: bounds and an estimate for the duration of an instance.
-        hold: whether an instance can continue after its exit conditions hold, and then maintains the conditions.
-        policy: function ``policy(binding, start, parameters)`` that returns the feedback law of an instance, or None.
+        hold: whether an instance can continue after its exit conditions hold, in order to maintain these conditions.
+        policy: function ``policy(binding, start, parameters)`` that returns the feedback law of an instance. None
+            without one.
         system: function ``system(binding, start)`` that returns the continuous system of an instance.
         performance: performance measures of an instance. The weighted sum of the measures is maximised.
         taught: function ``taught(primitive)`` that returns a copy of the block with another motor primitive
             (`motion.dmp.DMP`). None if the block has no motor primitive.
         movement: movement that the motor primitive represents, or None.
-        outcome: function that returns the expected final state, which schedules need. None if no token moves.
+        outcome: function that returns the expected final state, for scheduling. None if no token moves.
         description: description in one line.
     """
 

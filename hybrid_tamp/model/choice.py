@@ -24,8 +24,8 @@ def ground_goals(
 ) -> list[Goal]:
     """Return the ground goals of a goal with a choice, the nearest goal first.
 
-    The nearest goal has the largest sum of the chosen atoms' margins in the initial state, each divided by its scale.
-    The order of the tokens breaks ties. Goals with contradictory atoms are omitted.
+    The nearest goal has the largest sum of the chosen atoms' margins in the initial state. Each margin is divided by
+    the scale of its predicate. The order of the tokens breaks ties. Goals with contradictory atoms are omitted.
 
     Args:
         goal: goal with a choice.

@@ -87,7 +87,7 @@ class CommandLayout(Layout):
             if not math.isfinite(norm):
                 raise CommandError(f"command {key[1]} on {key[0]} must be finite, got {norm:g}")
             if norm > limit * (1 + _ROUNDING):
-                raise CommandError(f"{key[1]} on {key[0]} must not exceed its limit of {limit:g}, got {norm:g}")
+                raise CommandError(f"command {key[1]} on {key[0]} must not exceed its limit of {limit:g}, got {norm:g}")
         return row
 
     def _norms(self, row: FloatArray) -> list[tuple[Key, float, float]]:

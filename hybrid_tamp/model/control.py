@@ -87,7 +87,7 @@ class ContinuousSystem(Protocol):
 
 
 PolicyMaker = Callable[[Binding, State, Parameters], Policy]
-"""Function ``policy(binding, start, parameters)`` that returns a policy. `start` is the state at the start."""
+"""Function ``policy(binding, start, parameters)`` that returns a policy. `start` is the initial state."""
 
 SystemMaker = Callable[[Binding, State], ContinuousSystem]
-"""Function ``system(binding, start)`` that returns a continuous system. `start` is the state at the start."""
+"""Function ``system(binding, start)`` that returns a continuous system. `start` is the initial state."""

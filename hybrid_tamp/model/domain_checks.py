@@ -65,7 +65,7 @@ def _classes(domain: Declarations) -> Iterator[Issue]:
 
 def _blocks(domain: Declarations) -> Iterator[Issue]:
     if domain.resting not in {block.name for block in domain.blocks}:
-        yield Issue(domain.name, f"a domain must have the block {domain.resting} for tokens that no block manipulates")
+        yield Issue(domain.name, f"a domain must have the block {domain.resting} for tokens that no other block uses")
     for block in domain.blocks:
         names = [slot.name for slot in block.slots] + [target.name for target in block.targets]
         for name in sorted({name for name in names if names.count(name) > 1}):
@@ -112,7 +112,7 @@ def _edges(domain: Declarations) -> Iterator[Issue]:
         where = f"edge {'.'.join(source)} -> {'.'.join(target)}"
         unknown = [end for end in (source, target) if end not in slots]
         for end in unknown:
-            yield Issue(where, "an edge must join slots of the domain's blocks", repr(".".join(end)), available)
+            yield Issue(where, "an edge must connect slots of the domain's blocks", repr(".".join(end)), available)
         if not unknown and not domain.relations.can_share_token(slots[source], slots[target]):
             wanted = f"no token can be a member of both {slots[source].name} and {slots[target].name}"
             yield Issue(where, wanted, remedy="remove the edge or change the class of a slot")
@@ -130,7 +130,7 @@ def _conditions(domain: Declarations) -> Iterator[Issue]:
         for literal in block.entry:
             if not literal.positive and not literal.predicate.static:
                 wanted = "a negative entry condition must use a static predicate"
-                remedy = "declare a predicate with the opposite meaning and add it to exit conditions"
+                remedy = "declare a predicate with the opposite meaning and use that predicate instead"
                 yield Issue(f"{block.name}: {literal.text}", wanted, remedy=remedy)
         for literal in block.exit:
             yield from _exit(block, literal)
@@ -202,7 +202,7 @@ def _frame(domain: Declarations) -> Iterator[Issue]:
                             f"{block.name}.{slot_name}",
                             f"the block must declare its effect on {predicate.name}({parameter.name}), "
                             f"because the block writes {', '.join(sorted(read))}",
-                            remedy=f"add or delete {predicate.name} in the exit conditions, or list it in 'keeps'",
+                            remedy=f"add {predicate.name} to the exit conditions or to 'keeps'",
                         )
 
 

@@ -20,7 +20,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 MOST_FACTS = 200_000
-"""Largest number of bindings that a block may have if some are forbidden, because permitted bindings are facts."""
+"""Largest number of bindings of a block with forbidden bindings. Each permitted binding is a fact."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def forbidden_bindings(task: Task, block: str) -> frozenset[tuple[str, ...]]:
 
 
 def deciding_roles(block: Block) -> tuple[str, ...]:
-    """Return the roles of a block, without symbol roles whose symbol an entry condition derives from other roles."""
+    """Return the roles of a block. A symbol role is omitted if an entry condition determines it from other roles."""
     kept = list(block.roles)
     for literal in _declared(block):
         twice = len(set(literal.arguments)) < len(literal.arguments)

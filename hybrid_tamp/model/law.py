@@ -113,7 +113,7 @@ def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
 
 
 def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Check law 6. The last instance of a block with `hold` and without exit conditions has no minimum duration."""
+    """Check law 6. At the end of the plan, instances with `hold` but no exit conditions have no minimum duration."""
     for instance in plan.instances:
         block = task.domain.block_by_name[instance.block]
         length = instance.end - instance.start

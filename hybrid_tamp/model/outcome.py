@@ -20,7 +20,7 @@ CLASS_UNKNOWN = "class_unknown"
 """Kind of failure: the goal requires a token to be a member of a class, but the membership is unknown."""
 
 MESSAGES: Mapping[str, str] = {
-    "unsolvable": "No plan exists; the planner has proven it.",
+    "unsolvable": "The planner has proven that no plan exists.",
     "not_found": "The planner found no plan, but has not proven that no plan exists.",
     "planner_crashed": "The planner crashed.",
     "plan_refused": "The planner returned an invalid plan, which was rejected.",

@@ -148,7 +148,7 @@ class TaskPlan(Tabular):
         return self._timelines.get(token, ())
 
     def before(self, instance: BlockInstance, token: str) -> tuple[BlockInstance, str] | None:
-        """Return the pair of (instance, slot) that contained the token just before an instance, or None."""
+        """Return the pair of (instance, slot) that contained a token just before an instance started, or None."""
         timeline = self.timeline(token)
         index = next(i for i, (other, _) in enumerate(timeline) if other is instance)
         return timeline[index - 1] if index else None

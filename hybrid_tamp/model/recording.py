@@ -35,7 +35,7 @@ class AtomMargin:
 
 @dataclass(frozen=True)
 class Failure:
-    """The failure that stopped a run, with the failed instance, its control period (`step`) and the reason."""
+    """The instance whose failure stopped a run, the control period (`step`) of the failure, and the reason."""
 
     step: int
     instance: str

@@ -29,7 +29,7 @@ class Tuned:
             is the default because the hyperparameter has no effect. ``kept`` if the value is the default because all
             conditions hold and no performance measure can improve.
         moves: performance measures that the hyperparameter affects, e.g. ``("STRIKING-1", "hand_speed")``.
-        apart: value if each action is optimised separately [unit], or None if that optimisation was not requested.
+        apart: value if each action is optimised separately [unit], or None if not requested.
     """
 
     instance: str
@@ -133,8 +133,7 @@ class RefinedPlan:
         best: V and J of the plan in the forward models.
         defaults: V and J with the default values of all hyperparameters.
         apart: V and J if each action is optimised separately, in the order of the plan. None if not requested.
-        shortfall: first condition that fails, or None. The condition fails in physics if the plan was optimised in
-            physics.
+        shortfall: first condition that fails, or None. After optimisation in physics, the condition fails in physics.
         expected: maps pairs of (instance or `GOAL`, atom) to the expected margin.
         optimiser: name of the optimiser. Empty if there was nothing to optimise.
         evaluations: number of rollouts.

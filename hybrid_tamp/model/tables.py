@@ -53,7 +53,7 @@ def lines_of(value: Any) -> list[str]:
 
 
 def cell(value: Any) -> str:
-    """Return the attribute `text` or `name` of a value, or else the value as text. Floats have 4 digits."""
+    """Return the attribute `text` or `name` of a value, or else the value as text. Floats have 4 significant digits."""
     if value is None:
         return "none"
     if isinstance(value, bool):

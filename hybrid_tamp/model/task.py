@@ -141,7 +141,7 @@ class Task:
         return tuple(token for token in self.tokens if token.is_member(sort))
 
     def value(self, name: str) -> Value:
-        """Return the token with this name, or the name itself if it is a symbol."""
+        """Return the token with this name, or the name itself if the name is a symbol."""
         return self.token_by_name.get(name, name)
 
     def bind(self, roles: Mapping[str, str]) -> dict[str, Value]:
@@ -200,7 +200,7 @@ class Task:
         """Return one task for each ground goal of this task, the nearest goal first.
 
         Raises:
-            InputError: if there are too many ground goals, or none.
+            InputError: if there are too many ground goals, or if there is no ground goal.
         """
         if not any(ANY in atom.arguments for atom in self.goal):
             return (self,)

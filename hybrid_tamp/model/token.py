@@ -69,7 +69,7 @@ def union_of(classes: Iterable[type[ObjectClass]], unknown: Iterable[type[Object
 
     Args:
         classes: object classes, in any order.
-        unknown: classes of which the token may be a member. Properties of only these classes may be missing.
+        unknown: classes of which the token may be a member. Properties that only these classes declare may be missing.
 
     Raises:
         PropertyConflictError: if two classes declare the same property with different types, units, bounds or defaults.

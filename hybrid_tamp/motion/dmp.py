@@ -123,7 +123,7 @@ class DMP:
         if not np.all((tau > 0.0) & np.isfinite(tau)):
             raise ValueError(f"duration must be positive and finite, got {tau}")
         if n_steps < 1 or not 0.0 <= settle < np.inf:
-            raise ValueError(f"n_steps must be at least 1 and settle at least 0, got {n_steps} and {settle}")
+            raise ValueError(f"n_steps must be at least 1 and settle must be at least 0, got {n_steps} and {settle}")
         d = self.weights.shape[-1]
         if {begin.shape[-1:], end.shape[-1:]} != {(d,)}:
             raise ValueError(f"start and goal must have shape (..., {d}), got {begin.shape} and {end.shape}")

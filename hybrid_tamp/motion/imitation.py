@@ -97,7 +97,7 @@ def _checked(time: object, positions: object, number: int) -> Demonstration:
     where = f"demonstration {number}"
     if times.ndim != 1 or samples.ndim != 2 or len(times) != len(samples) or samples.shape[1] == 0:
         raise ValueError(
-            f"{where}: time must have shape (t,) and positions (t, d), got {times.shape} and {samples.shape}"
+            f"{where}: shapes of time and positions must be (t,) and (t, d), got {times.shape} and {samples.shape}"
         )
     if len(times) < 5:
         raise ValueError(f"{where}: must have at least 5 samples, got {len(times)}")

@@ -109,7 +109,7 @@ FAULTS: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     ),
     "predicate that reads what is written and is not set": (
         {"blocks": with_rolling(exit=tuple(c for c in ROLLING.exit if c.predicate is not INSIDE))},
-        ("ROLLING.object", "its effect on inside(object), because the block writes position", "or list it in 'keeps'"),
+        ("ROLLING.object", "its effect on inside(object), because the block writes position", "or to 'keeps'"),
     ),
     "predicate with the name of a class": (
         {"predicates": (*DOMAIN.predicates, replace(FLYING, name="REGION"))},

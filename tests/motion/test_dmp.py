@@ -209,7 +209,7 @@ def test_bad_weights_are_refused(shape: tuple[int, ...], value: float) -> None:
         (np.inf, 0.1, 0.1, "duration must be positive"),
         (1.0, 0.0, 0.1, "dt must be positive"),
         (1.0, np.nan, 0.1, "dt must be positive"),
-        (1.0, 0.1, -0.1, "settle at least 0"),
+        (1.0, 0.1, -0.1, "settle must be at least 0"),
     ],
 )
 def test_bad_times_are_refused(duration: float, dt: float, settle: float, message: str) -> None:
