@@ -114,7 +114,7 @@ def overlap(one: Body, other: Body) -> FloatArray | None:
     """Return a displacement of `other` that separates the bodies [m], shape ``(3,)``. None if the bodies are separate.
 
     The candidate directions are the axes of the solids, the lines between the centres, and the cross products of axes.
-    Downward directions are excluded, because the floor may be there. The displacement is the shortest along the
+    Downward directions are excluded, because the floor may be below. The displacement is the shortest along the
     candidates, and also separates the convex hulls of compounds. Bodies that only touch do not overlap.
     """
     pairs = list(product(one, other))
@@ -147,9 +147,9 @@ def _overlap(one: ConvexBody, other: ConvexBody) -> FloatArray | None:
 def overlaps(
     bodies: Sequence[Body], pass_through: Callable[[int, int], bool] = lambda earlier, later: False
 ) -> Iterator[tuple[int, int, FloatArray]]:
-    """Yield the pairs of overlapping bodies as triples of (first index, second index, displacement of the second body).
+    """Yield a triple of (first index, second index, displacement of the second body) for each overlap of two bodies.
 
-    The first index is less than the second index. Only the first overlap is reported for each second index.
+    The first index is less than the second index. Each second index is reported once, with the smallest first index.
 
     Args:
         bodies: bodies to check.

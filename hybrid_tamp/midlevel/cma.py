@@ -1,4 +1,4 @@
-"""CMA-ES with restarts (Hansen and Ostermeier 2001, Evolutionary Computation 9:159-195), by the package cmaes.
+"""CMA-ES with restarts (Hansen and Ostermeier 2001, Evolutionary Computation 9:159-195), based on the package cmaes.
 
 The search starts at the default point. The search space is scaled to the unit cube, so that metres and seconds have the
 same weight. cmaes uses only the order of scores within a generation. The scores are passed as ranks, because no single

@@ -14,7 +14,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 class Grid(Optimiser):
     """The optimiser ``grid``.
 
-    The grid has as many points on each axis as the budget of evaluations allows, including both bounds.
+    The grid has as many points on each axis as the budget of evaluations allows. The points include both bounds.
 
     Attributes:
         batch: number of candidates per batch, at least 1.

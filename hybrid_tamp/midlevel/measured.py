@@ -1,4 +1,4 @@
-"""Conversion of measured runs to rollouts. The conditions and the performance measures do not change."""
+"""Conversion of measured runs to rollouts, so that an `Objective` can score measured runs."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace

@@ -23,7 +23,7 @@ RESERVE = 0.5
 
 
 class RollOut(Protocol):
-    """Interface of functions that roll out a population, such as `Rollouts`."""
+    """Interface of rollout functions such as `Rollouts`."""
 
     def __call__(self, chosen: Chosen, count: int, until: str | None = None) -> Rollout:
         """Roll out a population.
@@ -32,7 +32,8 @@ class RollOut(Protocol):
             chosen: maps each pair of (instance, hyperparameter) to the values of all candidates, shape ``(n,)``. All
                 other hyperparameters keep the value in the plan or, if the plan has no value, the initial value.
             count: size n of the population.
-            until: name of an instance. The rollout may stop after its exit. None rolls out the whole plan.
+            until: name of an instance. The rollout may stop after the exit of this instance. None rolls out the whole
+                plan.
         """
 
 
@@ -44,7 +45,7 @@ class Objective:
         task: task of the plan.
         plan: plan whose hyperparameters vary.
         roll_out: function that rolls out candidates.
-        until: name of an instance. Rollouts may stop after its exit. If None, rollouts cover the whole plan.
+        until: name of an instance. Rollouts may stop after the exit of this instance. If None, rollouts are complete.
         reserves: maps each goal atom to the margin that a search reserves, in the unit of its predicate. None if the
             reserves are not yet known.
     """
@@ -89,8 +90,7 @@ class Objective:
     def keep_reserves(self, rollout: Rollout) -> "Objective":
         """Return the objective with reserves for the goal atoms, taken from the margins of the first candidate.
 
-        Without reserves, the search would trade the whole margin of a goal atom for value. The atom would then fail in
-        physics.
+        Without reserves, the search would trade all margins of goal atoms for value. The atoms would fail in physics.
         """
         goal = set(self.task.goal)
         found = [condition for condition in rollout.conditions if condition.atom in goal and condition.margin[0] > 0]

@@ -1,8 +1,8 @@
-"""Refinement in physics, which simulates candidates near the optimum of the forward models in a physics backend.
+"""Refinement in physics. A physics backend simulates candidates near the optimum of the forward models.
 
 The forward models omit effects that shift the optimum slightly. The search covers only a fraction of each variable's
-range around the models' optimum. There, the models predict no additional violation. The models' optimum is the first
-candidate and wins ties.
+range around the models' optimum. Within the searched ranges, the models predict no additional violation. The models'
+optimum is the first candidate and wins ties.
 """
 
 import logging

@@ -1,7 +1,7 @@
 """Model of one block instance, and rollouts of many candidates as rows of one array.
 
-As in a real run, a candidate reaches its exit at the first control step after the minimum duration at which all exit
-conditions hold. Otherwise, the rollout ends at the block's maximum duration, or when state and commands are constant.
+As in a real run, a candidate reaches its exit when all exit conditions hold for the first time after the minimum
+duration. Otherwise, the rollout ends at the block's maximum duration, or when the state and the commands are constant.
 """
 
 from collections.abc import Mapping, Sequence
@@ -198,6 +198,6 @@ class Population:
 
 
 def _steady(commanded: Sequence[Commands]) -> BoolArray:
-    """Return a mask of the candidates with constant commands in a chunk. Changing commands precede motion."""
+    """Return a mask of the candidates with constant commands in a chunk. Changing commands can cause motion."""
     changes = [np.abs(commanded[-1][key] - first).max(axis=-1) for key, first in commanded[0].items()]
     return np.asarray(np.logical_and.reduce([change < _STEADY for change in changes], initial=True), dtype=bool)

@@ -1,9 +1,9 @@
 """Rollouts of a plan on the forward models of its blocks, for a whole population of candidates at the same time.
 
 The plan determines the order of the reassignments. The times of the reassignments differ between candidates. Each
-instance starts from the states in which earlier instances left its tokens. Instances that end in the same reassignment
-continue until all these instances have reached their exits. If a condition does not hold, its shortfall is added to the
-violation, and the rollout continues.
+instance starts from the states of its tokens at the end of earlier instances. Instances that end in the same
+reassignment continue until all these instances have reached their exits. If a condition does not hold, its shortfall is
+added to the violation, and the rollout continues.
 """
 
 from collections.abc import Mapping

@@ -72,7 +72,7 @@ class Scores:
         return ranks
 
     def best(self) -> BoolArray:
-        """Return a mask of the best candidates up to rounding errors. Shape ``(n,)``.
+        """Return a mask of the candidates that are best up to rounding errors. Shape ``(n,)``.
 
         If all rollouts failed, all candidates are best. A violation above 0 is never rounded to 0.
         """

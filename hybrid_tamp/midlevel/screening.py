@@ -23,10 +23,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 LEVELS = (0.0, 0.5, 1.0)
 FEW = 4
-"""Minimum number of lines with two points that meet all conditions.
-
-With fewer lines, all finite points are compared.
-"""
+"""Minimum number of lines with two points that meet all conditions. Otherwise, all finite points are compared."""
 
 
 class Effect(NamedTuple):

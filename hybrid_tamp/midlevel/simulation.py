@@ -12,7 +12,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 class Simulation(InstanceModel):
-    """A model of one instance that can be rolled out. Results are cached."""
+    """Model of one block instance that computes and caches rollouts."""
 
     def __init__(self, task: Task, instance: BlockInstance) -> None:
         super().__init__(task, instance)

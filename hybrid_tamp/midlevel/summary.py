@@ -71,7 +71,7 @@ def summarise(
     Args:
         searched: result of the search.
         candidates: candidates that remain after the search.
-        in_physics: result of the refinement in physics, or None if there was none.
+        in_physics: result of the refinement in physics, or None if not requested.
         began: start time of the optimisation, from `time.monotonic`, in seconds.
     """
     objective, optimum, influence = searched.objective, searched.optimum, searched.influence

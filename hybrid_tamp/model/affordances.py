@@ -37,7 +37,7 @@ class Affordance:
 
 @dataclass(frozen=True)
 class Implication:
-    """An affordance for an observer, inferred from an agent with the same capability classes.
+    """An affordance for an observer, inferred from the affordance for an agent with the same capability classes.
 
     Attributes:
         affordance: affordance for the observed agent, from which the observer's affordance is inferred.

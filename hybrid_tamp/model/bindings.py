@@ -9,7 +9,7 @@ from hybrid_tamp.model.token import Token
 Choices = Mapping[str, Sequence[Value]]
 """Maps each role to its possible values."""
 Holds = Callable[[Literal, Mapping[str, Value]], bool]
-"""Function that returns whether a condition holds. The second argument maps each role to its value."""
+"""Function ``holds(condition, bound)`` that tests a condition. `bound` maps each role to its value."""
 
 
 @dataclass(frozen=True)

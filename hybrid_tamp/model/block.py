@@ -139,8 +139,8 @@ class Block:
         hyperparameters: policy parameters whose values are optimised.
         duration: bounds and an estimate for the duration of an instance.
         hold: whether an instance can continue after its exit conditions hold, in order to maintain these conditions.
-        policy: function ``policy(binding, start, parameters)`` that returns the feedback law of an instance. None
-            without one.
+        policy: function ``policy(binding, start, parameters)`` that returns a feedback law. None if the block has no
+            policy.
         system: function ``system(binding, start)`` that returns the continuous system of an instance.
         performance: performance measures of an instance. The weighted sum of the measures is maximised.
         taught: function ``taught(primitive)`` that returns a copy of the block with another motor primitive

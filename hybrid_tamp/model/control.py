@@ -46,8 +46,7 @@ class Hyperparameter:
         upper: upper bound [unit].
         initial: function ``initial(binding, start)`` that returns the initial value [unit], shape ``(...)``.
         description: description in one line.
-        within: function ``within(binding)`` that returns narrower bounds [unit]. None if no binding has narrower
-            bounds.
+        within: function ``within(binding)`` that returns narrower bounds [unit]. None without narrower bounds.
     """
 
     name: str

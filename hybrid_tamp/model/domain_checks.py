@@ -185,7 +185,7 @@ def sort_name(sort: type[ObjectClass] | SymbolSort) -> str:
 
 
 def _frame(domain: Declarations) -> Iterator[Issue]:
-    """Yield a fault for each predicate that reads a written property and is not an effect, maintained or kept."""
+    """Yield a fault for each predicate that reads a written property, but is no effect, not maintained and not kept."""
     for block in domain.blocks:
         for slot_name, written in block.writes.items():
             slot_class = block.slot(slot_name).object_class

@@ -28,8 +28,7 @@ class Reason:
 
     Attributes:
         goal: unreachable goal atoms.
-        block: block that could achieve the goal atoms, or its action if several modes fail. Empty if no block is
-            concerned.
+        block: block that could achieve the goal atoms. Its action if several modes fail. Can be empty.
         kind: kind of the reason.
         message: description of the reason.
         atom: condition that fails, or None.

@@ -55,10 +55,7 @@ class StaticFacts:
         return margin if literal.positive else -margin
 
     def holding(self, predicate: Predicate, bindings: Sequence[tuple[Value, ...]]) -> Iterator[Atom]:
-        """Yield the atoms that hold for well-typed arguments.
-
-        Margins that are still unknown are evaluated in one batch.
-        """
+        """Yield the atoms that hold for well-typed arguments. Unknown margins are evaluated in one batch."""
         atoms = list(_atoms(predicate, bindings))
         unknown = [place for place, atom in enumerate(atoms) if atom not in self._known]
         margins = predicate.margins(self._task.state, [bindings[place] for place in unknown])

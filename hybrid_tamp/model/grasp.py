@@ -1,6 +1,6 @@
 """Grasping: hands that can grip, objects that can be gripped, and constants of the fingers.
 
-A hand that can grip has two virtual, massless fingers, one on either side of its centre. The fingers close on a handle
+A hand that can grip has two virtual, massless fingers, one on each side of its centre. The fingers close on a handle
 within reach and hold the handle only by friction.
 """
 

@@ -36,8 +36,7 @@ class Segmentation:
     Attributes:
         plan: timeline of the block instances. A token is in no instance during an unexplained movement.
         unexplained: movements that no block explains, sorted by time.
-        violations: violations of the law of assignment, judged by observed margins. Includes goal atoms that do not
-            hold.
+        violations: violations of the law of assignment by observed margins, including goal atoms that do not hold.
         cost: cost of the segmentation, which grows with the number of instances and with their misfit.
     """
 

@@ -82,8 +82,7 @@ class Recording:
         timestep: control period [s].
         failure: reason why the run stopped early, or None.
         warnings: warnings for the user.
-        contacts: contacts between two tokens. Contacts with the floor are omitted. Empty if the backend measures no
-            contacts.
+        contacts: contacts between two tokens, excluding the floor. Empty if the backend does not measure contacts.
     """
 
     layout: StateLayout

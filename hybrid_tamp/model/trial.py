@@ -26,7 +26,7 @@ class Estimate:
     """The estimated properties and contact points of a new token.
 
     Attributes:
-        properties: maps each property that the new token has as a member of the class to its value.
+        properties: maps the name of each property of the class to the estimated value.
         contacts: maps the name of each contact point to its position in the body frame [m], shape ``(3,)``.
     """
 
@@ -42,7 +42,8 @@ class TrialRecipe(Generic[TaskType]):
         object_class: class of the recipe.
         align: function ``align(task, token, labelled)`` that returns the initial rotation of the warp, shape
             ``(3, 3)``, from the body frame of the labelled token to the body frame of the new token.
-        estimate: function ``estimate(task, token, labelled, carry)`` that returns an estimate. Both tokens need shapes.
+        estimate: function ``estimate(task, token, labelled, carry)`` that returns an `Estimate`. Both tokens must have
+            shapes.
         task: function ``task(task, member, rng)`` that returns the task of a trial. `rng` randomises the initial state.
             If `rng` is None, the initial state is exact. The same plan must be valid for all initial states.
         bounds: maps each metric of the domain (name without the instance) to its lower and upper bound.

@@ -22,7 +22,7 @@ class PhysicsRollouts:
     start, so the result does not depend on the number of processes.
 
     Attributes:
-        task: task of the plan. It is sent to the processes together with its domain.
+        task: task of the plan. The task is sent to the processes together with its domain.
         plan: plan whose hyperparameters are varied.
         backend: name of the physics backend.
         processes: number of parallel processes.

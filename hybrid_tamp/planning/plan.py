@@ -55,7 +55,7 @@ def plan_task(task: Task, planner: Planner) -> PlanOutcome:
     except LimitReached as limit:
         figures = PlannerFigures(task.planner, tailored.elapsed)
         return PlanOutcome(task, figures, tailored.network, failure=PlanningFailure(limit.limit, str(limit)))
-    assert planned is not None, "an attempt with all of the remaining time must return a result or raise"
+    assert planned is not None, "an attempt with all of the remaining time must return a result or raise an error"
     return _outcome(tailored, planned)
 
 
@@ -90,7 +90,7 @@ class _TailoredNetwork:
 
     @property
     def unreachable(self) -> str:
-        """Message about goal atoms that no block of the network achieves. Empty if each atom has such a block."""
+        """Message about goal atoms that no block of the network achieves. Empty if blocks achieve all atoms."""
         atoms = " and ".join(atom.text for atom in find_unreachable(self.reduction.task))
         return f"no block achieves {atoms} in the network without this object" if atoms else ""
 
@@ -102,7 +102,7 @@ class _TailoredNetwork:
     def widen(self, why: str) -> None:
         """Add the next objects to the network for the reason ``why``.
 
-        The number of objects doubles with every call, unless a single object may suffice.
+        The number of objects doubles with every call, unless a single object may suffice to reach the goal.
         """
         for name in self._widening.choose_next(self.reduction, self._step):
             blocks = self._widening.find_newly_fillable(self.reduction, name)

@@ -135,7 +135,7 @@ class Reducer:
 
 
 def _keep_passable(domain: Domain, blocks: list[Block], started: Collection[str]) -> list[Block]:
-    """Return the blocks that tokens can reach from their initial blocks. A block without ``hold`` also needs exits."""
+    """Return the blocks that tokens can reach from initial blocks and, without ``hold``, can leave."""
     kept = {block.name: block for block in blocks} | {name: domain.block_by_name[name] for name in started}
     size = -1
     while len(kept) != size:
