@@ -5,8 +5,7 @@
     time [s], x [m], y [m], z [m]
     0.00, 0.250, -0.450, 0.300
 
-The first line names the columns, and units may follow in brackets. Poses also have the columns qx, qy, qz, qw. The
-module `pose_tables` reads tables of whole scenes with the functions of this module.
+The first line names the columns, and units may follow in brackets. Poses also have the columns qx, qy, qz, qw.
 """
 
 import math
@@ -49,11 +48,7 @@ def read_demonstration(path: Path | str) -> ShownMovement:
     rows = numbered(read_text(path, "a demonstration", MAX_BYTES))
     faults = Faults(str(path))
     width = _check_header(rows[0][1] if rows else [], faults)
-    samples = [values for _, cells in rows[1:] if (values := sample(cells, width, faults)) is not None]
-    faults.raise_if_any()
-    table = np.array(samples, dtype=np.float64).reshape(-1, width)
-    lines = [number for number, _ in rows[1:]]
-    check_times(table[:, 0], lines, MINIMAL_SAMPLES, faults)
+    table, lines = read_samples(rows, width, faults)
     if width == len(_POSE):
         check_quaternions(table[:, 4:], lines, faults)
     faults.raise_if_any()
@@ -63,8 +58,7 @@ def read_demonstration(path: Path | str) -> ShownMovement:
 
 def _check_header(cells: list[Cell], faults: Faults) -> int:
     """Return the number of columns, or raise `InputError` if the columns are wrong."""
-    found = [_NAME.match(cell.text.casefold()) for cell in cells]
-    names = tuple(match.group(1) if match else "" for match in found)
+    names = tuple(match[1] if (match := _NAME.match(cell.text.casefold())) else "" for cell in cells)
     if names not in (_POSITION, _POSE):
         wanted = f"the first line must name the columns {', '.join(_POSITION)} (for poses also {', '.join(_POSE[4:])})"
         faults.add(Mark(), wanted, shown(",".join(cell.text for cell in cells)) if cells else "an empty file")
@@ -76,8 +70,7 @@ def cells(line: str, number: int) -> Iterator[Cell]:
     """Yield the entries of a line with their places."""
     column = 1
     for text in line.split(","):
-        indent = len(text) - len(text.lstrip())
-        yield Cell(text.strip(), Mark(number, column + indent))
+        yield Cell(text.strip(), Mark(number, column + len(text) - len(text.lstrip())))
         column += len(text) + 1
 
 
@@ -86,7 +79,28 @@ def numbered(text: str) -> list[tuple[int, list[Cell]]]:
     return [(n, list(cells(line, n))) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
 
 
-def sample(entries: list[Cell], width: int, faults: Faults) -> list[float] | None:
+def read_samples(rows: list[tuple[int, list[Cell]]], width: int, faults: Faults) -> tuple[FloatArray, list[int]]:
+    """Return the numbers in the lines after the first, shape ``(t, width)``, and their line numbers.
+
+    A fault is recorded if there are too few samples or the times in the first column do not increase.
+
+    Raises:
+        InputError: a line has another number of columns, or a text that is not a number.
+    """
+    samples = [values for _, cells in rows[1:] if (values := _sample(cells, width, faults)) is not None]
+    faults.raise_if_any()
+    table, lines = np.array(samples, dtype=np.float64).reshape(-1, width), [number for number, _ in rows[1:]]
+    times = table[:, 0]
+    if len(times) < MINIMAL_SAMPLES:
+        wanted = f"a demonstration must have at least {MINIMAL_SAMPLES} samples"
+        faults.add(Mark(lines[-1] if lines else 1), wanted, f"{len(times)} samples")
+    for row in np.flatnonzero(np.diff(times) <= 0.0) + 1:
+        came = f"{times[row]:g} s after {times[row - 1]:g} s"
+        faults.add(Mark(lines[row]), "time must increase from line to line", came)
+    return table, lines
+
+
+def _sample(entries: list[Cell], width: int, faults: Faults) -> list[float] | None:
     """Return the numbers in a line. If the line has a fault, record the fault and return None."""
     if len(entries) != width:
         mark = entries[min(width, len(entries) - 1)].mark
@@ -104,23 +118,6 @@ def sample(entries: list[Cell], width: int, faults: Faults) -> list[float] | Non
             return None
         values.append(value)
     return values
-
-
-def check_times(times: FloatArray, lines: list[int], least: int, faults: Faults) -> None:
-    """Record a fault if there are too few samples or time does not increase.
-
-    Args:
-        times: the times [s], shape ``(t,)``.
-        lines: the line number of each sample.
-        least: minimum number of samples.
-        faults: the faults of the file.
-    """
-    if len(times) < least:
-        last = lines[-1] if lines else 1
-        faults.add(Mark(last), f"a demonstration must have at least {least} samples", f"{len(times)} samples")
-    for row in np.flatnonzero(np.diff(times) <= 0.0) + 1:
-        came = f"{times[row]:g} s after {times[row - 1]:g} s"
-        faults.add(Mark(lines[row]), "time must increase from line to line", came)
 
 
 def check_quaternions(quaternions: FloatArray, lines: list[int], faults: Faults, name: str = "") -> None:

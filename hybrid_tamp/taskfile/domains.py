@@ -59,8 +59,7 @@ def find_domain(name_or_path: str) -> Domain:
     if name_or_path.endswith(".py"):
         # For impossible names, os.path.isfile returns False but Path.is_file raises.
         if not os.path.isfile(name_or_path):
-            wanted = "the file of the domain must exist"
-            raise InputError([Issue("", wanted, shown(name_or_path))])
+            raise InputError([Issue("", "the file of the domain must exist", shown(name_or_path))])
         path = Path(name_or_path).resolve()
         return _domain(_loaded(lambda: _import_file(path), str(path)), str(path), "DOMAIN")
     module, colon, attribute = name_or_path.partition(":")
@@ -79,8 +78,7 @@ def _loaded(load: Callable[[], Any], source: str) -> Any:
     try:
         return load()
     except InputError as error:
-        wanted = "the domain's declarations contradict each other"
-        raise InputError([Issue(source, wanted), *error.issues]) from error
+        raise InputError([Issue(source, "the domain's declarations contradict each other"), *error.issues]) from error
     except (Exception, SystemExit) as error:
         came = f"{type(error).__name__}: {error}"
         raise InputError([Issue(_line_of(error, source), "cannot import the domain's module", came)]) from error
@@ -158,8 +156,7 @@ def find_task_file(text: str) -> Path:
     """Return the path of an existing file, or the path of a bundled task file with the given name.
 
     Args:
-        text: a path or the name of a bundled task, e.g. ``roll_cylinder``, ``roll_cylinder.yaml`` or
-            ``problems/roll_cylinder.yaml``.
+        text: a path, or a bundled task such as ``roll_cylinder`` or ``problems/roll_cylinder.yaml``.
 
     Raises:
         InputError: there is no such file and no such bundled task; the message lists the bundled names.
@@ -172,5 +169,4 @@ def find_task_file(text: str) -> Path:
     if os.path.exists(text):
         # Return other paths too, e.g. folders, because their errors in reading are clearer.
         return Path(text)
-    wanted = "neither a task file nor a bundled task has this name"
-    raise InputError([Issue("", wanted, shown(text), bundled)])
+    raise InputError([Issue("", "neither a task file nor a bundled task has this name", shown(text), bundled)])

@@ -114,8 +114,7 @@ class MidLevelEntry(_Entry):
         description="maps each BLOCK.measure to its weight in the value of a plan; costs have negative weights",
     )
     hyperparameters: dict[str, NumberOrRange] = Field(
-        default_factory=dict,
-        description="maps each BLOCK.name to narrower bounds and a default, or to a fixed value",
+        default_factory=dict, description="maps each BLOCK.name to narrower bounds and a default, or to a fixed value"
     )
 
 

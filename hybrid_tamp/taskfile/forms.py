@@ -76,12 +76,7 @@ def type_in_words(schema: JsonObject) -> str:
     return words.get(kind, kind)
 
 
-_BOUNDS = (
-    ("exclusiveMinimum", ">"),
-    ("minimum", "≥"),
-    ("exclusiveMaximum", "<"),
-    ("maximum", "≤"),
-)
+_BOUNDS = (("exclusiveMinimum", ">"), ("minimum", "≥"), ("exclusiveMaximum", "<"), ("maximum", "≤"))
 
 
 def bounds_in_words(schema: JsonObject) -> str:

@@ -63,14 +63,10 @@ def _predicate(atom: Atom, path: KeyPath, faults: Faults, domain: Domain | None)
         # The fault concerns only the key, so the arguments are still checked.
         faults.at(path, wanted, shown(atom.predicate), sorted(domain.predicate_by_name), key=True, sound=True)
     elif len(atom.arguments) != len(predicate.parameters):
-        wanted = f"the arguments of {predicate.name} must be {_signature(predicate)}"
-        count = len(atom.arguments)
+        signature = ", ".join(f"{each.name} ({each.sort.name})" for each in predicate.parameters) or "none"
+        wanted, count = f"the arguments of {predicate.name} must be {signature}", len(atom.arguments)
         faults.at(path, wanted, f"{count} argument{'' if count == 1 else 's'}")
     return predicate
-
-
-def _signature(predicate: Predicate) -> str:
-    return ", ".join(f"{parameter.name} ({parameter.sort.name})" for parameter in predicate.parameters) or "none"
 
 
 def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
@@ -138,15 +134,7 @@ def _check_company(
     index = predicate.functional_index
     other = values.setdefault((atom.predicate, atom.arguments[:index], atom.arguments[index + 1 :]), atom)
     if other != atom:
-        wanted = f"{predicate.name} must give {_owners(predicate)} only one {predicate.value_of}"
-        faults.at(
-            path,
-            wanted,
-            f"{plain(other.text)} and {plain(atom.text)}{faults.on_line(atoms[other], 'the first')}",
-            remedy="remove one",
-        )
-
-
-def _owners(predicate: Predicate) -> str:
-    names = [parameter.name for parameter in predicate.parameters if parameter.name != predicate.value_of]
-    return " and ".join(f"each {name}" for name in names) or "the task"
+        owners = [f"each {each.name}" for each in predicate.parameters if each.name != predicate.value_of]
+        wanted = f"{predicate.name} must give {' and '.join(owners) or 'the task'} only one {predicate.value_of}"
+        came = f"{plain(other.text)} and {plain(atom.text)}{faults.on_line(atoms[other], 'the first')}"
+        faults.at(path, wanted, came, remedy="remove one")

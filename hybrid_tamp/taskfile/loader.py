@@ -29,9 +29,7 @@ CheckPlanner = Callable[[str], None]
 
 
 def load_task(
-    source: Task | Path | str,
-    find_domain: FindDomain = installed_domain,
-    check_planner: CheckPlanner | None = None,
+    source: Task | Path | str, find_domain: FindDomain = installed_domain, check_planner: CheckPlanner | None = None
 ) -> Task:
     """Load a task file, or return the task if `source` is a task.
 
@@ -108,10 +106,7 @@ def read_task(
 
 
 def _midlevel(entry: MidLevelEntry) -> MidLevel:
-    ranges = {
-        key: Range(**dict(said)) if isinstance(said, RangeEntry) else said
-        for key, said in entry.hyperparameters.items()
-    }
+    ranges = {k: Range(**dict(v)) if isinstance(v, RangeEntry) else v for k, v in entry.hyperparameters.items()}
     return MidLevel(**{**dict(entry), "hyperparameters": ranges})
 
 

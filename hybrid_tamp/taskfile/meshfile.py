@@ -31,27 +31,14 @@ _SAME = 1e-7
 
 @dataclass
 class _Surface:
-    """One object of a mesh file.
-
-    Attributes:
-        name: name of the object, or its number if it has no name.
-        triangles: indices of vertices in the file, three per triangle. Polygons are split into triangle fans.
-    """
+    """One object of a mesh file: its name or number, and three indices of vertices per triangle."""
 
     name: str
     triangles: list[tuple[int, int, int]] = field(default_factory=list)
 
 
 def _read_objects(text: str, source: str) -> tuple[FloatArray, list[_Surface]]:
-    """Return the vertices ``(n, 3)`` of a mesh file and the objects that have triangles.
-
-    Args:
-        text: content of the file.
-        source: name of the file in messages.
-
-    Raises:
-        InputError: a vertex does not consist of three finite numbers, or a face names a vertex that does not exist.
-    """
+    """Return the vertices ``(n, 3)`` of a mesh file and its objects that have triangles, or raise `InputError`."""
     vertices: list[tuple[float, float, float]] = []
     objects = [_Surface("1")]
     for number, line in enumerate(text.splitlines(), start=1):
@@ -62,8 +49,8 @@ def _read_objects(text: str, source: str) -> tuple[FloatArray, list[_Surface]]:
                 vertices.append((x, y, z))
             elif keyword == "f":
                 corners = [_index(word, len(vertices)) for word in words]
-                fans = pairwise(corners[1:])
-                objects[-1].triangles += [(corners[0], one, other) for one, other in fans]
+                # Polygons are split into triangle fans.
+                objects[-1].triangles += [(corners[0], one, other) for one, other in pairwise(corners[1:])]
             elif keyword in ("o", "g"):
                 objects.append(_Surface(" ".join(words) or str(len(objects))))
         except (ValueError, IndexError) as error:
@@ -101,9 +88,8 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
     """
     source = str(path)
     if path.suffix.lower() != ".obj":
-        raise InputError(
-            [Issue(source, "the name of a mesh file must end in .obj (Wavefront)", repr(path.suffix or path.name))]
-        )
+        wanted = "the name of a mesh file must end in .obj (Wavefront)"
+        raise InputError([Issue(source, wanted, repr(path.suffix or path.name))])
     if path.is_file() and path.stat().st_size > MOST_BYTES:
         _check_count(_triangles_in(path), source)
     text = read_text(path, _WHAT, MOST_BYTES)
@@ -169,10 +155,7 @@ def _solid(vertices: FloatArray, surface: _Surface, size: float, source: str) ->
 
 
 def _fault(solid: Hull) -> tuple[str, str] | None:
-    """Return None or a pair of (violated requirement, finding).
-
-    A closed surface is convex if it has the topology of a sphere and no dent at any edge.
-    """
+    """Return a pair of (violated requirement, finding), or None if the surface is closed and convex."""
     size = float(np.ptp(solid.vertices, axis=0).max())
     corners = solid.vertices[solid.triangles]
     crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -191,6 +174,7 @@ def _fault(solid: Hull) -> tuple[str, str] | None:
             else "triangles with inconsistent orientations"
         )
         return "watertight", said
+    # A closed surface is convex if it has the topology of a sphere and no dent at any edge.
     if len(solid.vertices) - len(edges) // 2 + len(areas) != 2:
         return "one solid without holes", "several pieces, or one with holes"
     volume = solid.integrals[0]

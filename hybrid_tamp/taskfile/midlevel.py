@@ -69,8 +69,7 @@ def names_of(domain: Domain, kind: Declared) -> dict[str, list[tuple[Block, str]
     """Return a mapping of every ``BLOCK.name`` that a task file may use to its pairs of (block, name)."""
     found: dict[str, list[tuple[Block, str]]] = {}
     for block in domain.blocks:
-        declared = block.performance if kind == "weights" else block.hyperparameters
-        for each in declared:
+        for each in block.performance if kind == "weights" else block.hyperparameters:
             for owner in dict.fromkeys((block.name, block.action)):
                 found.setdefault(f"{owner}.{each.name}", []).append((block, each.name))
     return found
@@ -130,9 +129,8 @@ def _narrowed(own: Hyperparameter, path: KeyPath, said: Any, faults: Faults) -> 
         came = f"{narrow.lower:g} and {narrow.upper:g}"
         faults.at(path, f"lower must not exceed upper in {path[-1]}", came, remedy="exchange the bounds")
     elif "default" in given:
-        default, place = given["default"], (*path, "default")
-        _check_within(default, narrow, f"the default of {path[-1]}", place, faults)
-        return replace(narrow, initial=_Constant(default))
+        _check_within(given["default"], narrow, f"the default of {path[-1]}", (*path, "default"), faults)
+        return replace(narrow, initial=_Constant(given["default"]))
     return narrow
 
 

@@ -12,9 +12,8 @@ def check_name(name: str, faults: Faults, domain: Domain | None) -> None:
         faults.at(path, "the name of a token must not be empty", shown(name), key=True, sound=True)
     check_printable(name, path, faults, "the name of a token")
     if name == ANY:
-        remedy = "rename the token"
         wanted = f"the name of a token must not be {ANY!r}, which is the wildcard in conditions"
-        faults.at(path, wanted, shown(name), remedy=remedy, key=True, sound=True)
+        faults.at(path, wanted, shown(name), remedy="rename the token", key=True, sound=True)
     for sort in _symbol_sorts(domain) if domain else ():
         if name in sort.symbols:
             wanted = f"the name of a token must not be a {sort.name} of the domain"
@@ -26,8 +25,7 @@ def check_printable(name: str, path: KeyPath, faults: Faults, what: str, *, key:
     odd = next((character for character in name if not character.isprintable()), None)
     if odd is not None:
         came = f"{shown(name)} with the character U+{ord(odd):04X}"
-        wanted = f"{what} must have printable characters only"
-        faults.at(path, wanted, came, remedy="rename it", key=key, sound=True)
+        faults.at(path, f"{what} must have printable characters only", came, remedy="rename it", key=key, sound=True)
 
 
 def _symbol_sorts(domain: Domain) -> tuple[SymbolSort, ...]:

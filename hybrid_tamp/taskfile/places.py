@@ -55,14 +55,7 @@ class Faults:
         self._above: set[KeyPath] = set()
         self._unreadable: set[KeyPath] = set()
 
-    def add(
-        self,
-        mark: Mark,
-        wanted: str,
-        came: str = "",
-        available: Iterable[str] = (),
-        remedy: str = "",
-    ) -> None:
+    def add(self, mark: Mark, wanted: str, came: str = "", available: Iterable[str] = (), remedy: str = "") -> None:
         """Record a fault at a place of the file."""
         self._note(mark, f"{self.source}:{mark.line}:{mark.column}", wanted, came, available, remedy)
 
@@ -139,20 +132,12 @@ class Faults:
         return tuple(issue for _, issue in sorted(self._found, key=lambda found: found[0]))
 
     def raise_if_any(self) -> None:
-        """Raise the faults found so far.
-
-        Raises:
-            InputError: there is at least one fault.
-        """
+        """Raise an `InputError` with the faults found so far, if there are any."""
         if self._found:
             self.raise_all()
 
     def raise_all(self) -> NoReturn:
-        """Raise the first `MOST_FAULTS` faults.
-
-        Raises:
-            InputError: always.
-        """
+        """Raise an `InputError` with the first `MOST_FAULTS` faults."""
         issues = self.issues
         more = len(issues) - MOST_FAULTS
         if more > 0:

@@ -19,16 +19,8 @@ from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.demonstration import MINIMAL_SAMPLES
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotation_vector
-from hybrid_tamp.taskfile.demonstrations import (
-    MAX_BYTES,
-    Cell,
-    check_quaternions,
-    check_times,
-    numbered,
-    sample,
-)
+from hybrid_tamp.taskfile.demonstrations import MAX_BYTES, Cell, check_quaternions, numbered, read_samples
 from hybrid_tamp.taskfile.places import Faults, Mark, shown
 from hybrid_tamp.taskfile.yaml.nodes import read_text
 
@@ -65,10 +57,7 @@ def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State, State]:
     header = rows[0][1] if rows else []
     columns = _columns(header, task, faults)
     faults.raise_if_any()
-    samples = [values for _, cells in rows[1:] if (values := sample(cells, len(header), faults)) is not None]
-    faults.raise_if_any()
-    table, lines = np.array(samples, dtype=np.float64).reshape(-1, len(header)), [number for number, _ in rows[1:]]
-    check_times(table[:, 0], lines, MINIMAL_SAMPLES, faults)
+    table, lines = read_samples(rows, len(header), faults)
     for (token, name), places in columns.items():
         if name == "orientation":
             check_quaternions(table[:, places], lines, faults, f"{token}.")
@@ -171,16 +160,13 @@ def _deviation(values: FloatArray) -> float:
 
 
 def _rates(values: FloatArray, span: float) -> FloatArray:
-    """Return the rates of change [1/s] of values ``(t, c)``.
-
-    One rate is estimated over the span [s] before each instant and one over the span after the instant. The slower rate
-    is returned, because a mean would miss a short rest between two movements.
-    """
+    """Return the rates of change [1/s] of values ``(t, c)``, estimated over a span [s] before or after each instant."""
     count = max(2, min(round(span / CONTROL_PERIOD), len(values) - 1))
     offsets = np.arange(count + 1) - count / 2.0
     kernel = (offsets / (offsets @ offsets) / CONTROL_PERIOD)[::-1]
     slopes = np.stack([np.convolve(part, kernel, mode="valid") for part in values.T], axis=-1)
     rows = np.arange(len(values))
     before, after = slopes[np.maximum(rows - count, 0)], slopes[np.minimum(rows, len(slopes) - 1)]
+    # The slower rate is used, because a mean would miss a short rest between two movements.
     slower = np.linalg.norm(before, axis=-1) < np.linalg.norm(after, axis=-1)
     return np.asarray(np.where(slower[:, None], before, after))

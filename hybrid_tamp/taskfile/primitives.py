@@ -138,6 +138,5 @@ def _taught(key: str, file: Path, path: KeyPath, faults: Faults, domain: Domain)
     ]
     if not fitting:
         needed = " or ".join(sorted({str(block.movement.dimensions) for block in named if block.movement}))
-        wanted = f"the primitive of {key} must have dimension {needed}"
-        faults.at(path, wanted, str(primitive.dimensions))
+        faults.at(path, f"the primitive of {key} must have dimension {needed}", str(primitive.dimensions))
     return fitting

@@ -36,8 +36,7 @@ def reference_page(domains: Sequence[Domain]) -> str:
 
 
 def _model(title: str, model: type[BaseModel]) -> str:
-    summary = (model.__doc__ or "").strip().splitlines()[0]
-    return f"## {title}\n\n{summary}\n\n{_keys(model)}"
+    return f"## {title}\n\n{(model.__doc__ or '').strip().splitlines()[0]}\n\n{_keys(model)}"
 
 
 def _keys(model: type[BaseModel]) -> str:

@@ -48,5 +48,4 @@ def _relocate(data: Any, before: Path, after: Path) -> None:
     shapes = [entry.get("shape") or {} for entry in data["tokens"].values()]
     for holder, key in (*named, *((shape, "file") for shape in shapes if "file" in shape)):
         if not Path(holder[key]).is_absolute():
-            way = os.path.relpath((before / holder[key]).resolve(), after.resolve())
-            holder[key] = Path(way).as_posix()
+            holder[key] = Path(os.path.relpath((before / holder[key]).resolve(), after.resolve())).as_posix()

@@ -48,8 +48,7 @@ def read_assignment(data: dict[str, Any], faults: Faults, domain: Domain | None,
             continue
         outline = scene.outlines.get(name)
         if outline is not None and outline.place:
-            wanted = "a place cannot be assigned to a block"
-            faults.at(path, wanted, shown(name), remedy="remove the line", key=True)
+            faults.at(path, "a place cannot be assigned to a block", shown(name), remedy="remove the line", key=True)
         elif domain is not None:
             _check_start(block, path, faults, domain, outline)
     if domain is None or not faults.sound(("assignment",)):
@@ -72,12 +71,10 @@ def _check_start(name: str, path: KeyPath, faults: Faults, domain: Domain, outli
     if block is None:
         faults.at(path, f"unknown block in the domain {domain.name}", shown(name), fitting)
     elif not can_start(block):
-        roles = ", ".join(block.roles)
         wanted = "a token must start in a block with one slot and no targets"
-        faults.at(path, wanted, f"{shown(name)} with {roles}", fitting)
+        faults.at(path, wanted, f"{shown(name)} with {', '.join(block.roles)}", fitting)
     elif outline is not None and block.name not in fitting:
-        needed = block.slots[0].object_class.name
-        wanted = f"only a member of {needed} can start in {block.name}"
+        wanted = f"only a member of {block.slots[0].object_class.name} can start in {block.name}"
         members = ", ".join(member.name for member in outline.classes)
         faults.at(path, wanted, f"token {shown(outline.name)}, a member of {members}", fitting)
 

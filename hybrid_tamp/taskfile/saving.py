@@ -125,8 +125,7 @@ def _beside(files: dict[str, str], free: Callable[[str, str], bool], name: str, 
 
 def _token_entry(task: Task, token: Token, beside: Callable[[str, str], str]) -> Iterator[tuple[str, Any]]:
     """Yield the keys and values of a token's entry."""
-    names = [member.name for member in token.classes if member is not TOKEN]
-    yield "classes", one_line(names or [TOKEN.name])
+    yield "classes", one_line([member.name for member in token.classes if member is not TOKEN] or [TOKEN.name])
     if token.unknown:
         yield "unknown", one_line([member.name for member in token.unknown])
     if token.properties:

@@ -4,7 +4,7 @@ The package contains the generic schema, which is derived from `entries`. ``hybr
 properties, predicates and blocks of every installed domain. A condition on the key ``domain`` selects the domain.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
@@ -12,7 +12,7 @@ from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Parameter, Predicate, SymbolSort
 from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.forms import JsonObject, form_of
-from hybrid_tamp.taskfile.midlevel import names_of
+from hybrid_tamp.taskfile.midlevel import Declared, names_of
 from hybrid_tamp.taskfile.roles import can_start
 from hybrid_tamp.taskfile.tokens import known_classes
 
@@ -55,35 +55,29 @@ def _equals(key: str, value: str) -> JsonObject:
 
 def _of_domain(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) -> JsonObject:
     """Return the part of a task file's schema that depends on the domain."""
+    weights = _section(domain, "weights", "default: ", _weight)
+    ranges = _section(domain, "hyperparameters", "", _range)
     starts = [_choice(block.name, block.description) for block in domain.blocks if can_start(block)]
     return {
         "properties": {
             "tokens": {"additionalProperties": _token(domain, prefix, definitions)},
             "goal": {"items": _atom(domain.predicates, negatable=True)},
             "assignment": {"additionalProperties": {"anyOf": starts}},
-            "midlevel": {"properties": {"weights": _weights(domain), "hyperparameters": _ranges(domain)}},
+            "midlevel": {"properties": {"weights": weights, "hyperparameters": ranges}},
         }
     }
 
 
-def _weights(domain: Domain) -> JsonObject:
+def _section(domain: Domain, kind: Declared, prefix: str, words: Callable[[Block, str], str]) -> JsonObject:
     keys = {
-        key: {"description": f"default: {'; '.join(dict.fromkeys(_weight(block, name) for block, name in meant))}"}
-        for key, meant in names_of(domain, "weights").items()
+        key: {"description": prefix + "; ".join(dict.fromkeys(words(block, name) for block, name in meant))}
+        for key, meant in names_of(domain, kind).items()
     }
     return {"properties": keys, "additionalProperties": False}
 
 
 def _weight(block: Block, name: str) -> str:
     return next(f"{m.weight:g}. {m.description}" for m in block.performance if m.name == name)
-
-
-def _ranges(domain: Domain) -> JsonObject:
-    keys = {
-        key: {"description": "; ".join(dict.fromkeys(_range(block, name) for block, name in meant))}
-        for key, meant in names_of(domain, "hyperparameters").items()
-    }
-    return {"properties": keys, "additionalProperties": False}
 
 
 def _range(block: Block, name: str) -> str:
@@ -131,13 +125,7 @@ def _atom(predicates: Iterable[Predicate], *, negatable: bool) -> JsonObject:
     keys: dict[str, JsonObject] = {predicate.name: _arguments(predicate) for predicate in predicates}
     if negatable:
         keys["not"] = {"description": "an atom that must not hold", **_atom(predicates, negatable=False)}
-    return {
-        "type": "object",
-        "minProperties": 1,
-        "maxProperties": 1,
-        "properties": keys,
-        "additionalProperties": False,
-    }
+    return {"type": "object", "minProperties": 1, "maxProperties": 1, "properties": keys, "additionalProperties": False}
 
 
 def _arguments(predicate: Predicate) -> JsonObject:

@@ -23,7 +23,7 @@ def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
         faults: the faults found so far. Tokens with a fault are skipped.
         scene: the tokens.
     """
-    sound = [token for token in scene.tokens if faults.sound(("tokens", token.name)) and _placed(data, token)]
+    sound = [t for t in scene.tokens if faults.sound(("tokens", t.name)) and data["tokens"][t.name].get("pose")]
     names = {token.name for token in scene.tokens}
     state = State.of(scene.tokens, {key: value for key, value in scene.given.items() if key[0] in names})
     bodies = [
@@ -38,10 +38,6 @@ def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
     if whole:
         for token in sound:
             _check_classes(token, state, scene, faults)
-
-
-def _placed(data: dict[str, Any], token: Token) -> bool:
-    return bool(data["tokens"][token.name].get("pose"))
 
 
 def _path(token: Token) -> KeyPath:

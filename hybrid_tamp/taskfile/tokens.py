@@ -73,14 +73,10 @@ def _read_token(name: str, entry: dict[str, Any], faults: Faults, domain: Domain
     classes = _classes(entry, path, faults, domain)
     if classes is None:
         return
-    unknown = (
-        _named(entry.get("unknown", []), (*path, "unknown"), classes, faults, domain)
-        if faults.sound((*path, "unknown"))
-        else None
-    ) or ()
+    here = (*path, "unknown")
+    unknown = _named(entry.get("unknown", []), here, classes, faults, domain) if faults.sound(here) else None
     members = classes if any(map(is_place, classes)) else tuple({TOKEN: None, **dict.fromkeys(classes)})
-    outline = Token(name, members, {}, unknown=unknown)
-    scene.outlines[name] = outline
+    outline = scene.outlines[name] = Token(name, members, {}, unknown=unknown or ())
     token = _make(outline, entry, path, faults, folder)
     _read_pose(outline, entry, path, faults, scene)
     if token is not None:
@@ -202,11 +198,7 @@ def _read_pose(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Fau
         if value is not None and key in varying:
             scene.given[outline.name, key] = value
         elif value is not None:
-            faults.at(
-                here,
-                f"no class of token {shown(outline.name)} has the property {key}",
-                remedy=f"remove {key}",
-            )
+            faults.at(here, f"no class of token {shown(outline.name)} has the property {key}", remedy=f"remove {key}")
 
 
 def _orientation(pose: Pose) -> FloatArray | None:

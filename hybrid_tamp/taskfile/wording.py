@@ -38,17 +38,12 @@ _WANTED = {
 _NUMBERS = ("finite_number", "float_type", "greater_than", "greater_than_equal", "less_than", "less_than_equal")
 
 
-def no_reason(key: str) -> str:
-    """Return an empty text as the reason for a required key."""
-    return ""
-
-
 def add_validation_faults(
     faults: Faults,
     error: ValidationError,
     model: type[BaseModel],
     base: KeyPath = (),
-    why: Callable[[str], str] = no_reason,
+    why: Callable[[str], str] = lambda key: "",
     whole: str = _TASK_FILE,
 ) -> None:
     """Record every error that pydantic found, at its place in the file.
@@ -67,8 +62,7 @@ def add_validation_faults(
         if details["type"] == "missing":
             _add_missing(faults, way, path, details["input"], why, whole)
         elif details["type"] == "extra_forbidden":
-            wanted = f"unknown key in {subject(path[:-1], whole)}"
-            faults.at(path, wanted, shown(path[-1]), way.siblings, key=True)
+            faults.at(path, f"unknown key in {subject(path[:-1], whole)}", shown(path[-1]), way.siblings, key=True)
         elif details["type"] == "union_tag_invalid":
             tags = [tag.strip(" '") for tag in details["ctx"]["expected_tags"].split(",")]
             path = (*path, details["ctx"]["discriminator"].strip("'"))
@@ -103,20 +97,13 @@ def _add_missing(faults: Faults, way: "_Way", path: KeyPath, came: Any, why: Cal
 
 
 class _Way:
-    """Path through the declarations of a model to the location of an error.
-
-    Attributes:
-        path: the location without the tags of unions, which are not in the file.
-        field: the innermost declared field on the path, or None.
-        siblings: the keys of the innermost model on the path.
-        length: number of entries in the innermost tuple on the path.
-    """
+    """Path through the declarations of a model to the location of an error."""
 
     def __init__(self, model: type[BaseModel], loc: tuple[int | str, ...]) -> None:
-        self.path: KeyPath = ()
-        self.field: FieldInfo | None = None
-        self.siblings: tuple[str, ...] = ()
-        self.length = 0
+        self.path: KeyPath = ()  # the location without the tags of unions, which are not in the file
+        self.field: FieldInfo | None = None  # the innermost declared field on the path
+        self.siblings: tuple[str, ...] = ()  # the keys of the innermost model on the path
+        self.length = 0  # number of entries in the innermost tuple on the path
         here: Any = model
         for step in loc:
             members = _members(here)

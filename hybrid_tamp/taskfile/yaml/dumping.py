@@ -48,8 +48,7 @@ def dump(data: Any) -> str:
 def quoted(data: Any) -> Any:
     """Return a copy of data with quotes around each text that YAML would otherwise read as another type."""
     if isinstance(data, Mapping):
-        mapping = CommentedMap((quoted(key), quoted(value)) for key, value in data.items())
-        return _like(data, mapping)
+        return _like(data, CommentedMap((quoted(key), quoted(value)) for key, value in data.items()))
     if isinstance(data, list):
         return _like(data, CommentedSeq(map(quoted, data)))
     if isinstance(data, str) and not (_WORDS.fullmatch(data) and isinstance(value_of(data), str)):

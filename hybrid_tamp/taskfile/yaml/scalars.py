@@ -20,12 +20,7 @@ _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _INFINITE = re.compile(r"([-+]?)\.(inf|Inf|INF)")
 _NOT_A_NUMBER = re.compile(r"\.(nan|NaN|NAN)")
 _LONGEST_INTEGER = 250
-_TYPES: dict[str, type | tuple[type, ...]] = {
-    "null": type(None),
-    "bool": bool,
-    "int": int,
-    "float": float,
-}
+_TYPES: dict[str, type | tuple[type, ...]] = {"null": type(None), "bool": bool, "int": int, "float": float}
 
 
 @dataclass(eq=False)
@@ -62,11 +57,7 @@ def resolve(event: ScalarEvent) -> Any:
 
 
 def check_tag(event: CollectionStartEvent) -> None:
-    """Check that the tag of a list or mapping names its own type.
-
-    Raises:
-        Unresolvable: the tag names another type.
-    """
+    """Raise `Unresolvable` if the tag of a list or mapping names another type."""
     own = _CORE + ("map" if isinstance(event, MappingStartEvent) else "seq")
     tag = _tag(event)
     if tag not in (None, "!", own):

@@ -53,6 +53,5 @@ def add_syntax_fault(faults: Faults, text: str, error: Exception, last: Mark) ->
 
 def _add_tabs(faults: Faults, lines: list[str], first: Mark) -> None:
     tabs = ((number, _TAB_IN_INDENTATION.match(line)) for number, line in enumerate(lines, start=1))
-    places = {Mark(number, tab.end()) for number, tab in tabs if tab and number > first.line}
-    for place in {first, *places}:
+    for place in {first, *(Mark(number, tab.end()) for number, tab in tabs if tab and number > first.line)}:
         faults.add(place, "lines must be indented with spaces", "a tab", remedy="replace the tab by spaces")
