@@ -27,8 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
         return error.exit_status
     except usage_error as error:
         message = error.format_message() if hasattr(error, "format_message") else str(error)
-        wrong = InputError([Issue("", message.rstrip("."), remedy="see 'hybrid-tamp --help'")])
-        report_error(wrong, "--json" in words)
+        report_error(InputError([Issue("", message.rstrip("."), remedy="see 'hybrid-tamp --help'")]), "--json" in words)
         return InputError.exit_status
     except (KeyboardInterrupt, typer.Abort):
         typer.echo("interrupted", err=True)

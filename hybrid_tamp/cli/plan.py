@@ -31,8 +31,7 @@ def plan(
 ) -> None:
     """Plan a task and show the checked plan, or explain why there is no plan."""
     if not optimise and (optimiser, evaluations, refine) != (None, None, None):
-        wanted = "--optimiser, --evaluations and --refine must be used together with --optimise"
-        raise InputError([Issue("", wanted)])
+        raise InputError([Issue("", "--optimiser, --evaluations and --refine must be used together with --optimise")])
     from hybrid_tamp.verbs.planner import start_planner
 
     with start_planner() as process:

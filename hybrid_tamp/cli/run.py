@@ -50,11 +50,7 @@ def run(
 
 
 def _judge(result: "RunResult", as_json: bool) -> None:
-    """Print every failure, or a message that the goal was reached.
-
-    Raises:
-        Exit: the goal was not reached, or the recording breaks the law of assignment.
-    """
+    """Print every failure and breach of the law of assignment and exit, or print that the goal was reached."""
     failure = result.recording.failure
     if failure is not None:
         typer.echo(f"step {failure.step}, {failure.instance}: {failure.reason}", err=True)

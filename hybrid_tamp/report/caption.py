@@ -69,8 +69,7 @@ class Captions:
         index = self.index_at(time)
         top += _MARGIN
         draw.text((_MARGIN, top), f"step {index + 1} of {len(self._lines)}", _INK, self._headline)
-        clock = f"t = {time:.2f} s"
-        draw.text((self._width - _MARGIN, top), clock, _INK, self._headline, anchor="ra")
+        draw.text((self._width - _MARGIN, top), f"t = {time:.2f} s", _INK, self._headline, anchor="ra")
         verdict = self._verdict(time)
         if verdict is not None:
             draw.text((self._width / 2, top), verdict.text, verdict.colour, self._headline, anchor="ma")
@@ -80,8 +79,7 @@ class Captions:
 
     def index_at(self, time: float) -> int:
         """Return the index (from 0) of the step at an instant [s]. At a reassignment, return the later step."""
-        started = sum(step.start <= time + TIME_TOLERANCE for step in self.steps)
-        return max(0, started - 1)
+        return max(0, sum(step.start <= time + TIME_TOLERANCE for step in self.steps) - 1)
 
     def _verdict(self, time: float) -> _Line | None:
         if time < self._recording.duration - _VERDICT_TIME:
@@ -108,8 +106,7 @@ class Captions:
             if self._body.getlength(longer) <= room:
                 lines[-1] = longer
                 continue
-            pieces = self._pieces(word, room)
-            lines = [*(lines if lines[-1] else lines[:-1]), *pieces]
+            lines = [*(lines if lines[-1] else lines[:-1]), *self._pieces(word, room)]
         return lines
 
     def _pieces(self, word: str, room: float) -> list[str]:

@@ -26,9 +26,8 @@ def write_page(folder: RunFolder, resting: str) -> Path:
         InputError: a document is missing or wrong, or the folder is not writable.
     """
     plan = _read(folder.path / "plan.json", "plan-1")
-    result = None
-    if (folder.path / "result.json").exists():
-        result = _read(folder.path / "result.json", "result-1")
+    run = folder.path / "result.json"
+    result = _read(run, "result-1") if run.exists() else None
     return folder.write_text(PAGE, _template().render(_content(folder.path, plan, result, resting)))
 
 
@@ -83,11 +82,7 @@ def lanes(plan: Json, resting: str) -> dict[str, list[Json]]:
 
 
 def _read(file: Path, stem: str) -> Json:
-    """Return the document in a file.
-
-    Raises:
-        InputError: the file is missing, or its content does not follow the published JSON Schema.
-    """
+    """Return the document in a file, or raise `InputError` if the file does not follow the published JSON Schema."""
     try:
         return parse_document(stem, file.read_bytes())
     except OSError as error:

@@ -116,8 +116,7 @@ def timeline(plan: TaskPlan, tokens: Iterable[str], resting: str) -> RenderableT
             begin, end = (round(time / plan.makespan * _WIDTH) for time in (instance.start, instance.end))
             row.append(_bar(instance, end - begin, resting))
         table.add_row(Text(token), row)
-    end_mark = f"{plan.makespan:.1f} s"
-    table.add_row("", Text("0" + end_mark.rjust(_WIDTH - 1), style="dim"))
+    table.add_row("", Text("0" + f"{plan.makespan:.1f} s".rjust(_WIDTH - 1), style="dim"))
     return table
 
 

@@ -91,11 +91,7 @@ def step_pictures(folder: Path, task: Task, recording: Recording, render: Render
 
 
 def check_video(path: Path | None) -> None:
-    """Check that a path is suitable for a video.
-
-    Raises:
-        InputError: the folder does not exist, or the path does not end in ``.mp4``.
-    """
+    """Raise `InputError` if the folder of a video does not exist or its path does not end in ``.mp4``."""
     if path is None:
         return
     if path.suffix.lower() != ".mp4":
@@ -123,11 +119,7 @@ def _encoder(path: Path, picture: Picture) -> Generator[None, Picture | None, No
 
 @contextmanager
 def _renamed(path: Path) -> Iterator[Path]:
-    """Yield a temporary path with the same ending, and rename the temporary file to `path` if no error occurs.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Yield a temporary path with the same ending, and rename the temporary file to `path` if no error occurs."""
     temporary = path.with_name(f".{os.getpid()}.part.{path.name}")
     try:
         # Fail early if the file cannot be written, before any picture is drawn or an encoder is started.
@@ -135,7 +127,6 @@ def _renamed(path: Path) -> Iterator[Path]:
         yield temporary
         temporary.replace(path)
     except OSError as error:
-        wanted = "cannot write the file"
-        raise InputError([Issue(str(path), wanted, str(error).splitlines()[0])]) from error
+        raise InputError([Issue(str(path), "cannot write the file", str(error).splitlines()[0])]) from error
     finally:
         temporary.unlink(missing_ok=True)

@@ -44,11 +44,7 @@ def affordances(
 
 
 def _check_agents(task: Task, view: View, agent: str | None) -> None:
-    """Check that the given agent exists and that the view has enough agents.
-
-    Raises:
-        InputError: the agent is unknown, or the task has no agents although the view needs an agent.
-    """
+    """Raise `InputError` if the agent is unknown, or if the view needs an agent but the task has no agents."""
     if agent is not None and agent not in task.agents:
         raise InputError([Issue("agent", f"must be an agent of the task {task.name}", repr(agent), tuple(task.agents))])
     if view != "environment" and not task.agents:

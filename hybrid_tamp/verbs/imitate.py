@@ -54,8 +54,7 @@ def imitate(
     """Imitate a demonstration by another agent.
 
     Args:
-        shown: the demonstration. Either the folder of a run, a file of token poses, or a result of `read_shown`. Only
-            the states and the task of a run are read.
+        shown: the folder of a run, whose states and task are read, a file of token poses, or a result of `read_shown`.
         source: the imitator's task, the path of its file, or the name of a bundled task.
         folder: folder for the files of the run.
         settings: settings that replace settings of the task file.

@@ -91,11 +91,8 @@ def save_primitive(primitive: PrimitiveFile, path: Path, *, force: bool = False)
 
 def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], Movement]:
     """Return the block with a name, or the blocks of an action, and the kind of movement of their primitive."""
-    if domain is None:
-        domains = [find_domain(installed) for installed in available_domains()]
-    else:
-        domains = [find_domain(domain) if isinstance(domain, str) else domain]
-    blocks = [block for one in domains for block in one.blocks]
+    domains = available_domains() if domain is None else (domain,)
+    blocks = [block for one in domains for block in (find_domain(one) if isinstance(one, str) else one).blocks]
     able = [block for block in blocks if block.taught and block.movement]
     found = [block for block in able if name in (block.name, block.action)]
     if not found:
@@ -121,19 +118,14 @@ def _read_run(path: Path, blocks: Sequence[Block], movement: Movement, token: st
     there = sorted({one.slots[movement.slot] for one in instances})
     chosen = [one for one in instances if token in (None, one.slots[movement.slot])]
     if not chosen:
-        wanted = f"the run must contain an instance of {' or '.join(names)}" + (
-            f" with {token}" if token and there else ""
-        )
+        moving = f" with {token}" if token and there else ""
+        wanted = f"the run must contain an instance of {' or '.join(names)}{moving}"
         raise InputError([Issue(str(path), wanted, available=tuple(there))])
     return list(demonstrated_movements(path.name, recording.times, recording.trajectory, chosen, movement))
 
 
 def _check_movements(path: Path, shown: Iterable[ShownMovement], block: Block, movement: Movement) -> None:
-    """Check that each movement is of the kind that the primitive of a block generates.
-
-    Raises:
-        InputError: a movement is of another kind.
-    """
+    """Raise `InputError` if a movement is not of the kind that the primitive of the block generates."""
     for one in shown:
         try:
             one.way(movement.moves, movement.dimensions)

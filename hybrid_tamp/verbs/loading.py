@@ -54,8 +54,7 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
     Raises:
         InputError: the file has faults; each issue names the place of a fault.
     """
-    check = check_engine if plans and not settings.planner else None
-    task = load_task(source, domain_finder(settings.domain), check)
+    task = load_task(source, domain_finder(settings.domain), check_engine if plans and not settings.planner else None)
     limits = _replaced(task.limits, time=settings.time_limit, memory=settings.memory_limit)
     midlevel = _replaced(
         task.midlevel, optimiser=settings.optimiser, evaluations=settings.evaluations, refine=settings.refine

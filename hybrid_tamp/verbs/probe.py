@@ -4,7 +4,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from hybrid_tamp.errors import ExecutionFailed, InputError, Issue
 from hybrid_tamp.model.membership import MembershipResult
@@ -35,8 +34,7 @@ def probe(
     """Find the classes of a token by predictions from its shape and by trials in physics.
 
     Args:
-        source: a task, the path of a task file, or the name of a bundled task. The other tokens of the task
-            serve as hands and as known members of classes.
+        source: a task, the path of a task file, or a bundled task; its other tokens serve as hands and known members.
         token: name of the token.
         classes: names of the classes to test; by default all classes whose membership is unknown.
         settings: settings that replace settings of the task file. The seed determines the start states.
@@ -102,9 +100,7 @@ def save_members(
     assert task.source is not None, "the task must come from a file"
     names = tuple(verdict.object_class for verdict in joined)
     settled = [verdict.object_class for verdict in result.verdicts if verdict.verdict in ("yes", "no")]
-    properties: dict[str, Any] = {}
-    for verdict in joined:
-        properties |= verdict.properties
+    properties = {name: value for verdict in joined for name, value in verdict.properties.items()}
     text = with_members(task.source, target, result.token, names, settled, properties)
     write_checked(target, text, lambda path: load_task(path, domain_finder(settings.domain)))
     return names
