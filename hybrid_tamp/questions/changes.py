@@ -6,6 +6,7 @@ properties. Every feasibility fact about this new member is then assumed to hold
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -71,8 +72,7 @@ def _copy_position(task: Task, like: Token, across_from: Token | None) -> FloatA
     if across_from is None:
         longest = 0.1 if like.shape is None else float(np.ptp(points_of(like.shape), axis=0).max())
         return np.asarray(position + np.array([0.0, longest, 0.0]))
-    middle = task.state[across_from, "position"]
-    return np.array([*(2.0 * middle - position)[:2], position[2]])
+    return np.array([*(2.0 * task.state[across_from, "position"] - position)[:2], position[2]])
 
 
 def task_root(task: Task) -> type[ObjectClass]:
@@ -127,10 +127,8 @@ def _given(task: Task) -> dict[tuple[str, str], Any]:
 
 
 def _free_name(task: Task, name: str) -> str:
-    number = 2
-    while f"{name} ({number})" in task.token_by_name:
-        number += 1
-    return f"{name} ({number})"
+    numbered = (f"{name} ({number})" for number in count(2))
+    return next(each for each in numbered if each not in task.token_by_name)
 
 
 def with_token(task: Task, token: Token) -> Task:

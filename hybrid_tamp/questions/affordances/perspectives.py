@@ -85,8 +85,7 @@ def capabilities(task: Task, name: str) -> frozenset[tuple[str, int]]:
     """Return pairs of (capability class, number) for an agent's tokens. Tokens of a class are numbered from 1."""
     counted: list[str] = []
     for token in task.agents[name]:
-        members = task.token_by_name[token].classes
-        counted += [member.name for member in members if issubclass(member, CapabilityClass)]
+        counted += [each.name for each in task.token_by_name[token].classes if issubclass(each, CapabilityClass)]
     return frozenset((each, number + 1) for each in counted for number in range(counted.count(each)))
 
 

@@ -98,11 +98,7 @@ class _Space:
                 yield JoinClass(token, each)
 
     def edges(self, towards: SlotName | None = None) -> Iterator[Change]:
-        """Yield new edges from slots that tokens can reach.
-
-        Edges to unreachable slots come first, then likely edges. An edge is likely if the network already has an edge
-        between the same two actions that leaves the same slot or enters the same slot.
-        """
+        """Return new edges from slots that tokens can reach: first edges to unreachable slots, then likely edges."""
         sources = {slot for token in self.task.assigned for slot in self._passages.slots(token)}
         network, relations = self.task.domain.network, self.task.domain.relations
         pairs = [
@@ -114,6 +110,7 @@ class _Space:
         into = {(split_mode(one[0])[0], other) for one, other in network.edges}
 
         def likely(one: SlotName, other: SlotName) -> bool:
+            """Say whether the network has an edge between the same actions with the same source or destination."""
             return (one, split_mode(other[0])[0]) in out_of or (split_mode(one[0])[0], other) in into
 
         # Edges within one block come last, because they only let an action follow itself.
@@ -148,20 +145,15 @@ class _Space:
     def _failure(
         self, conditions: Iterable[Literal], roles: Set[str], bound: Mapping[str, Value]
     ) -> dict[Atom, float] | None:
-        """Return the only fact that fails for a binding, or an empty dict if none fails.
-
-        Conditions whose roles are not all bound are skipped.
-
-        Returns:
-            Maps the failing fact to its margin divided by the scale of its predicate. None if several facts fail, or if
-            the failing fact has symbols only.
-        """
+        """Map the only failing fact to its margin divided by its scale, or return None if several facts fail."""
         found: dict[Atom, float] = {}
         for literal in conditions:
+            # Conditions whose roles are not all bound are skipped.
             decided = all(argument in bound for argument in literal.arguments if argument in roles)
             margin = self._facts.margin(literal, bound) if decided else 0.0
             if margin < 0:
                 found[literal.ground(bound)] = margin / literal.predicate.scale
+                # Facts about symbols alone cannot be granted either.
                 if literal.predicate.rows is not None or len(found) > 1:
                     return None
         return found

@@ -1,11 +1,11 @@
 """Explanation of each token in a plan by the causal links from the goal back to the initial state."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import inf
 
 from hybrid_tamp.model.explanation import Cause, Link
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.predicate import Atom, Literal
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
@@ -13,19 +13,21 @@ from hybrid_tamp.model.token import Token
 def find_links(task: Task, plan: TaskPlan) -> list[Link]:
     """Return the causal links from the goal back to the initial state, without duplicates."""
     found: dict[Link, None] = {}
+    blocks = task.domain.block_by_name
     open_atoms: list[tuple[Atom, str | None, float]] = [(atom, None, inf) for atom in task.goal]
     seen = set()
     while open_atoms:
         atom, needed_by, before = open_atoms.pop(0)
         # The producer is the last instance that starts before the consumer and achieves the atom.
-        makers = [each for each in plan.instances if each.start < before and atom in _achieved(task, each)]
+        makers = [i for i in plan.instances if i.start < before and atom in _ground(task, i, blocks[i.block].exit)]
         producer = max(makers, key=lambda instance: instance.start, default=None)
         if producer is None:
             continue
         found[Link(producer.name, atom, needed_by)] = None
         if producer.name not in seen:
             seen.add(producer.name)
-            open_atoms += [(each, producer.name, producer.start) for each in _needed(task, producer)]
+            needed = _ground(task, producer, blocks[producer.block].changing_entry)
+            open_atoms += [(each, producer.name, producer.start) for each in needed]
     return list(found)
 
 
@@ -47,14 +49,9 @@ def find_causes(task: Task, plan: TaskPlan) -> list[Cause]:
     return found
 
 
-def _achieved(task: Task, instance: BlockInstance) -> Iterator[Atom]:
+def _ground(task: Task, instance: BlockInstance, literals: Iterable[Literal]) -> Iterator[Atom]:
     bound = task.bind(instance.roles)
-    return (each.ground(bound) for each in task.domain.block_by_name[instance.block].exit if each.positive)
-
-
-def _needed(task: Task, instance: BlockInstance) -> Iterator[Atom]:
-    bound = task.bind(instance.roles)
-    return (each.ground(bound) for each in task.domain.block_by_name[instance.block].changing_entry if each.positive)
+    return (each.ground(bound) for each in literals if each.positive)
 
 
 def _why(token: Token, link: Link, instances: dict[str, BlockInstance]) -> str:

@@ -47,8 +47,7 @@ def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -
         return Explanation(failure.kind, failure.message)
     if failure.kind == "unsolvable" and seconds:
         return explain_wholly(task, seconds, most)
-    reasons = explain_alternatives(task, failure.kind == "unsolvable")
-    return Explanation(failure.kind, failure.message, tuple(reasons))
+    return Explanation(failure.kind, failure.message, tuple(explain_alternatives(task, failure.kind == "unsolvable")))
 
 
 def _excluded(task: Task, exclusion: Exclusion) -> Reason:
@@ -153,10 +152,7 @@ class _Walk:
         self._known: dict[Atom, list[Reason]] = {}
 
     def reasons(self, atom: Atom) -> list[Reason]:
-        """Return why the blocks that achieve an atom cannot run.
-
-        If a block only lacks preconditions, the reason is the failing condition that is closest to being satisfied.
-        """
+        """Return why the blocks that achieve an atom cannot run."""
         if atom not in self._known:
             # The empty list ends the recursion if an atom depends on itself.
             self._known[atom] = []
@@ -164,6 +160,7 @@ class _Walk:
             at_hand = [] if ways.reasons else self._search.explain_infeasible(atom, self._reached)
             missing = {next(wait for wait in waits if wait not in self._reached): None for waits in ways.waits}
             behind = [found for wait in missing if (found := self.reasons(wait))]
+            # If blocks only lack preconditions, the reason is the condition that is closest to being satisfied.
             nearest = max(behind, key=lambda reasons: min(map(self._violation, reasons)), default=[])
             self._known[atom] = [*ways.reasons, *(at_hand or nearest)]
         return self._known[atom]

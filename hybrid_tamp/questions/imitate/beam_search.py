@@ -63,9 +63,7 @@ class _Reassignment:
 
     @property
     def window(self) -> tuple[int, int]:
-        return max(hypothesis.reached for hypothesis in self.ending), min(
-            hypothesis.departs for hypothesis in self.ending
-        ) + _SLACK
+        return max(each.reached for each in self.ending), min(each.departs for each in self.ending) + _SLACK
 
 
 def find_best(task: Task, observation: Observation) -> Interpretation:

@@ -141,8 +141,7 @@ class Hypotheses:
         misfit = self._misfit(block, slots, targets, start, reached)
         if misfit is None:
             return None
-        binding = self.task.bind(dict(slots + targets))
-        pauses = count_unexpected_pauses(block, binding, seen, start, reached)
+        pauses = count_unexpected_pauses(block, self.task.bind(dict(slots + targets)), seen, start, reached)
         if pauses is None:
             return None
         cost = 1.0 + misfit / MISFIT_SCALE + pauses * PAUSE_COST
@@ -181,23 +180,17 @@ class Hypotheses:
         return (Atom(atom.predicate, atom.arguments) in self.static) == literal.positive
 
     def _departure(self, block: Block, slot: str, token: str, start: int, reached: int) -> int:
-        """Return the row at which a token has left the instance.
-
-        Until `reached`, changes of state variables that the block writes are allowed. Any other change is a departure.
-        """
+        """Return the row at which a token has left the instance or a state variable has changed unexpectedly."""
+        # Until `reached`, state variables that the block writes may change.
         written = set(block.writes.get(slot, ()))
         rows = [self.observation.departure(token, reached if written & set(_POSE) else start)]
         for (name, varying), changes in self._changes.items():
-            since = reached if varying in written else start
-            rows += [row for row in changes if name == token and row > since]
+            rows += [row for row in changes if name == token and row > (reached if varying in written else start)]
         return min(rows)
 
     @cached_property
     def _changes(self) -> dict[tuple[str, str], tuple[int, ...]]:
-        """Maps (token, state variable) to the rows at which a unary predicate that reads the variable changes.
-
-        Poses and velocities are left out.
-        """
+        """Maps (token, state variable other than pose and velocity) to the rows where its unary predicates change."""
         found: dict[tuple[str, str], tuple[int, ...]] = {}
         bodies = {varying.name for varying in BODY_STATE}
         for predicate, token in product(self.task.domain.predicates, self.task.assigned):

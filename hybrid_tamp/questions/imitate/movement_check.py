@@ -63,13 +63,11 @@ def count_unexpected_pauses(block: Block, binding: Binding, seen: Observation, s
     velocities = np.stack([seen.trajectory[token, "velocity"][start : reached + 1] for token in moved], axis=1)
     noise = max(float(np.linalg.norm(seen.deviation[token, "velocity"])) for token in moved)
     found, way = count_pauses(_fastest(velocities), period, _SLOW + noise), measure_length(positions, period)
-    straight = float(np.linalg.norm(positions[-1] - positions[0], axis=-1).max())
-    if not found and way <= _too_long(straight):
+    if not found and way <= _too_long(float(np.linalg.norm(positions[-1] - positions[0], axis=-1).max())):
         return 0
     begin = seen.state(start)
     expected = block.duration.expected(binding, begin, block.initial_values(binding, begin))
-    longest = min(block.duration.maximum, _PATIENCE * expected)
-    states = roll_out(block, binding, begin, longest, every=_CHECK_EVERY)
+    states = roll_out(block, binding, begin, min(block.duration.maximum, _PATIENCE * expected), every=_CHECK_EVERY)
     own, speeds = (np.stack([[state[t, name] for t in moved] for state in states]) for name in ("position", "velocity"))
     if way > _too_long(measure_length(own, CONTROL_PERIOD)):
         return None

@@ -120,8 +120,7 @@ class Observation:
 
     def onset(self, token: str, row: int) -> int:
         """Return the row in which the token begins to leave its pose in `row`."""
-        left = self.departure(token, row)
-        return row + int(np.flatnonzero(~self._moved(token, row, _ONSET)[row:left])[-1])
+        return row + int(np.flatnonzero(~self._moved(token, row, _ONSET)[row : self.departure(token, row)])[-1])
 
     def place(self, token: str, row: int) -> FloatArray:
         """Return the position of a token in a row, in metres. Shape ``(3,)``."""
@@ -138,8 +137,7 @@ class Observation:
         moved = np.linalg.norm(position - position[row], axis=-1) > tolerances[0]
         if (token, "orientation") in self.trajectory.layout.slices:
             turned = self.trajectory[token, "orientation"]
-            cosine = np.minimum(1.0, np.abs(turned @ turned[row]))
-            moved = moved | (2.0 * np.arccos(cosine) > tolerances[1])
+            moved = moved | (2.0 * np.arccos(np.minimum(1.0, np.abs(turned @ turned[row]))) > tolerances[1])
         return np.asarray(moved)
 
 

@@ -24,8 +24,7 @@ def segment(task: Task, observation: Observation) -> Segmentation:
     spans = [(each.tokens[0], times[each.start], times[end]) for each, end in hypotheses if each.block is None]
     unexplained = [Unexplained(token, float(start), float(end)) for token, start, end in spans]
     unexplained.sort(key=lambda each: (each.start, each.token))
-    violations = tuple(check_law(task, plan, observation.at))
-    return Segmentation(plan, tuple(unexplained), violations, best.cost)
+    return Segmentation(plan, tuple(unexplained), tuple(check_law(task, plan, observation.at)), best.cost)
 
 
 def _instances(

@@ -55,8 +55,7 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
         NoPlan: if the plan cannot be transferred to the task. The message gives the reason.
     """
     if shown.domain.name != task.domain.name:
-        domains = f"the demonstration uses domain {shown.domain.name}, but {task.name} uses {task.domain.name}"
-        raise _refused(domains)
+        raise _refused(f"the demonstration uses domain {shown.domain.name}, but {task.name} uses {task.domain.name}")
     seen = _acting(shown, plan)
     wanted = _classes(shown, seen)
     able = {
@@ -85,13 +84,7 @@ def _refused(said: str) -> NoPlan:
 
 
 def _acting(shown: Task, plan: TaskPlan) -> list[BlockInstance]:
-    """Return the instances of all tokens that do more than rest.
-
-    If an unexplained movement lies between two resting instances of a token, the two instances are merged.
-
-    Raises:
-        NoPlan: if an unexplained movement begins or ends at an instance that does not rest.
-    """
+    """Return the instances of all tokens that do more than rest, or raise `NoPlan` if no block explains a movement."""
     resting = shown.domain.resting
     busy = {t for i in plan.instances if i.block != resting for t in i.slots.values()}
     found = {i.name: i for i in plan.instances if set(i.slots.values()) & busy}
@@ -102,6 +95,7 @@ def _acting(shown: Task, plan: TaskPlan) -> list[BlockInstance]:
                 if {last.block, instance.block} != {resting}:
                     gap = f"from {last.end:.2f} s to {instance.start:.2f} s"
                     raise _refused(f"no block explains the movement of {token} {gap}")
+                # The movement lies between two resting instances, which are merged.
                 del found[instance.name]
                 instance = replace(last, end=instance.end)
                 found[instance.name] = instance
@@ -122,11 +116,7 @@ def _classes(shown: Task, seen: list[BlockInstance]) -> dict[str, set[type[Objec
 
 
 def _goal_roles(shown: Task, task: Task, able: Mapping[str, list[str]]) -> dict[str, str]:
-    """Return a dict that maps tokens in the demonstrator's goal to tokens in the imitator's goal.
-
-    Raises:
-        NoPlan: if the goals do not match.
-    """
+    """Map tokens in the demonstrator's goal to tokens in the imitator's goal, or raise `NoPlan` if the goals differ."""
     taken: dict[str, str] = {}
     left = list(task.goal)
     for atom in shown.goal:
@@ -181,8 +171,7 @@ def _compare_arrangements(shown: Task, task: Task, roles: Mapping[str, str]) -> 
 def _counted(wanted: Mapping[str, set[type[ObjectClass]]], able: Mapping[str, list[str]]) -> str:
     said: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for token, names in able.items():
-        classes = ", ".join(sorted(sort.name for sort in wanted[token]))
-        said.setdefault((classes, tuple(names)), []).append(token)
+        said.setdefault((", ".join(sorted(sort.name for sort in wanted[token])), tuple(names)), []).append(token)
     return "; ".join(f"{' and '.join(t)} ({c}) by {' or '.join(n)}" for (c, n), t in said.items())
 
 
@@ -212,8 +201,7 @@ def _transfer_roles(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles
     if breaches:
         return "; ".join(breach.text for breach in breaches[:_MOST_BREACHES])
     ground = next(each for each in task.alternatives() if not check_law(each, scheduled))
-    actions = tuple(reencode(compile_task(ground), scheduled))
-    return Transfer(replace(scheduled, actions=actions), ground, roles)
+    return Transfer(replace(scheduled, actions=tuple(reencode(compile_task(ground), scheduled))), ground, roles)
 
 
 def _bystanders(task: Task, acting: set[str]) -> Iterator[OrderedInstance]:
@@ -221,5 +209,4 @@ def _bystanders(task: Task, acting: set[str]) -> Iterator[OrderedInstance]:
     for token in task.assigned:
         if token.name not in acting:
             block = task.start_block(token.name)
-            slots = {block.anchor: token.name}
-            yield OrderedInstance(f"{block.action}-of-{token.name}", block.name, slots, {}, 0)
+            yield OrderedInstance(f"{block.action}-of-{token.name}", block.name, {block.anchor: token.name}, {}, 0)

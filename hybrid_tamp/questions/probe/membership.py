@@ -82,8 +82,7 @@ class Prober:
             LimitReached: if the deadline passes.
         """
         token = _token(task, name)
-        wanted = _classes(task, token, classes)
-        ranked = sorted(wanted, key=lambda each: (-each.features(token.solid), each.name))
+        ranked = sorted(_classes(task, token, classes), key=lambda each: (-each.features(token.solid), each.name))
         verdicts = []
         for number, object_class in enumerate(ranked):
             self.tell(number / len(ranked), f"probing {token.name} as {object_class.name}")
@@ -157,9 +156,7 @@ def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]
     """Return the token as a member of more classes. ``learnt`` maps each class to the properties of its members."""
     classes = (*token.classes, *learnt)
     unknown = tuple(each for each in token.unknown if each not in classes)
-    properties = {**token.properties}
-    for more in learnt.values():
-        properties |= more
+    properties = {key: value for more in (token.properties, *learnt.values()) for key, value in more.items()}
     return Token.make(token.name, classes, properties, token.shape, unknown)
 
 
