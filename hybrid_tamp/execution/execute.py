@@ -44,16 +44,16 @@ def execute(
 def execute_variants(
     task: Task, plans: Sequence[TaskPlan], backend: Backend, until: str | None = None
 ) -> Iterator[Recording]:
-    """Run plans that differ only in their hyperparameters. Each recording equals that of `execute`, bit for bit.
+    """Run plans that differ only in their hyperparameters. Each recording equals the result of `execute` bit for bit.
 
-    The plans share the run up to the first instance whose hyperparameters differ. From there on, each plan continues
+    All plans share the run until the first instance with different hyperparameters may begin. Then each plan continues
     from a snapshot.
 
     Args:
         task: task that the plans solve.
         plans: plans that differ only in their hyperparameters, at least one.
         backend: physics backend, which is reset to the task's initial state.
-        until: name of an instance at whose end every run stops. Instances that are still running are not recorded.
+        until: name of an instance. Each run stops when this instance ends. Instances that still run are not recorded.
 
     Yields:
         The recording of each plan, in the order of `plans`.
@@ -84,11 +84,11 @@ def _find_changed(plans: Sequence[TaskPlan]) -> frozenset[str]:
 
 
 def add_predictions(measured: Recording, expected: Mapping[tuple[str, Atom], float | None]) -> Recording:
-    """Return a copy of a recording in which measured margins also have their predicted values.
+    """Return a copy of a recording that also contains the predicted margins.
 
     Args:
         measured: recording of a run.
-        expected: maps each pair (instance name or `GOAL`, atom) to the margin predicted by the forward models.
+        expected: maps each pair of (instance name or `GOAL`, atom) to the margin that the forward models predict.
     """
 
     def add(where: str, margins: tuple[AtomMargin, ...]) -> tuple[AtomMargin, ...]:

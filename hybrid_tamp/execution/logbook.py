@@ -80,8 +80,8 @@ class Logbook:
     def record_step(self, state: State, row: FloatArray, cut: tuple[Key, ...], running: Iterable[Running]) -> float:
         """Record one control period and return the simulated time at its end [s].
 
-        The final state has shape ``(n,)``, and the row of limited commands has shape ``(m,)``. `cut` contains the pairs
-        of (token, action) whose commands were limited.
+        `state`, with shape ``(n,)``, is the state at the end of the period. `row`, with shape ``(m,)``, contains the
+        limited commands. `cut` contains a pair of (token, action) for each command that was limited.
         """
         self._states.append(state.values)
         self._commands.append(row)
@@ -91,7 +91,7 @@ class Logbook:
         return self.time
 
     def _record_contacts(self, within: Mapping[str, str]) -> None:
-        """Record the largest contact force of each pair of tokens, except the floor, in each pair of instances."""
+        """Record the largest contact force between each pair of tokens in each pair of instances. Ignore the floor."""
         for one, other, force in self._backend.contact_forces():
             if FLOOR in (one, other):
                 continue

@@ -35,7 +35,7 @@ Progress = Callable[[float, float], None]
 """Callback that receives the simulated time and the expected makespan [s], ten times per simulated second."""
 
 PATIENCE = 5.0
-"""Time after which a run fails if a due reassignment has not happened [s]."""
+"""Longest delay of a due reassignment before the run fails [s]."""
 SETTLING = 0.5
 """Minimum duration of the last instances [s], so that the run measures whether tokens stay at rest."""
 _PROGRESS_STEPS = 24
@@ -67,8 +67,8 @@ class Run:
         """Run until the end of the plan or a failure.
 
         Args:
-            before: names of instances. The run stops at the first control step at which such an instance might begin.
-            until: name of an instance. The run stops as soon as this instance has ended.
+            before: names of instances. The run stops at the first control step at which one of them might begin.
+            until: name of an instance. The run stops when this instance has ended.
             progress: callback for the simulated time.
         """
         try:
@@ -85,9 +85,9 @@ class Run:
             self._error = error
 
     def branch(self, plan: TaskPlan) -> "Run":
-        """Return a copy of the run that continues with a plan whose later instances have other hyperparameters.
+        """Return a copy of the run that continues with another plan. The caller must restore the backend's state.
 
-        The caller must restore the state of the backend.
+        The plans may differ only in the hyperparameters of instances that have not begun.
         """
         other = copy(self)
         other._plan = plan
@@ -114,7 +114,7 @@ class Run:
         self._begin(initial(self._plan))
 
     def _might_begin(self, names: Collection[str]) -> bool:
-        """Return whether one of the named instances might begin now, because all instances before it can end."""
+        """Return whether one of the named instances might begin now, because all instances that it replaces can end."""
         return any(
             any(instance.name in names for instance in self._pending[index].starting)
             and self._are_ready(self._pending[index].ending)
@@ -177,13 +177,13 @@ class Run:
         missing = [(name, m) for name in event.ending for m in self._running[name].measure_exits(self._state)]
         missing += [(instance.name, m) for instance in event.starting for m in self._entries(instance)]
         missing = [(name, margin) for name, margin in missing if not margin.holds]
-        said = "; ".join(f"{name}: {describe_shortfall(margin)}" for name, margin in missing) or "all conditions hold"
+        said = "; ".join(f"{name}: {describe_shortfall(margin)}" for name, margin in missing) or "a target still moves"
         first = missing[0][0] if missing else event.ending[0]
         reason = f"the reassignment due at {due - PATIENCE:.3f} s cannot happen: {said}"
         raise RunError(first, reason, (margin for _, margin in missing))
 
     def _awaited(self, event: Reassignment) -> list[str]:
-        """Return the ending instances, and those that still change a target of a starting instance (law 5)."""
+        """Return the ending instances and all instances that still change a target of a starting instance (law 5)."""
         changing = [
             name
             for name, running in self._running.items()

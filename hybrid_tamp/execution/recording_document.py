@@ -88,7 +88,7 @@ class RecordingDocument(BaseModel):
         )
 
     def read(self, arrays: Mapping[str, FloatArray]) -> Recording:
-        """Return the recording with arrays "times" ``(t,)``, "states" ``(t, n)`` and "commands" ``(t - 1, m)``."""
+        """Return the recording with the arrays "times" ``(t,)``, "states" ``(t, n)`` and "commands" ``(t - 1, m)``."""
         return Recording(
             layout=StateLayout(self.layout),
             times=arrays["times"],
@@ -128,7 +128,7 @@ def _find_instances_fault(recording: Recording) -> str:
         return "names of instances must be unique"
     strange = sorted(set(recording.exits) - set(names))
     if strange:
-        return f"exit conditions must belong to instances that ran, got {', '.join(strange)}"
+        return f"exit conditions must belong to recorded instances, got {', '.join(strange)}"
     for contact in recording.contacts:
         if not (math.isfinite(contact.force) and math.isfinite(contact.time)):
             return f"force and time of the contact between {' and '.join(contact.tokens)} must be finite"

@@ -16,12 +16,12 @@ from hybrid_tamp.physics.protocol import Backend
 
 
 def replay(task: Task, recording: Recording, backend: Backend) -> ReplayResult:
-    """Simulate the recorded commands from the recorded initial state, and compare the states.
+    """Simulate the recorded commands from the recorded initial state, and compare the result with the recorded states.
 
     Args:
         task: task of the recorded run.
         recording: recording to repeat.
-        backend: backend with the same name and time step as that of the recorded run.
+        backend: backend with the name and the time step of the recorded run.
 
     Raises:
         InputError: the recording was made with another task or backend, or the backend cannot simulate the task.

@@ -46,7 +46,7 @@ def measure_conditions(
 
 
 class Running:
-    """A block instance that begins at a time [s], in a state of shape ``(n,)``.
+    """A running block instance, which begins at a time [s] in a state of shape ``(n,)``.
 
     Raises:
         RunError: a hyperparameter is not finite.
@@ -74,7 +74,7 @@ class Running:
 
     @property
     def latest(self) -> float:
-        """End of the maximum duration [s], or of the minimum duration for a hold without exit conditions."""
+        """Time [s] at which the maximum duration ends, or the minimum duration for a hold without exit conditions."""
         bounds = self.block.duration
         return self.begin + (bounds.maximum if self._exits or not self.block.hold else bounds.minimum)
 
@@ -96,7 +96,7 @@ class Running:
     def _all_hold(self, state: State) -> bool:
         for literal in self._in_turn:
             if not float(literal.margin(state, self._binding)) >= 0:
-                # A condition that fails now probably fails at the next step too, so it is moved to the front.
+                # A condition that fails now probably also fails at the next step, so it is tested first from now on.
                 if literal is not self._in_turn[0]:
                     self._in_turn = (literal, *(other for other in self._in_turn if other is not literal))
                 return False
@@ -114,7 +114,7 @@ class Running:
         """Check the maximum duration.
 
         Raises:
-            RunError: the maximum duration is exceeded. A hold may exceed it once its exit conditions have held.
+            RunError: the duration exceeds its maximum, and the block is not a hold whose exit conditions have held.
         """
         maximum = self.block.duration.maximum
         if time - self.begin <= maximum + TIME_TOLERANCE or (self.block.hold and self.reached is not None):
@@ -170,7 +170,7 @@ class Running:
 
 
 def describe_shortfall(margin: AtomMargin) -> str:
-    """Return a message about a condition that does not hold, with its margin."""
+    """Return a message that a condition does not hold, with the margin of the condition."""
     if margin.measured is None:
         return f"the margin of {margin.atom.text} is not a number"
     return f"{margin.atom.text} does not hold (margin {margin.measured:.4g})"
@@ -198,7 +198,7 @@ def command_instances(layout: CommandLayout, running: Collection[Running], time:
 
 
 def blame_state(state: State, running: Collection[Running], time: float) -> RunError:
-    """Return a failure of the first instance with a token whose state is not finite.
+    """Return a failure of the first instance that has a token with a state that is not finite.
 
     Args:
         state: state with a value that is not finite. Shape ``(n,)``.

@@ -1,4 +1,4 @@
-"""Storage of recordings as npz archives. An archive contains three arrays and one JSON document, without pickle.
+"""Storage of recordings as npz archives. An archive contains three arrays and a JSON document, but no pickled object.
 
 `load_recording` accepts files from untrusted sources. It checks every statement in a file, such as the shape of an
 array, against the data, and raises an `InputError` that names the fault.
@@ -23,7 +23,7 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.motion.arrays import FloatArray
 
 MAXIMAL_SIZE = 512 * 2**20
-"""Largest uncompressed array that `load_recording` reads [bytes]. The size suffices for days of simulated time."""
+"""Largest size of an uncompressed array that `load_recording` reads [bytes], enough for days of simulated time."""
 
 _MEMBERS = {"times": (1, "<f8"), "states": (2, "<f8"), "commands": (2, "<f8"), "document": (1, "|u1")}
 # Header that numpy writes before an array. numpy evaluates such a header as Python code when it reads an array, which
@@ -47,7 +47,7 @@ _UNREADABLE = (
 
 
 def save(recording: Recording, path: Path) -> None:
-    """Write a recording to a file. The file is written under a temporary name first, so it is never incomplete.
+    """Write a recording to a file. The file has a temporary name until the recording is complete.
 
     Raises:
         OSError: the file cannot be written.

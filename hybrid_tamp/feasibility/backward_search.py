@@ -1,7 +1,7 @@
-"""Backward search from a goal atom for blocks that could achieve it, with reasons why other blocks cannot.
+"""Backward search for blocks that could achieve a goal atom, with the reasons why other blocks cannot.
 
-The search ignores the atoms that blocks delete (the delete relaxation of planning). Of the network, the search checks
-only whether edges lead a token to a slot at all. So no plan can achieve an atom that the search cannot reach.
+The search ignores the atoms that blocks delete (the delete relaxation of planning). For each token, the search checks
+only whether the network has a path to the slot. So if the search cannot achieve an atom, no plan can.
 """
 
 from collections.abc import Iterator
@@ -25,8 +25,8 @@ class Ways:
     """The ways to achieve an atom.
 
     Attributes:
-        waits: ordered set of the ways. Each way is given by the atoms that must be achieved first.
-        reasons: why blocks with the atom as an effect cannot run.
+        waits: ordered set of the ways. Each way is a tuple of the atoms that must be achieved first.
+        reasons: reasons why blocks that have the atom as an effect cannot run.
     """
 
     waits: dict[tuple[Atom, ...], None] = field(default_factory=dict)
@@ -54,7 +54,7 @@ class BackwardSearch:
         return atom in (self._static if static else self._facts)
 
     def explain_directly(self, goal: Atom) -> list[Reason]:
-        """Return the reasons why no block can achieve an atom, or nothing if a block can once other atoms hold."""
+        """Return the reasons why no block can achieve an atom, or an empty list if some block can."""
         try:
             self.ways[goal] = self._find_ways(goal)
         except TooMany:
@@ -62,7 +62,7 @@ class BackwardSearch:
         return [] if self.ways[goal].waits else self.ways[goal].reasons
 
     def explore(self, goal: Atom) -> bool:
-        """Find all ways to achieve an atom and the atoms needed for it, and say whether the atom can be achieved.
+        """Find the ways to achieve an atom and, recursively, the atoms in these ways. Say whether any way is possible.
 
         Raises:
             TooMany: the number of ways exceeds `MOST`.
@@ -95,7 +95,7 @@ class BackwardSearch:
                 ways.reasons.append(member)
             elif not find_feasible(self._static, filter(_over_symbols, conditions), allowed):
                 outcome = ", ".join(value for value in fixed.values() if isinstance(value, str))
-                message = f"{BLOCK} cannot achieve {outcome or atom.predicate} with any binding"
+                message = f"no binding of {BLOCK} achieves {outcome or atom.predicate}"
                 never.append(Reason((), block.name, "no_block", message))
             elif missing := self._missing(block, conditions, allowed):
                 ways.reasons.extend(missing)
@@ -112,7 +112,7 @@ class BackwardSearch:
     def explain_infeasible(self, atom: Atom, reached: set[Atom]) -> list[Reason]:
         """Return a reason for each feasibility condition that prevents blocks from achieving an atom.
 
-        Only blocks whose other conditions can hold are examined, given the initial facts and the atoms in `reached`.
+        Only blocks whose changing conditions can hold are examined: each atom holds initially or is in `reached`.
         """
         found: list[Reason] = []
         for block, fixed in self._achievers(atom):
@@ -126,7 +126,7 @@ class BackwardSearch:
         return found
 
     def _narrowed(self, block: Block, allowed: Choices, reached: set[Atom]) -> Choices:
-        """Return the choices with which the block's changing conditions can hold, given initial facts and `reached`."""
+        """Return the values of each role for which changing conditions hold initially or are in `reached`."""
         kept = dict(allowed)
         for literal in block.changing_entry:
             if not literal.positive:
@@ -141,7 +141,7 @@ class BackwardSearch:
         return kept
 
     def _achievers(self, atom: Atom) -> Iterator[tuple[Block, Bound]]:
-        """Yield each block that achieves the atom without needing it first, and the binding that the atom implies."""
+        """Yield pairs of (block, binding) in which the atom is an effect of the block but not a precondition."""
         for block in self.task.domain.blocks:
             for literal in block.exit:
                 if literal.positive and literal.predicate.name == atom.predicate and literal not in block.entry:
@@ -159,10 +159,10 @@ class BackwardSearch:
                 yield tuple(atom for atom in atoms if not self.holds(atom))
 
     def _missing(self, block: Block, conditions: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
-        """Return a reason for every class that has fewer tokens than the block has slots of this class.
+        """Return a reason for every class with fewer tokens in the task than slots in the block.
 
-        The reason says that more tokens would be enough only if the present tokens meet the conditions that the slots
-        share.
+        If the existing tokens violate a condition that the slots share, the reason says that more tokens of the same
+        kind would not be enough.
         """
         found: list[Reason] = []
         for slot, wanted, have in _short_slots(self.task, block):
@@ -183,7 +183,7 @@ class BackwardSearch:
         literal, bound, margin = find_best_choice(self._static, conditions, allowed)
         atom, unit = literal.ground(bound), literal.predicate.unit
         message = (
-            f"{BLOCK} is impossible: no binding satisfies all its conditions at once; in the best binding, "
+            f"{BLOCK} is impossible, because no binding satisfies all conditions at once; with the best binding, "
             f"{literal.predicate.sentence(atom.arguments, not literal.positive)} (off by {with_unit(-margin, unit)})"
         )
         return [Reason((), block.name, "not_feasible", message, atom, margin, unit)]
@@ -193,13 +193,13 @@ def _no_member(task: Task, block: Block, fixed: Bound) -> Reason | None:
     for role, value in fixed.items():
         sort = block.roles.get(role)
         if isinstance(value, Token) and isinstance(sort, type) and value not in task.values_of(sort):
-            message = f"{value.name} cannot fill {role} of {BLOCK}: {value.name} is not a member of {sort.name}"
+            message = f"{value.name} cannot fill role {role} of {BLOCK}: {value.name} is not a member of {sort.name}"
             return Reason((), block.name, "no_token", message, lacks=sort)
     return None
 
 
 def _short_slots(task: Task, block: Block) -> Iterator[tuple[Slot, int, int]]:
-    """Yield the last slot of each class with too few tokens, the number of tokens needed and the number present."""
+    """Yield the last slot of each class with too few tokens, the number needed and the number in the task."""
     for slot in {each.object_class: each for each in block.slots}.values():
         wanted = sum(each.object_class is slot.object_class for each in block.slots)
         have = len(task.values_of(slot.object_class))

@@ -1,4 +1,4 @@
-"""Bindings of a block's roles to tokens and symbols that satisfy feasibility conditions."""
+"""Bindings that assign tokens and symbols to a block's roles and that satisfy feasibility conditions."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
@@ -12,7 +12,7 @@ Bound = dict[str, Value]
 """Maps each role to its value."""
 
 MOST = 50_000
-"""Largest number of a block's bindings that are examined."""
+"""Largest number of bindings of one block that are examined."""
 
 
 class TooMany(Exception):
@@ -20,12 +20,12 @@ class TooMany(Exception):
 
 
 def order_conditions(block: Block) -> tuple[Literal, ...]:
-    """Return the block's feasibility conditions. Conditions on symbols come first: they leave the fewest choices."""
+    """Return the block's feasibility conditions. Conditions on symbols come first, because they exclude the most."""
     return tuple(sorted(block.static_entry, key=lambda literal: literal.predicate.rows is None))
 
 
 def find_feasible(facts: StaticFacts, conditions: Iterable[Literal], allowed: Choices) -> list[Bound]:
-    """Return the bindings of the conditions' roles under which all conditions hold. Each token fills one role only.
+    """Return the bindings of the roles in the conditions with which all conditions hold. No token fills two roles.
 
     Raises:
         TooMany: more than `MOST` bindings satisfy one of the conditions.
@@ -47,7 +47,7 @@ def find_feasible(facts: StaticFacts, conditions: Iterable[Literal], allowed: Ch
 
 
 def complete(bounds: Iterable[Bound], allowed: Choices) -> Iterator[Bound]:
-    """Yield every extension of the bindings to all roles. Each token fills one role only."""
+    """Yield every extension of the given bindings to all roles. No token fills two roles."""
     for bound in bounds:
         rest = {role: values for role, values in allowed.items() if role not in bound}
         yield from enumerate_bindings({**{role: (value,) for role, value in bound.items()}, **rest})

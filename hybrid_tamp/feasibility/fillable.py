@@ -1,4 +1,4 @@
-"""Checks of which blocks tokens can fill: by classes alone, or by classes, feasibility facts and edges."""
+"""Checks of whether tokens can fill blocks, by class alone or also by feasibility facts and edges."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence, Set
@@ -25,8 +25,8 @@ class Members:
                 self._of[above].append(token)
 
     def can_fill(self, block: Block) -> bool:
-        """Say whether each slot and each target of a block, except symbols, can have its own token."""
-        # A role with at least as many members as there are roles always has a member left, so it is not tested.
+        """Say whether different tokens can fill all slots and targets of a block. Targets with symbols are ignored."""
+        # A role with at least as many candidates as the block has roles always has a free candidate.
         members = sorted(self._of_roles(block), key=len)
         tight = {str(role): tokens for role, tokens in enumerate(members) if len(tokens) < len(members)}
         return next(enumerate_bindings(tight), None) is not None
@@ -40,14 +40,14 @@ class Members:
 
 
 class FillableBlocks:
-    """The blocks that a task's tokens can fill, given that tokens pass only through blocks that can be filled."""
+    """The blocks that a task's tokens can fill. Tokens can pass only through blocks that tokens can fill."""
 
     def __init__(self, task: Task) -> None:
         self._task = task
         self._facts = StaticFacts(task)
 
     def witness(self, block: Block, fixed: Bound) -> Mapping[str, str] | None:
-        """Return a feasible binding of a block that includes `fixed`, or None. The result maps roles to names.
+        """Return a feasible binding of a block that includes `fixed`, or None. The binding maps roles to names.
 
         Raises:
             TooMany: the number of bindings to examine exceeds `MOST`.
@@ -57,7 +57,7 @@ class FillableBlocks:
 
     @cached_property
     def passages(self) -> Passages:
-        """The slots that tokens can reach through blocks that can be filled.
+        """Slots that each token can reach through blocks that tokens can fill.
 
         Raises:
             TooMany: the number of bindings to examine exceeds `MOST`.

@@ -1,8 +1,8 @@
-"""Reasons for feasibility conditions that too few tokens meet.
+"""Reasons why a block is impossible because too few tokens meet a feasibility condition.
 
 A block may require the same condition of several tokens at once. If these tokens bear a load together, the domain
 declares the share of each token (`Predicate.share`), and each token must bear its own share. For example, two hands
-that squeeze an object push against each other, so together they bear twice as much as the weaker hand.
+that squeeze an object push against each other, so together they bear twice the load of the weaker hand.
 """
 
 from collections.abc import Iterable
@@ -21,11 +21,11 @@ from hybrid_tamp.model.task import Task
 _MANY = 100
 
 _Group = list[tuple[Literal, str]]
-"""Pairs of (literal, slot) of one condition on several slots of one class, or a single pair with slot ''."""
+"""Pairs of (literal, slot) of a condition that slots of one class share, or one pair with slot '' if none do."""
 
 
 class _Candidate(NamedTuple):
-    """The largest margin of a condition for one token, and the binding with this margin."""
+    """A token's largest margin of a condition, and the binding with this margin."""
 
     margin: float
     literal: Literal
@@ -44,7 +44,7 @@ def explain_unmet(
         block: the block.
         conditions: feasibility conditions of the block.
         allowed: maps each role to the values that it may have.
-        alike: whether to examine only conditions that several slots share.
+        alike: whether to ignore conditions that apply to a single slot.
     """
     found = []
     for group in _group(block, conditions):
@@ -60,9 +60,9 @@ def explain_unmet(
 def find_best_choice(
     facts: StaticFacts, conditions: tuple[Literal, ...], allowed: Choices
 ) -> tuple[Literal, Bound, float]:
-    """Return the first condition that cannot be met together with those before it, with its best binding and margin.
+    """Return the first condition that contradicts the preceding conditions, with its best binding and margin.
 
-    The best binding meets the conditions before and has the largest margin of the failing condition.
+    The best binding meets the preceding conditions and has the largest margin of the contradicting condition.
     """
     met: tuple[Literal, ...] = ()
     for literal in conditions:
@@ -93,7 +93,7 @@ def _count_places(group: _Group) -> int:
 
 
 def _rank(facts: StaticFacts, group: _Group, allowed: Choices) -> list[_Candidate]:
-    """Return the best candidate for each token that could fill one of the slots, in order of decreasing margin."""
+    """Return the best candidate of each token that could fill a slot of the group, in order of decreasing margin."""
     best: dict[Value, _Candidate] = {}
     for literal, slot in group:
         for bound in enumerate_bindings({role: allowed[role] for role in literal.arguments if role in allowed}):
@@ -147,7 +147,7 @@ def _describe_load(task: Task, group: _Group, best: list[_Candidate], candidates
 
 
 def _share(task: Task, candidate: _Candidate) -> tuple[str, float, float]:
-    """Return the name of the token that bears a share, the share, and the load that the token can bear."""
+    """Return a triple of (name of the bearing token, its share of the load, load that the token can bear)."""
     literal = candidate.literal
     assert literal.predicate.share is not None
     values = [candidate.bound.get(argument, argument) for argument in literal.arguments]
@@ -156,7 +156,7 @@ def _share(task: Task, candidate: _Candidate) -> tuple[str, float, float]:
 
 
 def _count_most_bearers(task: Task, literal: Literal) -> int:
-    """Return the largest number of tokens that share a load in any block of the domain."""
+    """Return the largest number of tokens that share a load in one block of the domain."""
     return max(
         sum(other.predicate is literal.predicate and other.positive for other in block.entry)
         for block in task.domain.blocks

@@ -1,4 +1,4 @@
-"""Merging of reasons: a reason that several modes of an action share is given only once."""
+"""Merging of equal reasons for several modes of an action into one reason."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -8,11 +8,11 @@ from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import Atom
 
 BLOCK = "\N{OBJECT REPLACEMENT CHARACTER}"
-"""Placeholder for the name of the block in a message, until the modes that share the message are known."""
+"""Placeholder for the block's name in a message. `merge_reasons` replaces the placeholder."""
 
 
 def merge_reasons(goal: Atom, reasons: Iterable[Reason]) -> list[Reason]:
-    """Return the reasons for a goal without duplicates. A reason that several modes share names all these modes."""
+    """Return the reasons for a goal without duplicates. A reason that applies to several modes names all of them."""
     groups: dict[Reason, list[str]] = {}
     for reason in reasons:
         action, mode = split_mode(reason.block)

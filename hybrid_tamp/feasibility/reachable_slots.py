@@ -17,7 +17,7 @@ _SHOWN = 4
 
 
 class Passages:
-    """The slots that each token of a task can reach along edges through slots of its classes."""
+    """The slots that each token of a task can reach along edges. Every slot on the path has a class of the token."""
 
     def __init__(self, task: Task, through: Collection[str] | None = None) -> None:
         """Set the task and the names of the blocks that tokens may pass through. None allows all blocks."""
@@ -43,7 +43,7 @@ class Passages:
         return self._known[key]
 
     def allow(self, block: Block, bound: Bound) -> bool:
-        """Say whether every token that is bound to a slot of a block can reach that slot."""
+        """Say whether every token that a binding assigns to a slot of a block can reach this slot."""
         return all(
             (block.name, slot.name) in self.slots(token)
             for slot in block.slots
@@ -51,7 +51,7 @@ class Passages:
         )
 
     def explain_missing(self, block: Block, allowed: Choices) -> list[Reason]:
-        """Return a reason for every slot of a block that its allowed tokens cannot reach."""
+        """Return a reason for every slot of a block that none of the slot's allowed tokens can reach."""
         found = []
         for slot in block.slots:
             tokens = [token for token in allowed[slot.name] if isinstance(token, Token)]
@@ -60,7 +60,7 @@ class Passages:
                 shown = ", ".join(where[:_SHOWN]) + (", ..." if len(where) > _SHOWN else "")
                 names = ", ".join(sorted(token.name for token in tokens))
                 message = (
-                    f"no path in the network leads {names} to slot {slot.name} of {BLOCK}; "
+                    f"the network has no path for {names} to slot {slot.name} of {BLOCK}; "
                     f"the only slots within reach are {shown}"
                 )
                 found.append(Reason((), block.name, "no_edge", message, lacks=(block.name, slot.name)))

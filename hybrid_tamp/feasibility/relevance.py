@@ -1,9 +1,9 @@
-"""Relevance: the blocks that a goal may need, regardless of the tokens, and the part of a task that uses these blocks.
+"""The blocks that are relevant to a goal, regardless of the tokens, and the restriction of a task to these blocks.
 
-The search goes backwards from the goal. A block is relevant if it changes an atom that the goal or the entry of a
-relevant block needs. A block is also relevant if tokens may have to pass through it between relevant blocks. If a task
-has any plan, it has a plan that uses only relevant blocks: instead of passing through another block, a token stays
-where it is or moves directly to its next slot.
+The search goes backwards from the goal. A block is relevant if it changes an atom in the goal or in the entry
+conditions of a relevant block. A block is also relevant if tokens may have to pass through it between relevant blocks.
+If a task has a plan, the task also has a plan with relevant blocks only: instead of passing through an irrelevant
+block, a token waits in its slot or moves directly to its next slot.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Set
@@ -20,11 +20,11 @@ from hybrid_tamp.model.token import Token
 
 Classes = tuple[type[ObjectClass], ...]
 Pattern = tuple[str, tuple[Classes, ...]]
-"""Pair of (predicate, classes). For each argument, the classes that its token may have, or no class for a symbol."""
+"""Pair of (predicate, tuple with the classes of each argument's token). A symbol has no classes."""
 
 
 def restrict_domain(task: Task, blocks: Collection[Block], tokens: Iterable[Token]) -> Domain:
-    """Return the domain restricted to these blocks and to what the blocks, the tokens or the goal mention."""
+    """Return the domain with the given blocks and with the classes and predicates of the blocks, tokens and goal."""
     domain = task.domain
     mentioned = {literal.predicate.name for block in blocks for literal in (*block.entry, *block.exit)}
     mentioned |= {atom.predicate for atom in task.goal}
@@ -47,7 +47,7 @@ def restrict_domain(task: Task, blocks: Collection[Block], tokens: Iterable[Toke
 
 
 def find_relevant_blocks(task: Task) -> tuple[Block, ...]:
-    """Return the blocks that a plan for the task may need, including the resting block, in the domain's order."""
+    """Return the blocks that a plan for the task may need, in the domain's order. The resting block is included."""
     domain = task.domain
     kept = {domain.resting, *task.assignment.values()}
     wanted = set(_goal_patterns(task))
@@ -82,7 +82,7 @@ def _of_sort(sort: type[ObjectClass] | SymbolSort | None) -> Classes:
 
 
 def _with_serving(domain: Domain, kept: Set[str], wanted: Set[Pattern]) -> set[str]:
-    """Return the given blocks and all blocks that change atoms needed by these blocks or by the goal."""
+    """Return the given blocks and, recursively, all blocks that change an atom that these blocks or the goal need."""
     found, before = set(kept), set[str]()
     while found != before:
         before = set(found)
@@ -95,7 +95,7 @@ def _with_serving(domain: Domain, kept: Set[str], wanted: Set[Pattern]) -> set[s
 def _serves(domain: Domain, block: Block, wanted: Collection[Pattern]) -> bool:
     """Say whether a block may change an atom that matches one of the patterns.
 
-    Two patterns match if one token may be a member of the classes of both.
+    Two patterns match if, for each argument, a token may belong to the classes in both patterns.
     """
 
     def can_be_one(one: Classes, other: Classes) -> bool:
@@ -109,7 +109,7 @@ def _serves(domain: Domain, block: Block, wanted: Collection[Pattern]) -> bool:
 
 
 def _on_the_way(domain: Domain, kept: Collection[str]) -> set[str]:
-    """Return the further blocks through which tokens may have to pass between slots of the kept blocks."""
+    """Return the blocks, other than `kept`, through which tokens may have to pass between slots of `kept`."""
     graph = domain.network.graph
     ends = [slot for slot in graph if slot[0] in kept]
     after = {slot: _reached(graph.successors, slot, kept) for slot in ends}
@@ -134,7 +134,7 @@ def _reached(step: Callable[[SlotName], Iterable[SlotName]], end: SlotName, kept
 
 
 def _passed_by(domain: Domain, source: SlotName, target: SlotName) -> bool:
-    """Say whether a token can move directly from one slot to the other and can wait in one of them without limit."""
+    """Say whether a token can move from `source` directly to `target` and wait indefinitely in one of the two slots."""
     waits = any(
         block.hold and len(block.slots) == 1 for block in (domain.block_by_name[n] for n, _ in (source, target))
     )
@@ -144,8 +144,8 @@ def _passed_by(domain: Domain, source: SlotName, target: SlotName) -> bool:
 def keep_relevant(task: Task) -> Task:
     """Return the task restricted to its relevant blocks, or the task itself if all blocks are relevant.
 
-    A token is removed if it has classes besides `TOKEN` and no relevant block has a role for any of them. A token that
-    the goal or the assignment names is kept.
+    A token is kept if the goal or the assignment names the token, or if `TOKEN` is its only class. All other tokens are
+    kept only if a relevant block has a role for one of their classes.
     """
     blocks = find_relevant_blocks(task)
     if len(blocks) == len(task.domain.blocks):
