@@ -26,7 +26,7 @@ def measure_instances(
     Args:
         task: the task that was run.
         recording: the recorded run.
-        measures: maps names of blocks to the measures of their instances. The name of an action covers all its modes.
+        measures: maps names of blocks to the measures of their instances. An action's name stands for all its modes.
     """
     return {
         (instance.name, name): value

@@ -22,7 +22,7 @@ def everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
 
 
 def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Turn a static predicate's margin for one state into a margin for batches. The result is slow: it uses a loop."""
+    """Turn a static predicate's margin for one state into a margin for batches, which loops over the states."""
 
     def batched(state: State, *values: Value) -> FloatArray:
         rows = state.values.reshape(-1, state.values.shape[-1])
@@ -33,7 +33,7 @@ def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
 
 
 def near(tolerance: float, place: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Return a margin [m] that is positive if a hand is within the tolerance of a place.
+    """Return a margin [m] that is positive if a hand is close enough to a place.
 
     Args:
         tolerance: largest distance of the hand's centre from the place [m].

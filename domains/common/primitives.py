@@ -12,7 +12,7 @@ from .vectors import HORIZONTAL, UP
 
 _SAMPLES = 201
 _AHEAD = 0.5
-"""Displacement of the demonstrated reach along x [m]."""
+"""Displacement of the demonstrated reach along its x axis [m]."""
 
 Reference = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Maps the elapsed time ``(...)`` [s] to a pair of (position [m], velocity [m/s]), each ``(..., 3)``."""

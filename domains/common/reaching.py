@@ -51,7 +51,7 @@ class ReachGoal:
         entry: conditions that must hold when the reach begins.
         arrived: conditions that must hold when the reach ends.
         hand_class: capability class that a hand needs for the reach.
-        keeps: predicates that stay true or false during the reach, although their margins read the hand's position.
+        keeps: predicates whose truth the reach does not change, although their margins read the hand's position.
     """
 
     targets: tuple[Target, ...]
@@ -68,8 +68,8 @@ def time_of_reach(
     """Return the hyperparameter ``duration`` of a reach and the `Duration` of its block.
 
     Args:
-        distance: ``distance(binding, state)`` returns the distance ``(...)`` [m] from the hand to its goal.
-        least: lower bound of the hyperparameter [s]. The distance gives its initial value.
+        distance: ``distance(binding, state)`` returns the distance ``(...)`` [m], which sets the initial value.
+        least: lower bound of the hyperparameter [s].
         settling: time from the end of the reach until the hand is at rest [s].
     """
 
@@ -127,5 +127,5 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         taught=lambda other: reaching(goal, mode, other),
         movement=Movement("hand", "position", 3),
         outcome=outcome,
-        description="the hand moves along a curve to its place beside the object and stays there",
+        description="the hand moves along a curve to a place beside the object and stays there",
     )

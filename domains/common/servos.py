@@ -61,7 +61,7 @@ def position_servo(hand: Token) -> ForceServo:
 
 
 def turn_between(orientation: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Return the rotation vector ``(..., 3)`` [rad] in the world frame between two orientations, for small angles."""
+    """Return the rotation vector ``(..., 3)`` [rad] of a small rotation from `orientation` to `wanted`."""
     error = quaternion_multiply(wanted, quaternion_conjugate(orientation))
     return np.asarray(np.copysign(2.0, error[..., 3:]) * error[..., :3])
 

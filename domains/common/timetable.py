@@ -20,7 +20,7 @@ class Timetable:
     """
 
     def __init__(self, read: Reference, start: State) -> None:
-        """Wrap a reference for states of the same batch shape as `start`."""
+        """Wrap a reference for states with the batch shape of `start`."""
         self._read = read
         self._batch = start.values.ndim - 1
         self._page = -1

@@ -35,8 +35,8 @@ SLOTS = ("first", "second", "third", "fourth")
 _SOFTNESS = 0.1
 """Ratio of a squeezing hand's stiffness along the normal of its face to its stiffness K in the other directions.
 
-K must be large: two hands at a distance L that push against each other with a force S buckle unless S < K L / 2.
-Buckling hands turn the box about the vertical axis.
+Two hands at a distance L, which push against each other with a force S, buckle unless S < K L / 2. Buckling hands turn
+the box about the vertical axis. So K must be large.
 """
 _TOUCH = 1e-4
 
@@ -71,10 +71,10 @@ class Course(NamedTuple):
     """The progress of a movement at given times. All fields have the shape ``(...)``.
 
     Attributes:
-        closed: fraction of the gap between hand and face that is closed, from 0 to 1.
+        closed: closed fraction of the gap between hand and face, from 0 to 1.
         closing: rate of `closed` [1/s].
-        grip: fraction of the full squeeze that each hand applies, from 0 to 1.
-        loaded: fraction of the box's weight that the hands bear, from 0 to `grip`.
+        grip: applied fraction of the full squeeze, from 0 to 1.
+        loaded: supported fraction of the box's weight, from 0 to `grip`.
         rise: planned height of the box above its initial height [m].
         rising: rate of `rise` [m/s].
     """
@@ -146,7 +146,7 @@ def squeezing(crew: str) -> Hyperparameter:
 
 
 def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system in which Coulomb friction joins hands and box as long as the hands press hard enough.
+    """Return the system in which Coulomb friction joins the hands to the box while the hands press hard enough.
 
     The box keeps its orientation, moves only up and down, and stops at the floor. Each hand stops at its face,
     because the hands on the opposite face keep the box in place.

@@ -1,4 +1,4 @@
-"""The blocks LIFTING, HOLDING and LOWERING (paper, Sec. II-E) of hands on opposite sides of a box.
+"""The blocks LIFTING, HOLDING and LOWERING (paper, Sec. II-E), for hands on opposite sides of a box.
 
 Each block has two modes: ``two``, with one hand on each side, and ``four``, with two hands on each side. Four hands,
 which may belong to two robots, can lift a box that is too heavy for two hands. The box is not attached to any hand.

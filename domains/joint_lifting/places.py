@@ -52,7 +52,7 @@ def outward(state: State, thing: Token, place: str) -> FloatArray:
 
 
 def place_at(state: State, hand: Token, thing: Token, place: str, gap: float = STANDBY_GAP) -> FloatArray:
-    """Return the position ``(..., 3)`` [m] of a hand's centre if the hand is at a place, with a gap [m] to the face."""
+    """Return the position ``(..., 3)`` [m] of a hand's centre for a place at a box and a gap [m] to the box's face."""
     side, along = SPOTS[place]
     half_x, half_y, _ = thing["half_extents"]
     in_body = np.array([side * (half_x + hand["radius"] + gap), along * half_y, ABOVE_CENTRE + hand["length"] / 2.0])

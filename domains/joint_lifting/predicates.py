@@ -61,7 +61,7 @@ def _uprightness(state: State, hand: Token) -> FloatArray:
 
 
 def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Return the smaller of two distances [m]: of a hand outward from its face, and of a hand inside its half."""
+    """Return the smaller of a hand's distance outside its face [m] and its depth inside its half of the box [m]."""
     side, along = SPOTS[place]
     offset = offset_in_box(state, hand, thing)
     beyond = side * offset[..., 0] - thing["half_extents"][0] - hand["radius"]
@@ -141,7 +141,7 @@ ON_SIDE = Predicate(
     _outlook,
     unit="m",
     scale=0.1,
-    # The side on which the hand starts does not change, so the position of the hand is not listed.
+    # The side on which the hand starts does not change, so `reads` omits the position of the hand.
     reads={"object": POSE},
     kind=Kind.STATIC,
     description="{hand} starts on the {place} side of {object}",
@@ -172,8 +172,8 @@ BEARS = Predicate(
     unit="N",
     scale=10.0,
     kind=Kind.STATIC,
-    description="{hand} can bear its share of the weight of {object} by friction as one of {crew}",
-    denial="{object} is too heavy for {hand} to bear by friction as one of {crew}",
+    description="{hand}, as one of {crew}, can bear its share of the weight of {object} by friction",
+    denial="{hand}, as one of {crew}, cannot bear its share of the weight of {object} by friction",
     share=_share,
 )
 FEASIBLE = (UPRIGHT, ON_SIDE, WITHIN_REACH, FITS, BEARS)

@@ -72,7 +72,7 @@ class Tumblable(BoxShaped, AffordanceClass):
 
     half_extents: Extents = quantity("m", "half of each edge length along x, y and z")
     hollow: Annotated[Vector3, AfterValidator(_none_negative)] = quantity(
-        "m", "depth of the hollows in the x, y and z faces, which hands touch", default=(0.0, 0.0, 0.0)
+        "m", "depth of the hollows in the x, y and z faces; hands touch their bottoms", default=(0.0, 0.0, 0.0)
     )
     # Declared exactly as in ROLLABLE, so that a token may belong to both classes.
     mass: float = mass_property()
@@ -80,7 +80,7 @@ class Tumblable(BoxShaped, AffordanceClass):
 
     @classmethod
     def features(cls, shape: Shape) -> float:
-        """Return a measure of how flat and wide the shape's four sides around its best axis are."""
+        """Return a measure of the flatness and width of the shape's four sides around its best axis."""
         return tumbling_likelihood(shape)
 
     @staticmethod
@@ -88,7 +88,9 @@ class Tumblable(BoxShaped, AffordanceClass):
         """Return an error message if the hollow or the shape does not fit the half extents, otherwise None."""
         halves = token["half_extents"]
         if any(depth >= half for depth, half in zip(token["hollow"], halves, strict=True)):
-            return f"each component of hollow must be less than in half_extents, {halves} m; got {token['hollow']} m"
+            return (
+                f"each component of hollow must be less than that of half_extents, {halves} m; got {token['hollow']} m"
+            )
         if isinstance(token.shape, MeshShape):
             lower, upper = token.shape.corners.tolist()
             ends = [(abs(end), half) for row in (lower, upper) for end, half in zip(row, halves, strict=True)]

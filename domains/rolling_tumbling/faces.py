@@ -61,7 +61,7 @@ def faces_of(posture: str) -> tuple[str, ...]:
 
 
 def edge_between(before: str, after: str) -> tuple[str, str]:
-    """Return the two faces beside the edge of a turn. At least one of the postures must name these faces."""
+    """Return the two faces beside the edge about which a box turns. At least one of the postures must be tipped."""
     one, other = next(faces_of(posture) for posture in (before, after) if len(faces_of(posture)) == 2)
     return one, other
 

@@ -47,7 +47,7 @@ def touching(state: State, hand: Token, thing: Token, direction: FloatArray) -> 
 
 
 def working_height(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the height ``(...)`` [m] of a pushing hand: the height of the object's centre, or more near the floor."""
+    """Return the height ``(...)`` [m] of a pushing hand: the object's centre, or higher if the floor is too close."""
     half = reach_of(hand, state, np.broadcast_to(UP, state[hand, "position"].shape))
     return np.maximum(state[thing, "position"][..., 2], half + FLOOR_CLEARANCE)
 

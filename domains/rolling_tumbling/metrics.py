@@ -30,7 +30,7 @@ def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]
     The metrics of a roll are the distance covered, the final distance between the centres of object and region, and
     ``roll_ratio``. This ratio is the radius times the angle, divided by the distance; it is 1 without slip.
     The metrics of a tumble belong to the instance that lowers the box. They are the final tilt, the slip of the pivot
-    edge, the yaw of the box and the angular speed at touchdown. Slip and yaw are measured since the tumble began.
+    edge, the yaw of the box and the angular speed at touchdown. Slip and yaw are measured over the whole tumble.
     """
     return measure_instances(task, recording, {"ROLLING": _rolling, "TIPPING:lower": _tumble})
 

@@ -34,7 +34,7 @@ from .tumbling_geometry import hand_axis
 DISTANCE, TOLERANCE = 0.6, 0.05
 """Distance of the trial roll, and largest final distance from the goal in a passed trial [m]."""
 ROLLED: Mapping[str, tuple[float, float]] = {"final_distance [m]": (0.0, TOLERANCE), "roll_ratio": (0.9, 1.1)}
-"""Maps each metric to its bounds in a passed trial. The distance excludes an object that turns once and stops."""
+"""Maps each metric to its bounds in a passed trial. The distance rejects an object that turns once and stops."""
 _OFFSET, _YAW = 0.02, float(np.radians(1.0))
 """Largest random offsets of the initial position [m] and of the initial yaw [rad]."""
 _HAND = (0.25, -0.45, 0.3)
@@ -79,7 +79,7 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 
 
 def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
-    """Return a task in which a hand rolls a token to a region. A level hand is parallel to the token's axis."""
+    """Return a task in which a hand rolls a token to a region. The token's axis is parallel to a level hand."""
     hand = next((token for token in task.tokens if token.is_member(StaticEndEffector)), None)
     x, y, yaw = (0.0, 0.0, 0.0) if rng is None else rng.uniform(-1.0, 1.0, 3) * (_OFFSET, _OFFSET, _YAW)
     place = task.state[member, "position"] + np.array([x, y, 0.0])

@@ -58,7 +58,7 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 
 
 def _turning_axis(task: Task, token: Token) -> int:
-    """Return the index of the body axis nearest to a hand's axis, or of the y axis if the task has no level hand."""
+    """Return the index of the body axis nearest to a hand's axis, or of the y axis if the task has no hand."""
     hand = next((one for one in task.tokens if one.is_member(StaticEndEffector)), None)
     return 1 if hand is None else int(np.argmax(np.abs(to_body(task.state, token, hand_axis(task.state, hand)))))
 

@@ -2,11 +2,11 @@
 
 In TIPPING, two hands turn a box about one of its edges. TIPPING has three modes:
 
-- ``opposite`` (D2): hands on opposite sides tip the flat box until it leans over the edge.
-- ``lower`` (D2 with another outcome): hands below and above the box lower it onto its next face.
-- ``adjacent`` (D4): hands on the two faces beside the edge tilt the box back until it leans the other way.
+- ``opposite`` (D2): hands on opposite sides tip a flat box over an edge, past its point of balance.
+- ``lower`` (D2 with another outcome): hands below and above the box lower the box onto its next face.
+- ``adjacent`` (D4): hands on the two faces beside the edge tilt the box back until it leans over the other face.
 
-In TILTING (D3), the box leans over one face and a single hand on that face holds it. Another hand can then move.
+In TILTING (D3), the box leans over a face, and a single hand on this face holds the box. Other hands are free to move.
 """
 
 from functools import partial
@@ -78,7 +78,7 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, 
     """Return the longest time [s] in which the hands close and turn the box to within tolerance of its new posture."""
     roles = Roles.of(binding)
     angle = roles.wanted - nominal_tilt(roles.thing, get_symbol(binding, "before"), *roles.edge)
-    # A hand moves faster than the box, because its distance from the edge is about the diagonal of the box.
+    # A hand moves faster than the box, because the hand is about one diagonal of the box away from the edge.
     one, other = (half_extent(roles.thing, face) for face in roles.edge)
     width = 2.0 * float(np.hypot(one, other))
     turn = turning_time(angle, float(hyperparameters["rate"]))

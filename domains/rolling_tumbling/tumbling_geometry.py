@@ -51,7 +51,7 @@ def tilt(state: State, thing: Token, down: str, forward: str) -> FloatArray:
 
 
 def nominal_tilt(thing: Token, posture: str, down: str, forward: str) -> float:
-    """Return the tilt [rad], from `down` towards `forward`, of a box in a posture that names at least one of them."""
+    """Return the tilt [rad], from `down` towards `forward`, of a box in a posture that names `down` or `forward`."""
     faces = faces_of(posture)
     if len(faces) == 1:
         return 0.0 if faces[0] == down else np.pi / 2
@@ -149,6 +149,6 @@ def to_the_right(state: State, hand: Token) -> FloatArray:
 
 
 def _angle(state: State, hand: Token, thing: Token, face: str) -> float:
-    """Return the angle [rad], from the hand's right upwards, of a face's normal in the plane normal to the hand."""
+    """Return the angle [rad] of a face's normal in the plane perpendicular to the hand's axis, from right to up."""
     outward = normal(state, thing, face)
     return float(np.arctan2(outward[2], outward @ to_the_right(state, hand)))

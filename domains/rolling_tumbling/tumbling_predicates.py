@@ -55,7 +55,7 @@ def strength_needed(state: State, hand: Token, thing: Token) -> float:
 
 
 def _share(state: State, hand: Token, thing: Token) -> tuple[float, float]:
-    """Return the force [N] that a hand needs to tumble an object, and the force [N] that the hand has.
+    """Return the force [N] that a hand needs to tumble an object, and the largest force [N] of the hand.
 
     Both hands need the same force, because neither hand can push harder than the other hand can resist. While one hand
     changes faces, the other hand holds the box alone.
@@ -131,7 +131,7 @@ ON_SIDE = Predicate(
     one_by_one(_outlook),
     unit="1",
     scale=0.1,
-    # The side on which the hand starts does not change, so the position of the hand is not listed.
+    # The side on which the hand starts does not change, so `reads` omits the position of the hand.
     reads={"hand": ("orientation",), "object": POSE},
     kind=Kind.STATIC,
     description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
@@ -167,13 +167,13 @@ LOW_ENOUGH = Predicate(
     scale=0.1,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
-    description=f"the edges of {{object}} perpendicular to the axis of {{hand}} have a ratio of at most {SLENDERNESS}",
-    denial=f"the edges of {{object}} perpendicular to the axis of {{hand}} have a ratio of more than {SLENDERNESS}",
+    description=f"the edges of {{object}} perpendicular to {{hand}} have lengths with a ratio of at most {SLENDERNESS}",
+    denial=f"the edges of {{object}} perpendicular to {{hand}} have lengths with a ratio above {SLENDERNESS}",
 )
 
 
 def _pair_relation(name: str, rows: set[tuple[str, str, str, str]], effect: str) -> Predicate:
-    """Return the predicate that two hands can have an effect on a box, e.g. "tip a box"."""
+    """Return a predicate of what two hands can do with a box. `effect` is a verb phrase, e.g. "tip a box"."""
     sorts = {"near": FACE, "far": FACE, "before": POSTURES, "outcome": POSTURES}
     parameters = tuple(Parameter(role, sort) for role, sort in sorts.items())
     hands = "hands at the {near} and {far} faces"

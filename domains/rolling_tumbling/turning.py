@@ -56,7 +56,7 @@ _LOOSENING = (0.82, 0.94)
 _LYING = float(np.radians(0.7))
 """Deviation from the flat posture [rad] at which the hands begin to loosen their grip if the box is early."""
 _TOUCHING_FORCE = 1.0
-"""Largest force of a hand with a fully loosened grip on its face [N]."""
+"""Largest force [N] that a hand with a fully loosened grip exerts on its face."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The path of the hand and the tool in a strike, which ends with an arc about an elbow."""
+"""The path of the hand and the tool in a strike: a wind-up, followed by an arc about an elbow."""
 
 import numpy as np
 
@@ -12,11 +12,11 @@ from .holding import keeping
 from .swing import Swing, swing_of
 
 WINDING_UP = 0.4
-"""Duration of a wind-up over a distance of 0 m [s]."""
+"""Shortest duration of a wind-up [s]."""
 _WINDING_SPEED = 0.4
-"""Ratio of the distance of a wind-up to its additional duration [m/s]."""
+"""Distance of a wind-up divided by its duration beyond `WINDING_UP` [m/s]."""
 _FOLLOWING_THROUGH = 1.5
-"""Ratio of the longest duration of a swing, which ends without an impact, to the planned duration."""
+"""Longest duration of a swing that misses its target, divided by the planned duration."""
 
 
 def along(ahead: FloatArray, angle: FloatArray) -> FloatArray:
@@ -59,7 +59,7 @@ def on_arc(state: State, hand: Token, tool: Token, arc: Arc, spin: FloatArray, d
 
 
 def in_plane(state: State, tool: Token, axis: FloatArray, driven: FloatArray) -> FloatArray:
-    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that drives a tool's swing and keeps it in its plane."""
+    """Return the angular acceleration ``(..., 3)`` [rad/s^2] that swings a tool in the plane of the swing."""
     spin = state[tool, "angular_velocity"]
     out_of_plane = spin - dot(spin, axis)[..., None] * axis
     back = ORIENTATION_RATE**2 * cross(side(state, tool), axis)

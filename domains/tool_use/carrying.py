@@ -66,7 +66,7 @@ def _seen(object_class: type[AffordanceClass]) -> Target:
 
 
 def _hand_at(binding: Binding, state: State, place: FloatArray, direction: FloatArray, angle: float) -> Pose:
-    """Return the pose of the hand for a place ``(..., 3)`` [m] of its tool, which remains in the current grasp."""
+    """Return the `Pose` in which a hand with its current grasp brings its tool to a place ``(..., 3)`` [m]."""
     hand, tool = get_tokens(binding, "hand", "tool")
     arm = rotate(tool_orientation(direction, angle), hand_in_tool(state, hand, tool))
     return place + arm, direction, np.full_like(direction, angle)

@@ -111,7 +111,7 @@ class _Boxes(BoxShaped):
     @staticmethod
     def consistent(token: Token) -> str | None:
         """Return an error message if the shape is not a box with the half extents, otherwise None."""
-        return find_box_fault(token, "a PUSHABLE or STRIKABLE token must be a box; remove its shape")
+        return find_box_fault(token, "a PUSHABLE or STRIKABLE token must be a box; remove the token's shape")
 
 
 class Strikable(_Boxes, AffordanceClass):
@@ -120,7 +120,7 @@ class Strikable(_Boxes, AffordanceClass):
     name: ClassVar[str] = "STRIKABLE"
     varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, IMPULSE)
 
-    half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
+    half_extents: Extents = quantity("m", "half of each edge length along x, y and z")
     impulse_needed: float = positive("N s", "smallest impulse with which the object counts as struck", 1e6)
 
 
@@ -130,6 +130,6 @@ class Pushable(_Boxes, AffordanceClass):
     name: ClassVar[str] = "PUSHABLE"
 
     # Declared exactly as in STRIKABLE, so that a token may belong to both classes.
-    half_extents: Extents = quantity("m", "half of the edge lengths along x, y, z")
+    half_extents: Extents = quantity("m", "half of each edge length along x, y and z")
     mass: float = mass_property()
     friction: float = friction_property()

@@ -37,7 +37,7 @@ CLEARANCE = 0.012
 BESIDE = 0.09
 """Distance between a handle and a hand that waits before or after a grasp [m]."""
 _RIGHT, _AHEAD_OF_SIDE = np.array([1, 0, 2]), np.array([1.0, -1.0, 0.0])
-"""Indices and signs with which components form the cross product of a vector and `UP`."""
+"""Indices and signs of the components in the cross product of a vector and `UP`."""
 
 
 def dot(one: FloatArray, other: FloatArray) -> FloatArray:

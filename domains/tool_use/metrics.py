@@ -47,7 +47,7 @@ def _grasp(task: Task, recording: Recording, instance: BlockInstance) -> Iterato
 
 
 def _later(recording: Recording, grasp: BlockInstance) -> Iterator[BlockInstance]:
-    """Yield the instances of a grasp's hand, in order of time, until the hand's next grasp."""
+    """Yield the hand's instances after a grasp and before the hand's next grasp, in order of time."""
     for instance in sorted(recording.instances, key=lambda other: other.start):
         if instance.slots.get("hand") == grasp.slots["hand"] and instance.start >= grasp.end:
             if instance.block == grasp.block:

@@ -228,7 +228,7 @@ PUSHING = Block(
     keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),
     hyperparameters=(
         # With wider bounds, a search would spend most of its time on pushes that end far outside the region.
-        Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "push beyond the region's centre"),
+        Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "distance beyond the region's centre"),
         Hyperparameter("speed", "m/s", 0.05, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
     ),
     duration=Duration(_APPROACH, 40.0, _expected),

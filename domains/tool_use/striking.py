@@ -115,7 +115,7 @@ def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system in which the hand and the tool are one body, which an inelastic impact on an object stops.
+    """Return the system in which the hand and the tool are one body. An inelastic impact on the object stops the body.
 
     If the hand holds the tool near its head, the far end of the handle may hit the object or the floor first. This
     contact also ends the swing.
@@ -206,8 +206,8 @@ STRIKING = Block(
             0.3,
             "distance between the hand and the elbow of its swing; at 0 the hand only turns",
         ),
-        _offset("target_x", -0.03, 0.03, "distance of the target ahead of the centre of the object's top"),
-        _offset("target_y", -0.03, 0.03, "distance of the target to the left of the centre of the object's top"),
+        _offset("target_x", -0.03, 0.03, "forward offset of the target from the centre of the object's top"),
+        _offset("target_y", -0.03, 0.03, "leftward offset of the target from the centre of the object's top"),
     ),
     duration=Duration(WINDING_UP, 10.0, _expected),
     policy=_policy,
@@ -223,5 +223,5 @@ STRIKING = Block(
         Measure("hand_speed", "m/s", -0.1, peak=_hand_speed, description="largest speed of the hand"),
     ),
     outcome=_outcome,
-    description="the hand swings the tool until its impact point hits the top of the object",
+    description="the hand swings the tool until the tool's impact point hits the top of the object",
 )

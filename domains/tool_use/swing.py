@@ -36,12 +36,12 @@ class Swing:
         return np.asarray(self.rate * self.lever)
 
     def periods(self, hand: Token) -> FloatArray:
-        """Return the number of control periods, at least 1, in which about the strike torque drives the swing."""
+        """Return the number of control periods, at least 1, in which roughly the strike torque accelerates the tool."""
         exact = self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD)
         return np.asarray(np.maximum(np.round(exact), 1.0))
 
     def drive(self, hand: Token) -> FloatArray:
-        """Return the constant angular acceleration [rad/s^2] that leads to the final speed after `periods`."""
+        """Return the constant angular acceleration [rad/s^2] with which the tool reaches its final speed."""
         return np.asarray(self.rate / (self.periods(hand) * CONTROL_PERIOD))
 
     def torque(self, hand: Token) -> FloatArray:

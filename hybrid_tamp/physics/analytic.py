@@ -1,4 +1,4 @@
-"""The analytic backend, which simulates with the blocks' continuous systems. It does not model contacts."""
+"""The analytic backend, which simulates the blocks' continuous systems without a contact model."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -19,7 +19,7 @@ _Moving = tuple[ContinuousSystem, IntArray]
 
 
 class AnalyticBackend(Resource):
-    """A backend that moves the tokens of each running instance by the continuous system of its block."""
+    """A backend in which the continuous system of a running instance's block moves the tokens of the instance."""
 
     name = "analytic"
     timestep = CONTROL_PERIOD
@@ -40,7 +40,7 @@ class AnalyticBackend(Resource):
         self._moving = {each.name: self._moving.get(each.name) or self._begin(each) for each in running}
 
     def step(self, commands: Commands) -> State:
-        """Advance every system by one step, starting from the same state.
+        """Advance every system by one step. All systems start from the same state.
 
         Raises:
             CommandError: a command is unknown, not finite, above its limit, or has the wrong size.
@@ -50,7 +50,7 @@ class AnalyticBackend(Resource):
         values = before.values.copy()
         for system, mine in self._moving.values():
             after = system(before, filled, self.timestep)
-            # Only the values of tokens in the slots are used, even if the system changes others.
+            # Only the values of tokens in the slots are used, even if the system changes other values.
             values[mine] = after.values[mine]
         self._state = State(before.layout, values)
         return self._state
@@ -61,7 +61,7 @@ class AnalyticBackend(Resource):
 
     @contextmanager
     def snapshot(self) -> Iterator[Callable[[], None]]:
-        """Save the current state and systems. The context provides a function that restores them."""
+        """Save the current state and systems. The context provides a function that restores the saved values."""
         state, moving = self._state, self._moving
 
         def go_back() -> None:

@@ -15,15 +15,15 @@ from hybrid_tamp.model.task import Task
 _Self = TypeVar("_Self")
 
 GROUP = "hybrid_tamp.physics"
-"""Entry-point group for the backends of other packages. Each entry is a callable without arguments."""
+"""Entry-point group for backends of other packages. Each entry point is a function that returns a backend."""
 
 FLOOR = "(floor)"
 """Name of the floor in contacts. No token can have this name."""
 
 ContactForce = tuple[str, str, float]
-"""Names of two tokens in contact (or a token and `FLOOR`), sorted, and the normal force between them [N]."""
+"""Triple of (name, name, normal force [N]) for two bodies in contact, in alphabetical order. `FLOOR` is a name, too."""
 
-# The built-in backends are listed here too, so that they work without an installed distribution.
+# The built-in backends are listed here too, so that they work even if this package is not installed.
 _BUILT_IN = {
     "analytic": "hybrid_tamp.physics.analytic:AnalyticBackend",
     "pybullet": "hybrid_tamp.physics.bullet.backend:BulletBackend",
@@ -60,7 +60,7 @@ class Backend(Resource, Protocol):
     def reset(self, task: Task, state: State) -> State:
         """Build the scene of a task in a given state ``(n,)`` and return the initial state of the simulation ``(n,)``.
 
-        A reset to the returned state must give the same run again, bit for bit.
+        After a reset to the returned state, the same commands must reproduce the same run bit for bit.
 
         Raises:
             InputError: the backend cannot simulate the task.
@@ -68,7 +68,7 @@ class Backend(Resource, Protocol):
         ...
 
     def assign(self, running: Sequence[BlockInstance]) -> None:
-        """Set the running instances. A simulator that does not depend on them may ignore this call."""
+        """Set the running instances. A backend that does not need the instances may ignore this call."""
         ...
 
     def step(self, commands: Commands) -> State:
@@ -82,11 +82,11 @@ class Backend(Resource, Protocol):
         ...
 
     def contact_forces(self) -> list[ContactForce]:
-        """Return every pair of tokens in contact during the last control period, with its largest normal force."""
+        """Return the largest normal force of every pair of tokens that touched in the last control period."""
         ...
 
     def snapshot(self) -> AbstractContextManager[Callable[[], None]]:
-        """Save the current state. The context provides a function that restores this state, bit for bit."""
+        """Save the current state. The context provides a function that restores the saved state bit for bit."""
         ...
 
 
@@ -94,7 +94,7 @@ def open_backend(name: str) -> Backend:
     """Open the backend with this name.
 
     Raises:
-        InputError: no backend has this name, or a package that it needs is not installed.
+        InputError: no backend has this name, or a package that the backend needs is not installed.
     """
     others: list[EntryPoint] = sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
     offers = {entry.name: entry.value for entry in others} | _BUILT_IN
@@ -105,7 +105,7 @@ def open_backend(name: str) -> Backend:
 
 
 def load(reference: str) -> Any:
-    """Import and return an object named ``"module:attribute"``.
+    """Import the module in the reference ``"module:attribute"``, and return its attribute.
 
     Raises:
         InputError: a package that the module needs is not installed.

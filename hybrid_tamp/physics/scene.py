@@ -24,7 +24,7 @@ MASS = 1.0
 FRICTION = 0.5
 """Default friction coefficient of a token. Bullet multiplies the coefficients of two bodies in contact."""
 ROLLING_FRICTION = 0.005
-"""Default rolling friction of a round body [m]. With zero rolling friction the body would never stop."""
+"""Default rolling friction of a round body [m]. With zero rolling friction, the body would never stop."""
 FLOOR_FRICTION = 1.0
 
 _ACTIONS = {FORCE: 3, TORQUE: 3, GRIP: 1}
@@ -163,7 +163,7 @@ def _moments(shape: Solid, mass: float) -> tuple[float, float, float]:
 
 
 def _volume(shape: Solid) -> float:
-    """Return the volume [m^3]."""
+    """Return the volume of a solid [m^3]."""
     if isinstance(shape, Sphere):
         return float(4 / 3 * np.pi * shape.radius**3)
     if isinstance(shape, Cylinder):

@@ -239,7 +239,7 @@ def test_a_recording_from_before_contacts_were_measured_is_read(good: Path) -> N
         (set_in("timestep", float("inf")), "invalid JSON document at timestep"),
         (set_in("backend", 3), "invalid JSON document at backend"),
         (set_in("layout", [["hand", "position", -3]]), "invalid JSON document at layout.0"),
-        (set_in("exits", {"NOBODY-1": []}), "must belong to instances that ran, got NOBODY-1"),
+        (set_in("exits", {"NOBODY-1": []}), "must belong to recorded instances, got NOBODY-1"),
         (document(twice), "names of instances must be unique"),
         (document(ends_late), "must run within the recording"),
         (document(endless), "must be finite"),

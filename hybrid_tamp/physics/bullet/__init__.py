@@ -11,8 +11,8 @@ from importlib import import_module
 def _silence() -> Iterator[None]:
     """Redirect the standard output and error of the process to the null device.
 
-    PyBullet prints its build time when it is imported. C code writes this line, so redirecting `sys.stdout` has no
-    effect, and the line would corrupt the output of ``--json``. The flush empties C's own buffers.
+    PyBullet prints its build time when Python imports the package. This line would corrupt the output of ``--json``.
+    C code prints the line, so redirecting `sys.stdout` has no effect. The flush empties C's own buffers.
     """
     saved = {}
     for descriptor in (1, 2):
@@ -32,6 +32,6 @@ def _silence() -> Iterator[None]:
         os.close(nowhere)
 
 
-# This import must come before any other import of PyBullet, because only this one is silent.
+# This import must come before any other import of PyBullet, because only this import is silent.
 with _silence():
     import_module("pybullet")

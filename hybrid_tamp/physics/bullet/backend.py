@@ -1,7 +1,7 @@
 """The PyBullet backend.
 
-The backend simulates the substeps one by one. Bullet reports only the contact forces of the last substep, and an impact
-may last for a single substep.
+The backend simulates the substeps one by one, because an impact may last for a single substep and Bullet reports the
+contact forces of the last substep only.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -30,7 +30,7 @@ _BODY = tuple(varying.name for varying in BODY_STATE)
 
 
 class BulletBackend(Client):
-    """A simulation of rigid bodies on a floor. Bounded forces and torques move hands, which grip by friction only.
+    """A simulation of rigid bodies on a floor. Limited forces and torques move the hands, which grip by friction only.
 
     Args:
         gravity: acceleration of free fall, shape ``(3,)`` [m/s^2]. An inclined vector represents an inclined floor.
@@ -48,7 +48,7 @@ class BulletBackend(Client):
     def reset(self, task: Task, state: State) -> State:
         """Build the scene in a given state, shape ``(n,)``, and return this state.
 
-        The state is not read back, because Bullet's conversion of quaternions to matrices may change the last bit.
+        The state is not read back from Bullet, whose conversion of quaternions to matrices may change the last bit.
 
         Raises:
             InputError: a token cannot be simulated (see `make_bodies`).
@@ -102,14 +102,14 @@ class BulletBackend(Client):
         return state
 
     def contact_forces(self) -> list[ContactForce]:
-        """Return each pair in contact with the largest sum of its normal forces in the last control period [N]."""
+        """Return the largest total normal force [N] of every pair of tokens that touched in the last control period."""
         return [(one, other, force) for (one, other), force in sorted(self._forces.items())]
 
     @contextmanager
     def snapshot(self) -> Iterator[Callable[[], None]]:
-        """Save the current state. The context provides a function that restores this state, bit for bit.
+        """Save the current state. The context provides a function that restores the saved state bit for bit.
 
-        Bullet cannot restore the contacts of compound shapes exactly. If the scene contains such a shape, the function
+        Bullet cannot restore the contacts of compound shapes exactly. If the scene contains a compound, the function
         resets the scene and repeats all commands since the reset.
         """
         if any(isinstance(token.shape, Compound | MeshShape) for token in self._task.assigned):

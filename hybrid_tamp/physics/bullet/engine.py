@@ -4,7 +4,7 @@ The parameters below reproduce closed-form solutions within 1 % (see the tests):
 
 - Four substeps per control period. Contact points are one substep old, so a rolling cylinder gains energy. The error of
   its acceleration is 1.2 % with one substep and 0.4 % with four substeps.
-- A contact ERP (error reduction parameter) of 0.2, so that bodies that start 1 mm too low are not thrown up.
+- A contact ERP (error reduction parameter) of 0.2, so that bodies that start 1 mm inside the floor do not jump.
 - No damping, so that only the modelled friction decelerates bodies.
 """
 
@@ -54,7 +54,7 @@ def prepare_world(client: int, gravity: Sequence[float]) -> int:
         gravity: acceleration of free fall, shape ``(3,)`` [m/s^2].
     """
     pybullet.resetSimulation(physicsClientId=client)
-    # A reset keeps the parameters of the engine, so all relevant parameters are set explicitly.
+    # A reset of the engine does not reset its parameters, so all relevant parameters are set explicitly.
     pybullet.setPhysicsEngineParameter(
         fixedTimeStep=SUBSTEP,
         numSolverIterations=SOLVER_ITERATIONS,
@@ -109,7 +109,7 @@ def _create_shape(client: int, shape: Shape) -> int:
 
 
 def _create_hulls(client: int, shape: MeshShape) -> int:
-    """Create a compound of convex hulls. Bullet reads several hulls only from a file with one object per hull."""
+    """Create a compound of convex hulls. Bullet accepts several hulls only as a file with one object per hull."""
     half = np.ptp(shape.corners, axis=0) / 2.0
     # Bullet adds a layer around each hull, so the hulls are scaled down to give the body its true size.
     kept = 1.0 - HULL_MARGIN / np.maximum(half, 2.0 * HULL_MARGIN)

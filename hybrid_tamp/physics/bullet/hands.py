@@ -38,7 +38,7 @@ TWIST = 0.02
 
 @dataclass
 class Drive:
-    """Force and torque on one hand, constant during a control period.
+    """Force and torque on one hand. Both are constant during a control period.
 
     Attributes:
         client: PyBullet's identifier of the client.
@@ -110,7 +110,7 @@ class Fingers:
     def make_all(
         cls, task: Task, client: int, handles: Mapping[str, int], commands: CommandLayout
     ) -> "tuple[Fingers, ...]":
-        """Make the fingers of every hand that can grip, and disable its collisions with objects it can grip."""
+        """Make the fingers of every hand that can grip. Disable its collisions with the objects that it can grip."""
         things = tuple(token for token in task.assigned if can_be_gripped(token))
         found = []
         for hand in filter(grips, task.assigned):
@@ -131,7 +131,7 @@ class Fingers:
         grip, aperture = float(row[self.grip]), state[self.hand, APERTURE]
         way = FINGER_SPEED * CONTROL_PERIOD
         if self.held is not None and (grip <= 0 or self._has_slipped(self.held, state)):
-            # If the handle is still between the fingers, it is gripped again below.
+            # If the handle is still between the fingers, the code below grips the handle again.
             self.let_go()
         if grip <= 0:
             aperture[0] = min(aperture[0] + way, self.hand["maximal_aperture"])
@@ -152,7 +152,7 @@ class Fingers:
             self.held = None
 
     def hold(self, grasp: Grasp | None) -> None:
-        """Restore a grasp by a new joint with the same relative pose."""
+        """Restore a grasp, if any, by a new joint with the same relative pose."""
         self.held = grasp and replace(grasp, joint=self._create_joint(grasp.thing, grasp.position, grasp.orientation))
 
     def _find_between(self, state: State, narrower: float, wider: float) -> Token | None:

@@ -1,4 +1,4 @@
-"""Largest impact on each token that has the varying property `impulse`."""
+"""Measurement of the largest impulse on each token that has the varying property `impulse`."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from hybrid_tamp.physics.bullet.engine import SUBSTEP, SUBSTEPS
 from hybrid_tamp.physics.protocol import FLOOR
 
 IMPULSE = "impulse"
-"""Name of the varying property that stores the largest impact so far [N s]."""
+"""Name of the varying property that stores the largest impulse so far [N s]."""
 
 _Pair = tuple[str, str]
 
@@ -18,8 +18,8 @@ _Pair = tuple[str, str]
 class Impacts:
     """Measurement of the impulse between two tokens over a sliding window of one control period.
 
-    The window moves by one substep at a time, so an impact that extends over two control periods is measured as one
-    impact. A steady push is measured by its impulse during one control period. Contacts with the floor are ignored.
+    The window moves by one substep at a time, so an impact across the boundary of two control periods is measured as a
+    whole. A steady push is measured by its impulse during one control period. Contacts with the floor are ignored.
     """
 
     def __init__(self, task: Task) -> None:
@@ -52,6 +52,6 @@ class Impacts:
                 self._hardest[token] = max(sum(window), self._hardest.get(token, 0.0))
 
     def update(self, state: State) -> None:
-        """Write the largest impacts so far into a state of shape ``(n,)``, in place."""
+        """Write the largest impulses so far into a state of shape ``(n,)``, in place."""
         for token, impulse in self._hardest.items():
             state[token, IMPULSE][0] = max(impulse, state[token, IMPULSE][0])

@@ -32,7 +32,7 @@ class TinyRenderer(Client):
 
     Args:
         task: task with the tokens to draw.
-        seen: spheres that every picture must show.
+        seen: spheres that the camera must show in every picture.
         width: width of a picture [pixels].
         height: height of a picture [pixels].
     """
@@ -60,7 +60,7 @@ class TinyRenderer(Client):
             flags=pybullet.ER_NO_SEGMENTATION_MASK,
             lightDirection=_LIGHT,
             lightColor=(1.0, 1.0, 1.0),
-            # The shadow map has the camera's angle of view, so it covers more if the light is farther away.
+            # The shadow map has the camera's angle of view, so it covers a larger area if the light is farther away.
             lightDistance=_LIGHT_DISTANCE * self._camera.distance,
             lightAmbientCoeff=_AMBIENT,
             lightDiffuseCoeff=_DIFFUSE,

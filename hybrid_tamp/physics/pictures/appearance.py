@@ -1,4 +1,4 @@
-"""Appearance of tokens in pictures: coloured meshes, with marks that make rotations visible."""
+"""Appearance of tokens in pictures. Tokens are coloured meshes, and marks on the meshes make rotations visible."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -57,7 +57,7 @@ def _draw_token(token: Token, colour: Colour) -> list[ColouredMesh]:
     dark = _darker(colour, 0.5)
     if token.shape is None:
         radius = disc_radius(token)
-        # The rim is slightly above the floor, and the disc is slightly above the rim, so that they do not flicker.
+        # The rim is slightly above the floor, and the disc is slightly above the rim, to avoid flicker.
         rim = disc(radius).moved([0, 0, _THIN])
         inner = disc(radius * (1 - _RIM)).moved([0, 0, 2 * _THIN])
         green = _darker(colour, 0.6)
@@ -75,7 +75,7 @@ def _draw_token(token: Token, colour: Colour) -> list[ColouredMesh]:
 
 
 def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[ColouredMesh]:
-    """Return the convex solids of a shape in two alternating shades, which make rotations visible."""
+    """Return one mesh per convex solid of a shape. Two alternating shades make rotations of the shape visible."""
     solids = solids_of(shape)
     meshes = [solid(each).turned(quaternion_from_rpy(each.rpy)).moved(each.position) for each in solids]
     shades = (colour, _darker(colour, _SHADE))
@@ -83,13 +83,13 @@ def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[Co
 
 
 def _cross(radius: float) -> Mesh:
-    """Return two crossed hairlines that show a place even if an object stands on it."""
+    """Return two crossed hairlines that mark a place. The lines extend beyond an object that stands on the place."""
     arm = radius + _HAIRLINE
     return joined(box((arm, _THIN, _THIN / 2)), box((_THIN, arm, _THIN / 2)))
 
 
 def _mark(shape: Solid) -> Mesh:
-    """Return a mark slightly above the surface of a solid that makes its rotation visible."""
+    """Return a mark on the surface of a solid. The mark makes rotations of the solid visible."""
     if isinstance(shape, Cylinder):
         return box((shape.radius * 1.006, shape.radius * 0.1, shape.length / 2 + _THIN))
     if isinstance(shape, Box):

@@ -1,4 +1,4 @@
-"""Camera whose view contains all tokens during a whole run."""
+"""A camera that shows all tokens during a whole run."""
 
 from dataclasses import dataclass
 
@@ -17,9 +17,9 @@ FIELD_OF_VIEW = np.radians(32.0)
 ELEVATION = np.radians(30.0)
 """Angle of the camera above the horizontal [rad]."""
 TURN = np.radians(18.0)
-"""Horizontal angle between the view and the normal of the motion [rad]. It gives the picture depth."""
+"""Horizontal angle between the view and the normal of the motion [rad]. The angle gives the picture depth."""
 SPARE = 1.08
-"""Factor on the camera's distance that leaves a margin around the visible spheres."""
+"""Factor by which the camera's distance is increased, so that the picture has a margin around the spheres."""
 _DISC = 0.05
 _ROWS = 200
 _UP = np.array([0.0, 0.0, 1.0])
@@ -45,7 +45,7 @@ class Camera:
 
 @dataclass(frozen=True, eq=False)
 class Spheres:
-    """Spheres that a picture must show, with centres ``(n, 3)`` in the world frame and radii ``(n,)`` [m]."""
+    """Spheres that a picture must show. Centres ``(n, 3)`` [m] in the world frame, and radii ``(n,)`` [m]."""
 
     centres: FloatArray
     radii: FloatArray
@@ -58,7 +58,7 @@ class Spheres:
 
 
 def spheres_of(task: Task, recording: Recording) -> Spheres:
-    """Return the bounding spheres of all tokens at up to 200 times of the run."""
+    """Return the bounding spheres of all tokens at up to 200 instants of the run."""
     rows = np.unique(np.linspace(0, len(recording.times) - 1, _ROWS).astype(int))
     run = recording.trajectory
     centres = [run[token, "position"][rows] for token in task.tokens]
@@ -67,7 +67,7 @@ def spheres_of(task: Task, recording: Recording) -> Spheres:
 
 
 def bounding_radius(token: Token) -> float:
-    """Return the radius of the sphere about a token's origin that contains its meshes [m]."""
+    """Return the radius [m] of a sphere about a token's origin that contains all meshes of the token."""
     if token.shape is None:
         return disc_radius(token)
     return max(float(np.linalg.norm(each.position)) + _radius(each) for each in solids_of(token.shape))
@@ -84,18 +84,18 @@ def _radius(shape: Solid | Hull) -> float:
 
 
 def disc_radius(token: Token) -> float:
-    """Return the radius of the disc that is drawn for a token without a shape [m]."""
+    """Return the radius [m] of the disc that is drawn for a token without a shape."""
     radius = token.properties.get("radius", _DISC)
     return float(radius)
 
 
 def frame_camera(spheres: Spheres, aspect: float) -> Camera:
-    """Return the nearest camera that shows all spheres. Their longest extent is horizontal in the picture.
+    """Return the nearest camera that shows all spheres. The longest extent of the spheres appears horizontal.
 
     Let (x, y, z) be the centre of a sphere relative to the target, along the axes right, up and backward. Let D be the
-    distance of the camera and h half its angle of view. The left edge of the picture does not cut the sphere if
-    ``D >= z + (radius - x cos h) / sin h``. The other edges give similar bounds. Each bound is linear in D and in a
-    shift of the target, so D is smallest if the target is shifted until opposite bounds are equal.
+    distance from the camera to the target, and let h be half the angle of view. The picture's left edge does not cut
+    the sphere if ``D >= z + (radius - x cos h) / sin h``. The other edges give similar bounds. Each bound is linear in
+    D and in a shift of the target. So D is smallest if the target is shifted until opposite bounds are equal.
 
     Args:
         spheres: spheres to show.
@@ -119,7 +119,7 @@ def frame_camera(spheres: Spheres, aspect: float) -> Camera:
 
 
 def _axes(points: NDArray[np.float64]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return unit vectors to the right, up and backward. The points ``(n, 3)`` spread most along the first."""
+    """Return unit vectors to the right, up and backward. The points ``(n, 3)`` spread most in the right direction."""
     level = points[:, :2] - points[:, :2].mean(axis=0)
     _, spreads, directions = np.linalg.svd(level, full_matrices=False)
     along = directions[0] if spreads[0] > 1e-9 else np.array([1.0, 0.0])

@@ -12,7 +12,7 @@ from hybrid_tamp.physics.pictures.camera import spheres_of
 from hybrid_tamp.physics.protocol import Resource, load
 
 WIDTH, HEIGHT = 640, 352
-"""Default size of a picture [pixels]. A picture takes about 80 ms, so a video of 10 s at 20 Hz takes 16 s."""
+"""Default size of a picture [pixels]. Drawing a picture takes about 80 ms, so a video of 200 pictures takes 16 s."""
 
 _RENDERER = "hybrid_tamp.physics.bullet.tiny_renderer:TinyRenderer"
 
