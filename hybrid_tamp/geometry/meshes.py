@@ -36,7 +36,7 @@ class Hull:
     def integrals(self) -> tuple[float, FloatArray, FloatArray]:
         """Volume [m^3], first moments ``(3,)`` [m^4] and second moments ``(3, 3)`` [m^5] about the origin.
 
-        The integrals are sums over the tetrahedra between the triangles and the origin, which have signed volumes.
+        The integrals are sums over tetrahedra with signed volumes. Each tetrahedron spans a triangle and the origin.
         """
         corners = self.vertices[self.triangles]  # (m, 3 corners, 3)
         volumes = np.einsum("mi,mi->m", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
@@ -70,7 +70,7 @@ class MeshShape:
 
     @classmethod
     def of(cls, path: Path, scale: float, digest: str, solids: Sequence[Hull]) -> "MeshShape":
-        """Return the shape of some solids, which are translated so that their common centre of mass is the origin."""
+        """Return the shape of several solids, translated so that their common centre of mass is the origin."""
         volume, first, _ = _sum(solids)
         moved = tuple(each.moved(-first / volume) for each in solids)
         _, _, second = _sum(moved)

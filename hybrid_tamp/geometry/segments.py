@@ -7,7 +7,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 def nearest_on_segment(points: ArrayLike, begin: ArrayLike, end: ArrayLike) -> FloatArray:
-    """Return the point of each line segment that is nearest to a given point.
+    """Return the nearest point on each line segment to a given point.
 
     Args:
         points: given points [m], shape ``(..., 3)``.

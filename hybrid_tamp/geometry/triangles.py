@@ -1,4 +1,4 @@
-"""Triangle meshes with vertex normals, which make edges look sharp and curved surfaces look smooth."""
+"""Triangle meshes with vertex normals. The normals make edges look sharp and curved surfaces look smooth."""
 
 from dataclasses import dataclass
 
@@ -68,7 +68,7 @@ def faceted(hull: Hull) -> Mesh:
 
 
 def disc(radius: float) -> Mesh:
-    """Return a horizontal disc at the origin, whose normal is the z axis."""
+    """Return a disc at the origin, perpendicular to the z axis."""
     angles = np.linspace(0, 2 * np.pi, _SIDES, endpoint=False)
     rim = np.stack([np.cos(angles), np.sin(angles), np.zeros(_SIDES)], axis=-1) * radius
     vertices = np.concatenate([np.zeros((1, 3)), rim])

@@ -1,4 +1,4 @@
-"""Warp of the surface of a labelled object onto a new object, which transfers points between the objects.
+"""Warp of the surface of a labelled object onto a new object. The warp transfers points between the objects.
 
 The warp is a non-rigid registration with locally affine regularisation (Amberg, Romdhani and Vetter 2007, "Optimal Step
 Nonrigid ICP Algorithms for Surface Registration"), as implemented in trimesh. The paper (Sec. III-A) transfers contact
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _SOURCE_EDGES = 8
 """Approximate number of edges along the largest extent of the labelled surface after subdivision."""
 _TARGET_EDGES = 30
-"""Number of edges along the largest extent of the new surface after subdivision. The warp matches the vertices."""
+"""Number of edges along the largest extent of the new surface after subdivision. The warp matches the edges' ends."""
 
 
 @dataclass(frozen=True, eq=False)

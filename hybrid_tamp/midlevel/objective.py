@@ -32,8 +32,7 @@ class RollOut(Protocol):
             chosen: maps each pair of (instance, hyperparameter) to the values of all candidates, shape ``(n,)``. All
                 other hyperparameters keep the value in the plan or, if the plan has no value, the initial value.
             count: size n of the population.
-            until: name of an instance. The rollout may stop after the exit of this instance. None rolls out the whole
-                plan.
+            until: name of an instance. The rollout may stop after the exit of the instance. None means the whole plan.
         """
 
 

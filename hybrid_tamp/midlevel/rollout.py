@@ -69,8 +69,7 @@ class Rollout:
         value: value J, which is the weighted sum of the performance measures. Shape ``(n,)``.
         final: final states. Shape ``(n, layout.size)``.
         intervals: maps each instance to a pair of (start time, end time) in seconds, each of shape ``(n,)``.
-        failed: maps each instance to a mask of the candidates whose first non-finite result occurred in the instance.
-            Shape ``(n,)``.
+        failed: maps each instance to a mask, shape ``(n,)``, of the candidates with their first non-finite result in it.
     """
 
     conditions: tuple[Condition, ...]

@@ -124,8 +124,8 @@ def _measurable(literals: tuple[Literal, ...]) -> tuple[Literal, ...]:
 class Block:
     """A type of action, or one mode of a type of action.
 
-    An action with several possible outcomes has one mode for each outcome. Each mode has its own conditions, targets
-    and hyperparameters, and is a block named ``"ACTION:mode"``. An edge of the action is copied for each mode.
+    An action with several possible outcomes has one mode for each outcome. Each mode is a block named ``"ACTION:mode"``
+    with its own conditions, targets and hyperparameters. A network edge of the action applies to all modes.
 
     Attributes:
         name: name of the block, e.g. ``"ROLLING"`` or ``"REACHING:behind"``.
@@ -139,8 +139,7 @@ class Block:
         hyperparameters: policy parameters whose values are optimised.
         duration: bounds and an estimate for the duration of an instance.
         hold: whether an instance can continue after its exit conditions hold, in order to maintain these conditions.
-        policy: function ``policy(binding, start, parameters)`` that returns a feedback law. None if the block has no
-            policy.
+        policy: function ``policy(binding, start, parameters)`` that returns a feedback law. None if there is no policy.
         system: function ``system(binding, start)`` that returns the continuous system of an instance.
         performance: performance measures of an instance. The weighted sum of the measures is maximised.
         taught: function ``taught(primitive)`` that returns a copy of the block with another motor primitive

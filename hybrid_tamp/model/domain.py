@@ -23,13 +23,11 @@ class Domain(Declarations):
         blocks: action blocks of the domain.
         network: allowed reassignments between the slots of the blocks.
         resting: name of the block for tokens that no other block manipulates.
-        metrics: function that returns further metrics of a finished run for ``result.json``. None if there are no such
-            metrics.
+        metrics: function that returns further metrics of a finished run for ``result.json``. The function can be None.
         description: description in one line.
         sorts: additional symbol sorts, which no predicate or target mentions.
         disjoint: groups of pairwise disjoint classes. A token can be a member of at most one class of a group.
-        reduced: whether the domain was reduced from a checked domain. In a reduced domain, a slot without edges is
-            allowed.
+        reduced: whether the domain was reduced from a checked domain. If so, slots without edges are allowed.
         trials: recipes for membership trials, at most one for each class.
 
     Raises:

@@ -42,7 +42,7 @@ class TrialRecipe(Generic[TaskType]):
         object_class: class of the recipe.
         align: function ``align(task, token, labelled)`` that returns the initial rotation of the warp, shape
             ``(3, 3)``, from the body frame of the labelled token to the body frame of the new token.
-        estimate: function ``estimate(task, token, labelled, carry)`` that returns an `Estimate`. Both tokens must have
+        estimate: function ``estimate(task, token, labelled, carry)`` that returns an `Estimate`. Both tokens need
             shapes.
         task: function ``task(task, member, rng)`` that returns the task of a trial. `rng` randomises the initial state.
             If `rng` is None, the initial state is exact. The same plan must be valid for all initial states.

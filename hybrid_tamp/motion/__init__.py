@@ -13,7 +13,7 @@ Units
 Quaternions
     Unit quaternions have the order ``(x, y, z, w)``, as in PyBullet. The identity is ``(0, 0, 0, 1)``. The product
     is Hamilton's product: ``quaternion_multiply(a, b)`` rotates first by ``b`` and then by ``a``. The quaternions
-    ``q`` and ``-q`` represent the same rotation. Of their two rotation angles, functions return the smaller angle.
+    ``q`` and ``-q`` represent the same rotation. Functions return the smaller of the two possible rotation angles.
 
 Names of rotations
     ``target_from_source`` transforms the coordinates of a vector from the source frame to the target frame. In a

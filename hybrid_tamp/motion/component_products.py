@@ -9,7 +9,7 @@ IntArray = NDArray[np.intp]
 
 
 def sums(*rows: dict[tuple[int, int], float]) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return the table that `products` needs to compute some sums of products.
+    """Return the table that `products` needs to compute the given sums of products.
 
     Args:
         rows: one mapping per sum. Maps each pair of (first component, second component) to the weight of the product.
@@ -41,7 +41,7 @@ TURN = sums(
 )
 """Table for the rotation matrix minus the identity, row by row. Both factors must be the same quaternion."""
 EACH_ROW, ROW_SUMS = np.tile(np.arange(3), 3), np.kron(np.eye(3), np.ones((3, 1)))
-"""Indices of the vector components that multiply the elements of the `TURN` result, and a matrix of row sums."""
+"""Indices of the vector components that multiply the elements of the `TURN` result, and a matrix for row sums."""
 
 
 def products(a: FloatArray, b: FloatArray, table: tuple[IntArray, IntArray, FloatArray]) -> FloatArray:

@@ -108,15 +108,15 @@ class DMP:
             start: initial positions [m], shape ``(..., d)``. The initial velocity is zero.
             goal: final positions [m], shape ``(..., d)``.
             duration: durations without the settling time [s], shape ``(...)``.
-            n_steps: number of time steps. The interpolation error is at most ``a (duration / n_steps)^2 / 8``, where a
-                is the largest acceleration.
+            n_steps: number of time steps. The interpolation error is at most ``a (duration / n_steps)^2 / 8``, where
+                ``a`` is the largest acceleration.
             settle: settling time after the movement, as a fraction of the duration.
 
         Returns:
             Sampled movement, with the broadcast batch shape ``(...)``.
 
         Raises:
-            ValueError: if a duration or ``n_steps`` is not positive, if ``settle`` is negative, or if the shapes do not
+            ValueError: if a duration or ``n_steps`` is not positive, ``settle`` is negative, or the shapes do not
                 match.
         """
         begin, end, tau = (np.asarray(values, dtype=np.float64) for values in (start, goal, duration))

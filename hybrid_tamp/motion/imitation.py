@@ -33,7 +33,7 @@ def fitted_weights(system: TransformationSystem, demonstrations: Sequence[Demons
     equations = [_equations(system, demonstration) for demonstration in demonstrations]
     design, target = (np.concatenate(rows) for rows in zip(*equations, strict=True))
     # Each weight is scaled by s at the centre of its basis function. A weak penalty on second differences of the
-    # scaled weights keeps the forcing term smooth. The penalty matters only with fewer samples than weights.
+    # scaled weights keeps the forcing term smooth. The penalty matters only if samples are fewer than weights.
     centres = system.centres()
     roughness = _SMOOTHNESS * np.diff(np.eye(system.n_weights), 2, axis=0)
     design = np.concatenate([design / centres, roughness])

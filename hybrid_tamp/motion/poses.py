@@ -182,7 +182,7 @@ def rotation_vector(quaternion: ArrayLike) -> FloatArray:
 
     Returns:
         Rotation vectors of length at most pi [rad], shape ``(..., 3)``. A half turn has two shortest rotation vectors,
-        and the sign of the quaternion selects one of both.
+        and the sign of the quaternion selects the returned vector.
 
     Raises:
         ValueError: if the last dimension is not 4.

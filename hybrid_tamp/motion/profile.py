@@ -73,6 +73,6 @@ class Profile:
         phase, share, rate = self._table
         far, time = np.abs(np.asarray(amount))[..., None], np.asarray(duration)[..., None]
         not_yet = (far * np.abs(1.0 - share) > near) | (far * np.abs(rate) / time > slow)
-        # The first sample after all samples that are too far from the end or too fast.
+        # Index of the first sample after the last sample that is too far from the end or too fast.
         after = np.minimum(np.max(np.where(not_yet, np.arange(1, len(phase) + 1), 0), axis=-1), len(phase) - 1)
         return np.asarray(phase[after] * duration)

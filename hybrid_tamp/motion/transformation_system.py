@@ -60,7 +60,7 @@ class TransformationSystem(NamedTuple):
         return np.concatenate([np.ones_like(s), s, psi], axis=-1)
 
     def transition(self, steps: FloatArray) -> FloatArray:
-        """Return the transition matrices of the state ``(y, y')`` without input, which are matrix exponentials.
+        """Return the transition matrices of the state ``(y, y')`` for zero input, computed as matrix exponentials.
 
         Args:
             steps: lengths of the steps in normalised time, shape ``(...)``.
@@ -138,7 +138,7 @@ class TransformationSystem(NamedTuple):
 def settling_responses(system: TransformationSystem, n_steps: int, n_settle: int) -> FloatArray:
     """Return the responses on a uniform time grid that includes the settling time after the movement.
 
-    During the settling time, a minimum-jerk profile fades out the displacement by the decaying inputs. So the movement
+    During the settling time, a minimum-jerk profile fades out the displacement due to decaying inputs. So the movement
     ends on the goal for all weights. The response to the goal is not faded out. With default constants, this response
     differs from its limit by ``(1 + 12.5 p) exp(-12.5 p)``, e.g. 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
 
