@@ -69,7 +69,7 @@ class Rollout:
         value: value J, which is the weighted sum of the performance measures. Shape ``(n,)``.
         final: final states. Shape ``(n, layout.size)``.
         intervals: maps each instance to a pair of (start time, end time) in seconds, each of shape ``(n,)``.
-        failed: maps each instance to a mask, shape ``(n,)``, of the candidates with their first non-finite result in it.
+        failed: maps each instance to a mask of candidates that first became non-finite in the instance. Shape ``(n,)``.
     """
 
     conditions: tuple[Condition, ...]

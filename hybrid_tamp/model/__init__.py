@@ -1,4 +1,4 @@
 """Data structures of tasks, domains, plans and recordings.
 
-This package does not plan, simulate, or read and write files. The packages that do so import this package.
+This package neither plans nor simulates, and does not access files. Other packages import this package.
 """

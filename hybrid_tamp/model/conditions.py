@@ -1,4 +1,4 @@
-"""Check of law 5 and of the goal in law 7, by declared effects for a plan and by measured margins for a recording."""
+"""Checks of law 5 and of the goal. Plans are checked by declared effects, and recordings by measured margins."""
 
 from bisect import bisect_left, bisect_right
 from collections import deque

@@ -23,7 +23,7 @@ class BlockInstance:
         targets: maps each target to the name of its token or symbol.
         hyperparameters: maps each hyperparameter to its value.
         reached: instant at which the exit conditions first hold, for a block with `hold` [s]. The instance changes
-            nothing after this instant. None if unknown or without `hold`.
+            nothing after this instant. None if unknown, and for blocks without `hold`.
     """
 
     name: str
