@@ -3,18 +3,18 @@
 ::
 
     find_plan       Task -> TaskPlan: runs the strategies and returns the best lawful plan
-      strategies/     plan goals apart, rebind interchangeable tokens; both share one search
-      encoding/       Task -> Compilation: operators with meanings, facts, goal
+      strategies/     plans goals separately and rebinds interchangeable tokens
+      encoding/       Task -> Compilation: operators and their meanings, initial facts, goal
       chaining/       composes blocks in series into one block before the encoding
-      engines/        PlanningProblem -> PlannedActions, in a worker process
-      decode          PlannedActions -> ordered instances
+      engines/        PlanningProblem -> PlannedActions: runs an engine in a worker process
+      decode          PlannedActions -> ordered instances: block instances without times
       estimates       ordered instances -> expected durations
       schedule        ordered instances -> TaskPlan with times
     reencode        TaskPlan -> PlannedActions of a compiled task
-    relaxation      quick proof that a task has no plan
-    pddl/           problems and plans as PDDL text, joins over facts
+    relaxation      quickly proves that some tasks have no plan
+    pddl/           writes problems and plans as PDDL text, joins facts
     plan_text       reads plans of other planners
-    temporal/       encoding and export as PDDL 2.1, with one durative action per block
+    temporal/       exports tasks and plans as PDDL 2.1, with one durative action per block
 
 Only the worker process of engines/ imports unified_planning.
 """

@@ -1,8 +1,8 @@
-"""Decoder of planned actions to block instances with their tokens.
+"""Decoder, which converts planned actions to block instances with tokens.
 
-A `fill` chooses a token that enters when the block begins. Each `begin` is one reassignment, and the `leave` actions
-after it belong to the same instant. A chain begins with its first block. The reassignments inside the chain follow
-before the next `begin`.
+A `fill` action chooses a token for a slot, which the token enters when the block begins. Each `begin` action is one
+reassignment, to which the following `leave` actions also belong. The first block of a chain begins with the action. Its
+later blocks begin before the next `begin` action, with one reassignment each.
 """
 
 from collections import Counter
@@ -25,7 +25,7 @@ class UndecodableError(NotAPlanError):
 
 @dataclass
 class OrderedInstance:
-    """A block instance with numbers of reassignments in place of times.
+    """A block instance whose beginning and end are given by numbers of reassignments, not by times.
 
     Attributes:
         name: Unique name of the instance.
@@ -61,12 +61,12 @@ class _Decoding:
     pending: list[tuple[Link, Mapping[str, str]]] = field(default_factory=list)
 
     def enter(self, links: Sequence[Link], named: Mapping[str, str]) -> None:
-        """Begin the first block of a step. The later blocks begin when the reassignment is complete."""
+        """Begin the block of the first link. The blocks of the other links begin in `pass_through`."""
         self._begin(links[0], named)
         self.pending += [(link, named) for link in links[1:]]
 
     def pass_through(self) -> None:
-        """Begin the later blocks of the chains that have begun, with one reassignment per block."""
+        """Begin the pending blocks of chains, with one reassignment per block."""
         for link, named in self.pending:
             self.reassignment += 1
             self._begin(link, named)
@@ -91,7 +91,7 @@ class _Decoding:
 
 
 def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[OrderedInstance]:
-    """Return the instances of a plan in the order of their beginnings, starting with the initial instances.
+    """Return the instances of a plan in the order of their beginnings. The initial instances come first.
 
     Args:
         compilation: Compiled task for which the plan was made.
@@ -118,7 +118,7 @@ def decode(compilation: Compilation, actions: Iterable[PlannedAction]) -> list[O
             continue
         slots = {block.anchor: anchor, **claimed.pop((block.name, anchor), {})}
         if set(slots) != {slot.name for slot in block.slots}:
-            raise UndecodableError(f"all slots of {block.name} must be filled before it begins with anchor {anchor}")
+            raise UndecodableError(f"all slots of {block.name} must be filled before it begins (anchor {anchor})")
         if meaning.kind == "begin":
             decoding.pass_through()
             decoding.reassignment += 1

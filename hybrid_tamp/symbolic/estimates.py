@@ -1,8 +1,8 @@
 """Expected durations of the instances of a plan.
 
-The duration of an instance is estimated in the state in which it is expected to begin. This state follows from the
-earlier instances of the plan. Each instance moves its tokens to the poses that its block's `outcome` computes. If the
-block has no `outcome`, a token moves to the centre of the place that an exit condition names.
+The duration of an instance is estimated in the state in which the instance is expected to begin. This state follows
+from the earlier instances of the plan. Each instance moves its tokens to the poses that the `outcome` of the block
+computes. Without an `outcome`, a token moves to the centre of a place if an exit condition names the token and the place.
 """
 
 import math
@@ -19,7 +19,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.symbolic.decode import OrderedInstance
 
 TICK = 1e-3
-"""Resolution of times [s]. Times are whole multiples, so that rounding errors cannot make a schedule infeasible."""
+"""Resolution of times [s]. Times are multiples of `TICK`, so that rounding errors cannot make a schedule infeasible."""
 
 _POSE = ("position", "orientation")
 _DIGITS = 6
@@ -34,8 +34,8 @@ class Estimate:
 
     Attributes:
         seconds: Time from the beginning of the instance until its exit conditions hold [s].
-        initial_values: Initial values of the hyperparameters.
-        outcome: Poses of the tokens at the exit.
+        initial_values: Maps each hyperparameter to its initial value.
+        outcome: Poses of the tokens when the exit conditions hold.
     """
 
     seconds: float
@@ -44,7 +44,7 @@ class Estimate:
 
 
 class Estimates:
-    """The estimates of the instances of one task. Equal instances in different plans share one estimate."""
+    """The estimates of the instances of one task. Instances with equal roles in equal poses share one estimate."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
@@ -64,7 +64,7 @@ class Estimates:
         return found
 
     def _event(self, instance: OrderedInstance) -> int:
-        """Return the first reassignment by which an instance has reached its exit and others may read its tokens."""
+        """Return the first reassignment at which other instances may read the tokens that the instance has moved."""
         hold = self.task.domain.block_by_name[instance.block].hold
         return instance.begin + 1 if hold or instance.end is None else instance.end
 
@@ -82,7 +82,7 @@ class Estimates:
         initial = block.initial_values(binding, state)
         expected = block.duration.expected(binding, state, initial)
         bounded = float(np.clip(expected, block.duration.minimum, block.duration.maximum))
-        # The duration is an integer number of ticks, so that sums of durations are exact.
+        # The duration is a whole number of ticks, so that sums of durations are exact.
         seconds = round(math.ceil(bounded / TICK - 1e-6) * TICK, 6)
         values = {name: float(value) for name, value in initial.items()}
         return Estimate(seconds, values, self._outcome(block, roles, binding, state))
@@ -96,7 +96,7 @@ class Estimates:
         return {(name, p): after[name, p].copy() for name in tokens for p in _properties(state, name)}
 
     def _place(self, literal: Literal, roles: Mapping[str, str], state: State) -> Poses:
-        """Return the pose of a token at the centre of the place that an exit condition names."""
+        """Return the position of a token above the centre of its place if an exit condition names the token and the place."""
         index = literal.predicate.functional_index
         if not literal.positive or index is None or len(literal.arguments) != 2:
             return {}

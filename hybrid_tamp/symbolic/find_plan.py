@@ -1,9 +1,9 @@
 """Search for the best lawful plan of a task with all strategies.
 
-Independent goals are planned separately. If this gives no plan, the engine plans the whole task at once. If the
-objective is the number of actions, the first lawful plan is returned. If the objective is the makespan, the goals are
-planned separately with different numbers of helpers. Then interchangeable tokens of the shortest plan are rebound until
-no rebinding shortens the plan or the time limit is reached.
+Independent goals are planned separately if the engine allows this. If no plan is found, the engine plans the whole task
+at once. If the objective is the number of actions, the first lawful plan is returned. If the objective is the
+makespan, several numbers of helpers (e.g. hands) per goal are tried. Then interchangeable tokens of the shortest plan are
+rebound until the time limit is reached or no rebinding shortens the plan.
 """
 
 import time
@@ -24,14 +24,14 @@ WHOLE = "the whole task at once"
 REBOUND = "interchangeable tokens rebound"
 
 _DECOMPOSING = ("fast-downward", "symk", "enhsp", "pyperplan")
-"""Engines for separate planning of goals. They stop if there is no plan, and do not guarantee the fewest actions."""
+"""Engines that may plan goals separately. They stop if there is no plan, and do not guarantee the fewest actions."""
 
 
 def find_plan(task: Task, planner: Planner) -> SearchResult:
-    """Return a plan that the law checker accepted, or the reason why there is none.
+    """Return a plan that the law checker accepted, or the reason why there is no plan.
 
     Each action comes from a plan that the validator of unified-planning accepted. If the goal leaves a choice, the
-    best plan of all alternatives is returned. The task is proven unsolvable if every alternative is unsolvable.
+    best plan of all alternatives is returned. The task is proven unsolvable only if every alternative is.
 
     Args:
         task: Task to plan.
@@ -48,7 +48,7 @@ def find_plan(task: Task, planner: Planner) -> SearchResult:
 
 
 def _plan_alternative(task: Task, planner: Planner, shortening: float) -> SearchResult:
-    """Plan a task whose goal leaves no choice. `shortening` limits the search for shorter plans [s]."""
+    """Plan a task whose goal leaves no choice. `shortening` is the time limit for finding shorter plans [s]."""
     search = Search(task, planner)
     shortest = task.objective == "makespan"
     best = None
@@ -73,7 +73,7 @@ def _plan_alternative(task: Task, planner: Planner, shortening: float) -> Search
 
 
 def _rebind(search: Search, best: Candidate, shortening: float) -> Candidate:
-    """Return a shorter lawful plan with interchangeable tokens rebound, or the given plan if there is none."""
+    """Rebind interchangeable tokens. Return a shorter lawful plan, or `best` if no shorter plan is found."""
     seconds = shortening - search.elapsed
     with search.stage("scheduling"):
         shorter = rebind_tokens(search.compilation, best.plan, seconds, search.estimates)
@@ -103,7 +103,7 @@ def _plan_alternatives(task: Task, alternatives: Sequence[Task], planner: Planne
         raise next((each for each in undecided if each.limit != "time"), time_limit_reached(task))
     open_ends = [result for result in found if result.status != "unsolvable"]
     chosen = min(solved, key=_cost) if solved else [*open_ends, *found][0]
-    # The time of a stage is its sum over all alternatives.
+    # The duration of a stage is summed over all alternatives.
     stages = {name: sum(result.stages.get(name, 0.0) for result in found) for name in chosen.stages}
     return replace(chosen, answer=replace(chosen.answer, seconds=time.monotonic() - began), stages=stages)
 

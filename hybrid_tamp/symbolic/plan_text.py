@@ -1,4 +1,4 @@
-"""Reader of plans that other planners found for the exported PDDL."""
+"""Reader of plans that other planners found for exported PDDL files."""
 
 import re
 from pathlib import Path
@@ -35,7 +35,7 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
     actions = [action for line in text.splitlines() for action in _parse_line(line)]
     wanted = f"expected a plan of the task {task.name}"
     if not compilation.reaches_goal(actions):
-        came = "an action that is unknown or not applicable, or actions that do not achieve the goal"
+        came = "actions that cannot be applied in this order or do not achieve the goal"
         raise InputError([Issue(str(path), wanted, came)])
     try:
         plan = schedule_actions(compilation, actions)
@@ -48,7 +48,7 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
 
 
 def _parse_line(line: str) -> list[PlannedAction]:
-    """Return the actions in a line of text, in lower case because PDDL ignores case."""
+    """Return the actions in a line of text. All names become lower case, because PDDL ignores case."""
     found = _ACTION.findall(line.partition(";")[0].lower())
     actions = [words.split() for words in found]
     return [PlannedAction(name, tuple(arguments)) for name, *arguments in actions]

@@ -1,8 +1,8 @@
 """Conversion of a timeline to planned actions, so that PDDL validators can judge any task plan.
 
-A timeline does not contain all parameters, e.g. old values and numbers of readers. The missing parameters follow from
-the facts when the action is applied. If no operator is applicable, the action is `NO_ACTION`, so that a validator
-rejects the plan.
+A timeline does not contain all parameters of the actions, e.g. the number of readers of a token. The facts that hold
+when an action is applied determine its missing parameters. If no operator is applicable, the action is `NO_ACTION`, and
+validators reject the plan.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -16,15 +16,15 @@ from hybrid_tamp.symbolic.pddl.joins import FactIndex, join
 from hybrid_tamp.symbolic.pddl.operators import Operator
 
 NO_ACTION = PlannedAction("no-such-reassignment")
-"""Action without an operator, which stands for an impossible reassignment."""
+"""Action that stands for an impossible reassignment. No operator has this name."""
 
 
 def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
     """Return the actions for the reassignments of a timeline, in the order of its instants.
 
-    The result has a `NO_ACTION` for each token that is in no instance, or in two instances, at some time. If the plan
-    stops inside a chain, the result has a `NO_ACTION` for each block of the incomplete chain and no other action. To
-    judge plans that stop inside a chain, compile the task without chains.
+    If a token is in no instance or in two instances at any time, the result has a `NO_ACTION` for this token. If the
+    plan stops inside a chain, the result is only one `NO_ACTION` per instance of the incomplete chain. To judge plans
+    that stop inside a chain, compile the task without chains.
     """
     torn = [token.name for token in compilation.task.assigned if not _tiles(plan, token.name)]
     domain = compilation.encoded.vocabulary.domain
@@ -45,12 +45,12 @@ def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
 
 
 def plan_actions(compilation: Compilation, plan: TaskPlan) -> Sequence[PlannedAction]:
-    """Return the plan's own actions, or its re-encoded timeline if the actions belong to another network."""
+    """Return the plan's own actions if they achieve the goal of the compiled task, or else its re-encoded timeline."""
     return plan.actions if compilation.reaches_goal(plan.actions) else reencode(compilation, plan)
 
 
 def _tiles(plan: TaskPlan, token: str) -> bool:
-    """Return whether the instances of a token cover the plan without gaps and overlaps."""
+    """Return whether the instances of a token cover the plan without gaps or overlaps."""
     spans = [(instance.start, instance.end) for instance, _ in plan.timeline(token)]
     joints = [0.0, *(end for _, end in spans)]
     starts = [*(start for start, _ in spans), plan.makespan]
@@ -58,7 +58,7 @@ def _tiles(plan: TaskPlan, token: str) -> bool:
 
 
 _Wanted = tuple[str, str, str, tuple[str, str] | None, frozenset[str], dict[str, str]]
-"""Required action as a tuple of kind, block, slot, source, source slots that move with the anchor, and roles."""
+"""Tuple of (kind, block, slot, source, slots of the source whose tokens move with the anchor, roles)."""
 
 
 def _reassignments(domain: Domain, plan: TaskPlan) -> Iterator[_Wanted]:
@@ -69,7 +69,7 @@ def _reassignments(domain: Domain, plan: TaskPlan) -> Iterator[_Wanted]:
 
 
 def group_by_source(plan: TaskPlan, starting: list[BlockInstance]) -> list[list[BlockInstance]]:
-    """Return the starting instances in groups. Instances that take tokens from the same instance are in one group."""
+    """Group the starting instances. Instances that take tokens from the same instance are in the same group."""
     groups: list[tuple[set[str], list[BlockInstance]]] = []
     for instance in starting:
         sources = {b[0].name for t in instance.slots.values() if (b := plan.before(instance, t))} | {instance.name}
@@ -81,7 +81,7 @@ def group_by_source(plan: TaskPlan, starting: list[BlockInstance]) -> list[list[
 
 
 def _in_order(domain: Domain, plan: TaskPlan, groups: list[list[BlockInstance]]) -> list[list[BlockInstance]]:
-    """Return the groups in an applicable order. Groups that free or need a token or fact precede its changes."""
+    """Return the groups in an order in which they can be applied. `_frees` and `_needs` decide on the order."""
 
     def first(one: list[BlockInstance], other: list[BlockInstance]) -> bool:
         return _frees(plan, one, other) or _needs(domain, one, other)
@@ -148,7 +148,7 @@ def _wanted(
 def _find_action(
     compilation: Compilation, operators: dict[str, Operator], wanted: _Wanted, facts: FactIndex
 ) -> PlannedAction:
-    """Return the first applicable action that performs a reassignment, or `NO_ACTION` if there is none."""
+    """Return the first applicable action that performs a reassignment, or `NO_ACTION` if no action is applicable."""
     kind, block, slot, before, moved, roles = wanted
     for name, meaning in compilation.encoded.meanings.items():
         found = (meaning.kind, meaning.block, meaning.slot, meaning.source, meaning.along)

@@ -1,4 +1,4 @@
-"""Delete relaxation, a quick proof that a planning problem has no plan."""
+"""Relaxation without deletes, which quickly proves that some planning problems have no plan."""
 
 from collections import defaultdict
 
@@ -8,15 +8,15 @@ from hybrid_tamp.symbolic.pddl.operators import Fact, Operator, PlanningProblem,
 
 
 def may_be_solvable(problem: PlanningProblem) -> bool:
-    """Return whether the goal is reachable if no fact is ever deleted. If not, the problem has no plan."""
+    """Return whether the goal is reachable if no fact is ever deleted. If False, the problem has no plan."""
     return reachable(problem).issuperset(problem.goal)
 
 
 def reachable(problem: PlanningProblem) -> set[Fact]:
     """Return the facts that are reachable if no fact is ever deleted. The search stops when the goal is reached.
 
-    Each new fact is matched with every condition on its predicate. Then the other conditions of the operator are joined
-    with the known facts.
+    Each new fact is matched with every precondition on the same predicate. Then the other preconditions of the same
+    operator are joined with the known facts.
     """
     smaller = without_impossible(problem)
     known = FactIndex(smaller.init)
@@ -51,7 +51,7 @@ class _Lifted:
         self._added = {argument for fact in operator.add for argument in fact[1:] if argument.startswith("?")}
 
     def list_added(self, condition: Fact | None, fact: Fact, known: FactIndex) -> list[Fact]:
-        """Return the new facts that the operator adds if `fact` satisfies `condition`, or if `condition` is None."""
+        """Return the new facts that the operator can add. If the precondition `condition` is given, it is bound to `fact`."""
         bound = bind_condition(condition, fact, {}, self._ranges) if condition else {}
         if bound is None:
             return []

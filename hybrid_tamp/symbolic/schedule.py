@@ -1,9 +1,9 @@
 """Scheduler that computes the times of an ordered plan with a simple temporal network.
 
-The events of the network are the reassignments. An instance with a hold lasts at least its expected duration. An
-instance without a hold lasts exactly its expected duration. If one instance changes a token or fact that another
-instance reads or requires, the two keep the order of the plan. The earliest time of an event is the length of the
-longest path to it.
+The events of the network are the reassignments. If tokens may stay in a block after its exit (`hold`), an instance
+lasts at least its expected duration. Otherwise, the instance lasts exactly its expected duration. Two instances keep
+the order of the plan if one of them changes a token or fact that the other one reads or requires. The earliest time of
+an event is the length of the longest path to the event.
 """
 
 from collections import defaultdict
@@ -21,11 +21,11 @@ from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import TICK, Estimate, Estimates
 
 Constraint = tuple[int, int, float, str]
-"""Tuple of (i, j, seconds, reason). Event j must come at least `seconds` after event i."""
+"""Tuple of (i, j, seconds, reason). Event j must happen at least `seconds` after event i."""
 
 
 class InfeasibleScheduleError(NotAPlanError):
-    """No times satisfy the order and the durations of the plan. The message lists the conflicting constraints."""
+    """The order and the durations of the plan contradict each other. The message lists the conflicting constraints."""
 
 
 def schedule(
@@ -39,11 +39,11 @@ def schedule(
     Args:
         task: Task of the plan.
         instances: Instances of the plan in the order of their beginnings.
-        actions: Actions of the plan, for `TaskPlan.actions`.
-        estimates: Estimates of the task, if several plans share them.
+        actions: Actions to store in `TaskPlan.actions`.
+        estimates: Estimates of the task, which several plans may share. New estimates are made if None.
 
     Raises:
-        InfeasibleScheduleError: If the durations contradict the order.
+        InfeasibleScheduleError: If the durations contradict the order of the instances.
     """
     expected = (estimates or Estimates(task)).of(instances)
     final = max(i.begin for i in instances) + 1
@@ -63,7 +63,7 @@ def schedule_actions(
     """Decode and schedule the actions of a compiled task.
 
     Raises:
-        NotAPlanError: If the actions are not a sequence of reassignments, or if the durations contradict their order.
+        NotAPlanError: If the actions are not a sequence of reassignments, or if their order contradicts the durations.
     """
     return schedule(compilation.task, decode(compilation, actions), actions, estimates)
 
@@ -74,7 +74,7 @@ def _reached(task: Task, instance: OrderedInstance, expected: Estimate, times: S
 
 
 class _Network:
-    """The constraints between the events of one plan."""
+    """The simple temporal network of one plan."""
 
     def __init__(
         self, task: Task, instances: Sequence[OrderedInstance], ends: Sequence[int], seconds: Sequence[float]
@@ -86,12 +86,12 @@ class _Network:
         self.roles = [task.bind({**instance.slots, **instance.targets}) for instance in instances]
 
     def constraints(self, final: int) -> Iterator[Constraint]:
-        """Yield all constraints, some of them more than once."""
+        """Yield all constraints. Some constraints are yielded several times."""
         yield from self._durations()
         yield from self._conflicts()
         yield from self._needs()
-        yield from ((0, event, 0.0, "the plan begins") for event in range(1, final + 1))
-        yield from ((event, final, 0.0, "the plan ends") for event in range(final))
+        yield from ((0, event, 0.0, "no event precedes the beginning of the plan") for event in range(1, final + 1))
+        yield from ((event, final, 0.0, "no event follows the end of the plan") for event in range(final))
 
     def _durations(self) -> Iterator[Constraint]:
         for instance, end, block, seconds in zip(self.instances, self.ends, self.blocks, self.seconds, strict=True):
@@ -101,19 +101,19 @@ class _Network:
                 yield (end, instance.begin, -seconds, reason)
 
     def _conflicts(self) -> Iterator[Constraint]:
-        """Keep the order of the plan if one instance changes a token that another instance reads."""
+        """Yield constraints that keep two instances in order if one changes a token that the other one reads."""
         for writer, reader in self._touching():
             one, two = sorted((writer, reader))
             first, second = self.instances[one], self.instances[two]
             if self.ends[one] <= second.begin:
                 yield (self.ends[one], second.begin, 0.0, f"{second.name} must begin after {first.name} ends")
             elif writer == one and first.begin < second.begin and self.blocks[one].hold:
-                # The reader waits until the exit of the writer. After its exit the writer may hold.
-                reason = f"{second.name} reads a token of {first.name}"
+                # The reader waits until the writer reaches its exit. Then the writer may stay in its hold.
+                reason = f"{second.name} reads a token that {first.name} changes"
                 yield (first.begin, second.begin, self.seconds[one], reason)
 
     def _touching(self) -> Iterator[tuple[int, int]]:
-        """Yield pairs of (writer, reader). The writer changes a property of a target that the reader reads."""
+        """Yield index pairs (writer, reader). The writer changes a property of a token that the reader reads."""
         writers: defaultdict[str, list[tuple[int, set[str]]]] = defaultdict(list)
         for index, (instance, block) in enumerate(zip(self.instances, self.blocks, strict=True)):
             for slot, token in instance.slots.items():
@@ -126,7 +126,7 @@ class _Network:
                         yield writer, index
 
     def _needs(self) -> Iterator[Constraint]:
-        """Begin each instance after its entry conditions become true, and before a later instance may change them."""
+        """Yield constraints that let each instance begin only while its entry conditions hold."""
         effects = _Effects(self)
         for index, instance in enumerate(self.instances):
             for literal in self.blocks[index].changing_entry:
@@ -141,7 +141,7 @@ class _Network:
                         yield (instance.begin, self.instances[later].begin, 0.0, reason)
 
     def _after(self, maker: int, instance: OrderedInstance, atom: Atom) -> Constraint:
-        """Begin an instance after the maker of its condition has ended or reached its exit."""
+        """Return the constraint that an instance begins after instance `maker` has made its entry condition true."""
         made = self.instances[maker]
         reason = f"{instance.name} requires {atom.text}, an effect of {made.name}"
         if self.ends[maker] <= instance.begin:
@@ -150,7 +150,7 @@ class _Network:
 
 
 class _Effects:
-    """An index of the instances that change an atom, by predicate and first argument."""
+    """An index of the effects of all instances, by predicate and first argument."""
 
     def __init__(self, network: _Network) -> None:
         self._found: defaultdict[tuple[str, str], list[tuple[int, Atom]]] = defaultdict(list)
@@ -184,7 +184,7 @@ def _earliest(constraints: Sequence[Constraint], count: int) -> list[float]:
 
 
 def _cycle(constraints: Sequence[Constraint]) -> list[str]:
-    """Return the reasons along a cycle of constraints that cannot all be satisfied."""
+    """Return the reasons of constraints that form a cycle and cannot be satisfied together."""
     graph: nx.DiGraph[int] = nx.DiGraph()
     for source, target, least, reason in constraints:
         ticks = round(least / TICK)
