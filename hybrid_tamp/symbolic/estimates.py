@@ -2,7 +2,7 @@
 
 The duration of an instance is estimated in the state in which the instance is expected to begin. This state follows
 from the earlier instances of the plan. Each instance moves its tokens to the poses that the `outcome` of the block
-computes. Without an `outcome`, a token moves to the centre of a place if an exit condition names the token and the place.
+computes. Without an `outcome`, a token moves to the centre of the place that an exit condition assigns to the token.
 """
 
 import math
@@ -96,7 +96,7 @@ class Estimates:
         return {(name, p): after[name, p].copy() for name in tokens for p in _properties(state, name)}
 
     def _place(self, literal: Literal, roles: Mapping[str, str], state: State) -> Poses:
-        """Return the position of a token above the centre of its place if an exit condition names the token and the place."""
+        """Return the position of a token above the centre of the place that an exit condition assigns to it."""
         index = literal.predicate.functional_index
         if not literal.positive or index is None or len(literal.arguments) != 2:
             return {}

@@ -2,8 +2,8 @@
 
 Independent goals are planned separately if the engine allows this. If no plan is found, the engine plans the whole task
 at once. If the objective is the number of actions, the first lawful plan is returned. If the objective is the
-makespan, several numbers of helpers (e.g. hands) per goal are tried. Then interchangeable tokens of the shortest plan are
-rebound until the time limit is reached or no rebinding shortens the plan.
+makespan, several numbers of helpers (e.g. hands) per goal are tried. Then interchangeable tokens of the shortest plan
+are rebound until the time limit is reached or no rebinding shortens the plan.
 """
 
 import time

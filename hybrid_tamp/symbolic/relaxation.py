@@ -51,7 +51,7 @@ class _Lifted:
         self._added = {argument for fact in operator.add for argument in fact[1:] if argument.startswith("?")}
 
     def list_added(self, condition: Fact | None, fact: Fact, known: FactIndex) -> list[Fact]:
-        """Return the new facts that the operator can add. If the precondition `condition` is given, it is bound to `fact`."""
+        """Return the new facts that the operator can add. `fact` satisfies the precondition `condition`, if given."""
         bound = bind_condition(condition, fact, {}, self._ranges) if condition else {}
         if bound is None:
             return []

@@ -1,8 +1,8 @@
 """Search for chains, which are blocks in series that are compiled as one block (paper, Sec. II-C).
 
-"These serial actions do not increase the planning complexity any more than a single action would." In a chain, each
-slot of a block has a single outgoing edge, which leads to a slot of the next block. A chain is as long as `composing`
-and `cuts` allow. The cuts depend on the goal and on the initial assignment of the task.
+"These serial actions do not increase the planning complexity any more than a single action would." Inside a chain, the
+only edge from each slot of a block leads to a slot of the next block. A chain is as long as `composing` and `cuts`
+allow. The cuts depend on the goal and on the initial assignment of the task.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -58,8 +58,8 @@ def chain_blocks(task: Task) -> Chains:
 
 
 def _followers(task: Task) -> Iterator[tuple[str, Follower]]:
-    """Yield pairs of (block, follower) for blocks that have exactly one follower and are its only predecessor."""
-    # Tokens that start in a block do not pass through its predecessors, so the block is in no chain.
+    """Yield pairs of (block, follower). The block has no other follower, and the follower has no other predecessor."""
+    # A token that starts in a block does not pass through the predecessors of the block, so the block is in no chain.
     apart = {task.domain.resting, *task.assignment.values()}
     for block in task.domain.blocks:
         follower = _follower(task.domain, block)
@@ -125,7 +125,7 @@ def _with_chains(task: Task, chains: Collection[Series]) -> Chains:
 
 
 def _lean(series: Series, name: str, wanted: Collection[str]) -> Block:
-    """Return the chain as one block. Inner effects that no condition mentions are left out to speed up planning."""
+    """Return the chain as one block. Effects before the last block are left out if no condition needs them."""
     whole = series.block(name)
     kept = [each for each in whole.exit if each in series.last.exit or each.predicate.name in wanted]
     left_out = [each.predicate for each in whole.exit if each not in kept]
@@ -163,7 +163,7 @@ def _end(slot: SlotName, chains: Mapping[str, tuple[str, Link]]) -> str:
 
 
 def fold_chains(chains: Chains, plan: TaskPlan) -> TaskPlan:
-    """Return the timeline with each complete pass through a chain replaced by one instance of the chain."""
+    """Replace each complete pass through a chain in a timeline by one instance of the chain."""
     instances = list(plan.instances)
     for name, links in chains.links.items():
         whole = chains.domain.block_by_name[name]
@@ -180,7 +180,7 @@ def fold_chains(chains: Chains, plan: TaskPlan) -> TaskPlan:
 
 
 def _follow(plan: TaskPlan, first: BlockInstance, links: Sequence[Link]) -> Iterator[BlockInstance]:
-    """Yield the instances of the first instance's anchor, as long as they follow the chain."""
+    """Yield the instance `first` and the later instances of its anchor, as long as their blocks follow the chain."""
     timeline = [instance for instance, _ in plan.timeline(first.slots.get(links[0].block.anchor, ""))]
     begin = timeline.index(first) if first in timeline else len(timeline)
     for link, instance in zip(links, timeline[begin:], strict=False):
@@ -190,7 +190,7 @@ def _follow(plan: TaskPlan, first: BlockInstance, links: Sequence[Link]) -> Iter
 
 
 def _named(whole: Block, links: Sequence[Link], run: Sequence[BlockInstance]) -> dict[str, str] | None:
-    """Return a dictionary from the roles of a chain to their values, or None if the instances disagree."""
+    """Return a dictionary that maps each role of a chain to its value, or None if the instances disagree."""
     named: dict[str, str] = {}
     for link, instance in zip(links, run, strict=False):
         for own, role in link.roles.items():

@@ -1,7 +1,7 @@
 """Composition of blocks in series into one block.
 
-Deletes precede adds, and a fact holds until a block deletes it. One block of the series has all roles of the series. So
-a chain has no more parameters than its largest block, and no token has two roles.
+Deletes are applied before adds, and a fact holds until a block deletes the fact. At least one block of a series has all
+roles of the series, so the series has no more parameters than its largest block. No token has two roles.
 """
 
 from collections.abc import Iterable, Mapping
@@ -31,27 +31,27 @@ def begin_series(block: Block, taken: Iterable[str] = ()) -> Series:
 
 
 def _lasting(literal: Literal) -> bool:
-    """Return whether an entry condition persists after the block if no effect deletes it."""
+    """Return whether an entry condition still holds after the block unless an effect deletes the condition."""
     return literal.positive and literal.predicate.measured
 
 
 def extend_series(series: Series, block: Block, slots: Mapping[str, str], taken: Iterable[str] = ()) -> Series | None:
-    """Return the series with one more block, or None if the two cannot be composed.
+    """Return the series with one more block, or None if the block cannot be appended.
 
-    The series must achieve the changing entry conditions of the next block. A new feasibility condition becomes an
-    entry condition of the series. This is allowed only if no earlier block has a hold. Otherwise tokens could stay in
-    that block even if they cannot enter the next block.
+    The series must achieve the changing entry conditions of the next block. A new feasibility condition of the next
+    block becomes an entry condition of the series. This is allowed only if no earlier block has a hold. Otherwise,
+    plans would be lost in which the tokens stay in the earlier block and cannot enter the next block.
 
     Args:
         series: Series to extend.
         block: Next block.
-        slots: Maps the slots of the next block to the slots of the series' last block.
+        slots: Maps each slot of the next block to a slot of the last block of the series.
         taken: Names that no role may have.
     """
     roles = _determined(series, block, {slot: series.last.roles[before] for slot, before in slots.items()})
     fresh = [target.name for target in block.targets if target.name not in roles]
     if fresh and not set(series.sorts) <= set(roles.values()):
-        return None  # The composed block would have too many parameters. Two separate blocks cost less.
+        return None  # The composed block would have too many parameters. Two separate blocks are planned faster.
     for target in fresh:
         roles[target] = unused(target, {*taken, *series.sorts, *roles.values()})
     link = Link(block, roles)
@@ -77,7 +77,7 @@ def _twice(link: Link) -> bool:
 
 
 def _determined(series: Series, block: Block, roles: Mapping[str, str]) -> dict[str, str]:
-    """Return the given roles, extended by the targets that known facts determine (see `_pins`)."""
+    """Return the given roles, extended by each target that a known fact determines (see `_pins`)."""
     found = dict(roles)
     targets = {target.name for target in block.targets}
     progress = True
@@ -96,7 +96,7 @@ def _determined(series: Series, block: Block, roles: Mapping[str, str]) -> dict[
 
 
 def _pins(wanted: Literal, open_roles: list[str]) -> bool:
-    """Return whether a known fact determines the open roles. Most predicates may hold for several targets."""
+    """Return whether a fact that matches `wanted` determines the open roles. For most predicates, several may match."""
     index = wanted.predicate.functional_index
     return wanted.predicate.maintained or (index is not None and open_roles == [wanted.arguments[index]])
 
@@ -109,7 +109,7 @@ def _agrees(fact: Literal, wanted: Literal, roles: Mapping[str, str], open_roles
 
 
 def _narrowed(series: Series, link: Link, fresh: Iterable[str]) -> dict[str, Sort] | None:
-    """Return the roles' classes, narrowed as the link requires, or None if two classes of a role are not nested."""
+    """Return the classes of the roles, narrowed as the link requires, or None if two classes are not nested."""
     sorts = {**series.sorts, **{link.roles[target]: link.block.roles[target] for target in fresh}}
     for own, role in link.roles.items():
         asked = link.block.roles[own]
@@ -130,7 +130,7 @@ def within(one: Sort, other: Sort) -> bool:
 
 
 def _composed(series: Series, link: Link, sorts: Mapping[str, Sort]) -> tuple[Literal, ...] | None:
-    """Return the exit conditions of the extended series, or None if they depend on the equality of two symbols."""
+    """Return the exit conditions of the extended series, or None if these depend on whether two symbols are equal."""
     kept: list[Literal] = []
     for literal in series.exit:
         if literal.predicate.maintained:
@@ -155,7 +155,7 @@ def _undone(fact: Literal, exits: Iterable[Literal], sorts: Mapping[str, Sort]) 
 
 
 def _meets(one: Literal, other: Literal, sorts: Mapping[str, Sort]) -> bool:
-    """Return whether two literals of a series may be the same atom, apart from the functional argument."""
+    """Return whether two literals of a series may have equal arguments, except for the functional argument."""
     return all(
         mine == theirs or ANY in (mine, theirs) or _may_be(mine, theirs, sorts)
         for mine, theirs in zip(key(one), key(other), strict=True)

@@ -1,16 +1,16 @@
-"""Cuts of a series of blocks, at which a plan may need to stop or another block may need to act.
+"""Cuts, which divide a series of blocks where a plan may have to stop or another block may have to begin.
 
 The planner applies a chain as one action, so no other action comes between its blocks. No plan is lost if the following
 conditions hold at each junction between two blocks of the chain:
 
-* No other block requires a fact that holds only at the junction. If tokens may stay at the junction, the goal does not
-  require the fact either. No other block deletes a later effect of the chain.
-* If tokens may stay at the junction, they can also continue to the end of the chain. The next blocks have no new entry
-  conditions (`composing`), and tokens may stay in the last block.
-* All blocks of the chain lock the same targets. They also agree on the slots whose tokens they change while other
-  blocks may read these tokens.
+* No other block requires a fact that holds at the junction but not at the end of the chain. If tokens may stay at the
+  junction, the goal requires no such fact. No other block deletes an effect that the chain has after the junction.
+* If tokens may stay at the junction, the later blocks have no new entry conditions (`composing`), and tokens may also
+  stay at the end of the chain.
+* All blocks of the chain lock the same targets. If one block of the chain changes a token that other blocks may read,
+  all blocks of the chain change this token.
 
-A token in the chain is in no other block. So conditions on slots of two different blocks never concern the same token.
+A token in the chain is in no other block. So conditions on slots of two different blocks never concern one token.
 """
 
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
 
 
 class Cuts:
-    """Decides which series of a task need no cut."""
+    """Decides which series of blocks need no cut in a task."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
@@ -34,7 +34,7 @@ class Cuts:
         self.conditions = Conditions(Vocabulary(task.domain))
 
     def is_uncut(self, series: Series) -> bool:
-        """Return whether the series can be one block without losing plans."""
+        """Return whether the series can be compiled as one block without a loss of plans."""
         inside = {link.block.name for link in series.links}
         # Other tokens may pass through the same series.
         others = [*(b for b in self.domain.blocks if b.name not in inside), series.block("the whole")]
@@ -59,13 +59,13 @@ class Cuts:
         return not returns and (alone or last.roles[last.block.anchor] == series.anchor)
 
     def _footprint(self, link: Link) -> tuple[frozenset[str], frozenset[str]]:
-        """Return the locked targets, and the slots whose tokens the block changes and other blocks may read."""
+        """Return the locked targets, and the slots with tokens that the block changes and other blocks may read."""
         locked = frozenset(link.roles[target.name] for target in self.conditions.locked(link.block))
         slots = [slot.name for slot in link.block.slots if self.conditions.changes(link.block, slot.name)]
         return locked, frozenset(link.roles[slot] for slot in slots)
 
     def _comes_to_stay(self, series: Series) -> bool:
-        """Return whether tokens may stay at the end of the series, or may stay in none of its blocks."""
+        """Return whether tokens may stay or rest after the last block. Return True if tokens may stay in no block."""
         if series.last.block.hold or not any(link.block.hold for link in series.links):
             return True
         _, changed = self._footprint(series.last)
@@ -158,7 +158,7 @@ def _lost(series: Series, junction: Series) -> Iterator[Literal]:
 
 
 def _there(junction: Series, literal: Literal) -> Iterator[Literal]:
-    """Yield the facts that may hold at the junction and are deleted by an exit condition."""
+    """Yield the facts that may hold at the junction and that the exit condition `literal` deletes."""
     index = literal.predicate.functional_index
     if index is None:
         if not literal.positive and (literal not in junction.exit or ~literal in junction.exit):
@@ -166,5 +166,5 @@ def _there(junction: Series, literal: Literal) -> Iterator[Literal]:
         return
     same = [each for each in junction.exit if each.predicate is literal.predicate and key(each) == key(literal)]
     held = [each for each in junction.known if each.predicate is literal.predicate and key(each) == key(literal)]
-    # If an earlier exit has deleted the value, there is no such fact.
+    # If a block before the junction has deleted the value, no fact is lost.
     yield from held if held or same else [with_any_value(literal, index)]

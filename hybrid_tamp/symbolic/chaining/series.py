@@ -1,4 +1,4 @@
-"""A series of blocks that is composed into one block, with entry and exit conditions over its own roles.
+"""Series of blocks that are composed into one block, which has its own roles, entry conditions and exit conditions.
 
 Each link of the series maps the roles of one block to roles of the series.
 """
@@ -19,7 +19,7 @@ class Link:
 
     Attributes:
         block: Original block.
-        roles: Maps each role of the block to a role of the series, or to the symbol that the role must have.
+        roles: Maps each role of the block to a role of the series, or to the only symbol that can fill the role.
     """
 
     block: Block
@@ -38,14 +38,14 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Blocks that follow each other.
+    """Blocks in series. Each block follows the block before.
 
     Attributes:
         links: Blocks of the series, first to last.
         sorts: Maps each role of the series to its class or sort. Slots come first.
         entry: Entry conditions of the series.
         exit: Exit conditions of the series, which hold at the exit of its last block.
-        known: Changing conditions that hold at the exit of the last block, including persisting entry conditions.
+        known: Conditions that hold at the exit of the last block, including entry conditions that no block deletes.
         before: Series without the last block, or None if the series has one block.
     """
 
@@ -73,7 +73,7 @@ class Series:
 
     @property
     def junctions(self) -> Iterator["Series"]:
-        """The series up to each junction between two blocks, longest first."""
+        """For each junction between two blocks, the series before the junction. The longest series is first."""
         junction = self.before
         while junction is not None:
             yield junction
@@ -91,7 +91,7 @@ class Series:
                 if role in self.slots and not isinstance(sort, SymbolSort)
             ),
             anchor=self.anchor,
-            # The scheduler uses the durations of the links, never this duration.
+            # The scheduler uses the durations of the single blocks, never this duration.
             duration=Duration(shortest, sum(block.duration.maximum for block in blocks), lambda *_: shortest),
             targets=tuple(
                 Target(role, sort, _united(_read(link, role) for link in self.links))
@@ -111,7 +111,7 @@ class Series:
 
 
 def _read(link: Link, role: str) -> tuple[str, ...]:
-    """Return the properties of a target of the series that the block of the link reads."""
+    """Return the properties that the block of a link reads from a target of the series."""
     targets = {target.name: target.reads for target in link.block.targets}
     return _united(targets.get(own, ()) for own in _called(link, role))
 
@@ -130,7 +130,7 @@ def rename_roles(literal: Literal, roles: Mapping[str, str]) -> Literal:
 
 
 def key(literal: Literal) -> tuple[str, ...]:
-    """Return the arguments except the functional argument. Literals with equal keys replace each other."""
+    """Return the arguments except the functional argument. A literal replaces an earlier literal with an equal key."""
     index = literal.predicate.functional_index
     return literal.arguments if index is None else (*literal.arguments[:index], *literal.arguments[index + 1 :])
 

@@ -17,7 +17,7 @@ _UNLIMITED: Ranges = MappingProxyType({})
 
 
 class FactIndex:
-    """An index of ground facts by predicate and any of their arguments. The attribute `facts` has all facts."""
+    """An index of ground facts by predicate and arguments. The attribute `facts` is the set of all facts."""
 
     def __init__(self, facts: Iterable[Fact]) -> None:
         self.facts: set[Fact] = set()
@@ -37,7 +37,7 @@ class FactIndex:
         return True
 
     def match(self, condition: Fact, binding: Mapping[str, str]) -> Sequence[Fact]:
-        """Return the facts that match the constants and bound variables of a condition, in order of insertion."""
+        """Return the facts that match a condition after its variables are bound, in order of insertion."""
         known = {i: binding.get(a, a) for i, a in enumerate(condition) if a in binding or not a.startswith("?")}
         places, tables = tuple(known), self._tables[condition[0]]
         if places not in tables:
@@ -57,12 +57,12 @@ def join(
     """Yield the extensions of a binding that turn all conditions into known facts.
 
     Args:
-        conditions: Facts over variables.
-        binding: Values of the variables that are already bound.
+        conditions: Facts whose arguments are variables or constants.
+        binding: Maps each bound variable to its value.
         index: Known facts.
         ranges: Maps variables to their possible values. A variable that no condition binds takes each of its values. A
             variable that is not in `ranges` may take any value.
-        skip: Function ``skip(binding)``. If it returns True, all extensions of the binding are left out.
+        skip: Function ``skip(binding)``. If the function returns True, all extensions of the binding are left out.
     """
     if skip(binding):
         return
@@ -81,7 +81,7 @@ def join(
 
 
 def bind_condition(condition: Fact, fact: Fact, binding: Binding, ranges: Ranges = _UNLIMITED) -> Binding | None:
-    """Return the extended binding that turns a condition into a fact, or None if there is no such extension."""
+    """Extend a binding to turn a condition into the given fact. Return None if this is impossible."""
     extended = dict(binding)
     for argument, value in zip(condition[1:], fact[1:], strict=True):
         if not argument.startswith("?"):

@@ -1,7 +1,7 @@
 """Injective mapping from the user's names to legal PDDL names.
 
 PDDL names are case-insensitive. They start with a letter, followed by letters, digits, hyphens and underscores. Types,
-predicates and constants share one namespace. Colliding names get numbers. Legal names stay unchanged.
+predicates and constants share one namespace. If names collide, a number is appended. Legal names stay unchanged.
 """
 
 import re
@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 Key = TypeVar("Key", bound=Any)
-"""Key of a named thing: a name, or a tuple of a kind and names. The keys of one mapping must be sortable."""
+"""Key of a named thing, e.g. a name, a number or a tuple. The keys of one mapping must be sortable."""
 
 _ILLEGAL = re.compile(r"[^a-z0-9_-]+")
 # PDDL keywords without a colon. Keywords with a colon, such as ':goal', never collide with names.
@@ -27,13 +27,13 @@ _NO_VARIABLES = frozenset(f"?{word}" for word in _KEYWORDS - {"all", "at", "end"
 
 
 def legal(name: str) -> str:
-    """Return a legal PDDL identifier similar to a name. Different names may give the same identifier."""
+    """Return a legal PDDL identifier similar to a name. Different names may have the same identifier."""
     folded = _ILLEGAL.sub("-", name.casefold()).strip("-_")
     return folded if folded[:1].isalpha() and folded[:1].isascii() else f"n-{folded}".rstrip("-")
 
 
 def name_apart(texts: Mapping[Key, str], taken: Iterable[str] = ()) -> dict[Key, str]:
-    """Return a different PDDL name for each key.
+    """Return a dictionary that maps each key to its own PDDL name.
 
     Each name is similar to the key's text. PDDL keywords and the names in `taken` are not used. The result does not
     depend on the order of the keys.
@@ -48,7 +48,7 @@ def name_apart(texts: Mapping[Key, str], taken: Iterable[str] = ()) -> dict[Key,
 
 
 def name_variables(names: Iterable[str]) -> list[str]:
-    """Return a different variable for each name."""
+    """Return a list with one variable per name. All variables are different."""
     variables: list[str] = []
     for name in names:
         variables.append(variable_of(name, variables))
@@ -56,7 +56,7 @@ def name_variables(names: Iterable[str]) -> list[str]:
 
 
 def variable_of(name: str, taken: Collection[str]) -> str:
-    """Return a variable similar to a name. The variable is not in `taken`."""
+    """Return a variable that is similar to a name and not in `taken`."""
     return unused(f"?{legal(name)}", {*taken, *_NO_VARIABLES})
 
 
@@ -72,12 +72,12 @@ class Naming(Generic[Key]):
     """An injective mapping from named things to PDDL names."""
 
     def __init__(self, names: Mapping[Key, str], taken: Iterable[str] = ()) -> None:
-        """Give each thing in `names` a different PDDL name, similar to the user's name and not in `taken`."""
+        """Give each thing a PDDL name of its own, similar to the user's name in `names` and not in `taken`."""
         self._names = names
         self._pddl = name_apart(names, taken)
 
     def pddl(self, key: Key) -> str:
-        """Return the PDDL name of a thing. Raise KeyError if the thing has none."""
+        """Return the PDDL name of a thing. Raise KeyError for an unknown thing."""
         return self._pddl[key]
 
     def user(self, pddl: str) -> str:
@@ -85,7 +85,7 @@ class Naming(Generic[Key]):
         return self._user[pddl.lower()]
 
     def knows(self, pddl: str) -> bool:
-        """Return whether this mapping gives the PDDL name, ignoring case."""
+        """Return whether the mapping contains a PDDL name, ignoring case."""
         return pddl.lower() in self._user
 
     @cached_property
@@ -94,7 +94,7 @@ class Naming(Generic[Key]):
 
     @property
     def changed(self) -> tuple[tuple[str, str], ...]:
-        """The sorted pairs of (PDDL name, user's name) in which the two names differ."""
+        """The sorted pairs of (PDDL name, user's name), without pairs of equal names."""
         return tuple(sorted((pddl, name) for pddl, name in self._user.items() if pddl != name))
 
     @property

@@ -1,4 +1,4 @@
-"""Lifted operators and ground problems in typed STRIPS, which the encoder makes and planners solve.
+"""Lifted operators and ground problems in typed STRIPS. The encoder makes the problems and planners solve them.
 
 All names are PDDL names (`pddl.naming`). Variables begin with a question mark.
 """
@@ -17,7 +17,7 @@ Typed = tuple[str, str]
 
 @dataclass(frozen=True)
 class Operator:
-    """A lifted STRIPS action. Deletes precede adds."""
+    """A lifted STRIPS action. The deletes are applied before the adds."""
 
     name: str
     parameters: tuple[Typed, ...]
@@ -26,28 +26,28 @@ class Operator:
     delete: tuple[Fact, ...]
 
     def bind(self, action: PlannedAction) -> dict[str, str]:
-        """Return a dictionary that maps the parameters to the arguments of an action of this operator."""
+        """Return a dictionary that maps each parameter to its argument in an action of this operator."""
         return dict(zip((variable for variable, _ in self.parameters), action.arguments, strict=True))
 
     def effects(self, binding: Mapping[str, str], facts: set[Fact]) -> set[Fact]:
-        """Apply the operator with a binding of its parameters to the given facts, and return the resulting facts."""
+        """Return the facts that hold after the operator with the given binding is applied to the given facts."""
         kept = facts - {ground(fact, binding) for fact in self.delete}
         return kept | {ground(fact, binding) for fact in self.add}
 
 
 def ground(fact: Fact, binding: Mapping[str, str]) -> Fact:
-    """Return the fact with its bound variables replaced by their values."""
+    """Replace the bound variables of a fact by their values."""
     return (fact[0], *(binding.get(argument, argument) for argument in fact[1:]))
 
 
 def rename_arguments(action: PlannedAction, names: Mapping[str, str]) -> PlannedAction:
-    """Return the action with each object in `names` replaced."""
+    """Rename the arguments of an action. `names` maps each old name to its new name."""
     return PlannedAction(action.name, tuple(names.get(argument, argument) for argument in action.arguments))
 
 
 @dataclass(frozen=True)
 class PlanningDomain:
-    """The part of a planning problem that depends on the domain only, never on tokens.
+    """The part of a planning problem that does not depend on the tokens of a task.
 
     Attributes:
         name: PDDL name of the domain.
@@ -55,7 +55,7 @@ class PlanningDomain:
         constants: Pairs of (constant, type).
         predicates: Pairs of (predicate, typed parameters).
         operators: Lifted actions.
-        comments: Pairs of (PDDL name, user's name) that differ.
+        comments: Pairs of (PDDL name, user's name), without pairs of equal names.
     """
 
     name: str

@@ -1,8 +1,8 @@
 """PDDL 2.1 text of a temporal problem, with durative actions, types and numeric fluents.
 
-PDDL 2.1 has no fluents with objects as values. Such a fluent becomes a predicate, and the value becomes its last
-arguments. An action that sets a new value must delete the old value by name. So the old value becomes a parameter of
-the action (`require_old_values`).
+PDDL 2.1 has no fluents with objects as values. So such a fluent becomes a predicate, whose last arguments are the
+fluent's value. An action that sets a new value must delete the old value by name. So the old value becomes a parameter
+of the action (`require_old_values`).
 """
 
 from collections.abc import Iterable, Iterator
@@ -56,7 +56,7 @@ def temporal_problem_text(problem: TemporalProblem) -> str:
 
 
 def temporal_plan_text(actions: Iterable[TimedAction]) -> str:
-    """Return the text of the plan file for VAL, with lines ``time: (action objects) [duration]`` in seconds."""
+    """Return the text of the plan file for VAL. Each line is ``start: (action objects) [duration]``, in seconds."""
     lines = [f"{a.start:.3f}: ({' '.join((a.name, *a.arguments))}) [{a.duration:.3f}]\n" for a in actions]
     return "".join(lines)
 
@@ -65,7 +65,7 @@ def temporal_plan_text(actions: Iterable[TimedAction]) -> str:
 
 
 def require_old_values(domain: TemporalDomain) -> TemporalDomain:
-    """Return the domain with extra action parameters for the old values of the fluents that the actions set."""
+    """Return the domain with extra action parameters, for old values that an action replaces but does not name."""
     fluents = {fluent.name: fluent for fluent in domain.fluents}
     return replace(domain, actions=tuple(_require_old_values(action, fluents) for action in domain.actions))
 
@@ -86,7 +86,7 @@ def _old(conditions: Iterable[Condition], effects: Iterable[Effect], effect: Eff
     for other in effects:
         if effect.when == "end" and other.when == "start" and other.fact == effect.fact:
             return other.value if isinstance(other.value, tuple) else None
-    # The value at the start still holds at the end, because no other block changes the tokens of this block.
+    # The fluent still has its start value at the end, because no other block changes the tokens of this block.
     for condition in conditions:
         if condition.fact == effect.fact and isinstance(condition.value, tuple):
             return condition.value

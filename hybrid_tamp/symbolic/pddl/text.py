@@ -1,7 +1,7 @@
-"""PDDL text of a planning problem, for readers and for other planners.
+"""PDDL text of a planning problem, for users and for other planners.
 
-The text requires only ``:strips`` and ``:typing``. Items are in the encoder's order, so equal problems give equal
-files. Comments list the PDDL names that differ from the user's names.
+The text requires only ``:strips`` and ``:typing``. Items are in the encoder's order, so equal problems have
+equal text. Comments list the PDDL names that differ from the user's names.
 """
 
 from collections.abc import Iterable
@@ -56,7 +56,7 @@ def _operator_text(operator: Operator) -> str:
 
 
 def lay_out_definition(head: str, sections: Iterable[str], comments: Iterable[tuple[str, str]]) -> str:
-    """Return the text of a file from its non-empty sections, with comments on names at the top."""
+    """Return the text of a file with comments on names, a definition with this head, and the non-empty sections."""
     body = "\n".join(indent(section) for section in sections if section)
     return f"{_lay_out_comments(comments)}(define {head}\n{body}\n)\n"
 
@@ -91,11 +91,11 @@ def group_by_type(names: Iterable[Typed]) -> list[str]:
 
 
 def indent(text: str) -> str:
-    """Return the text indented by one more level."""
+    """Indent each line of a text by two spaces."""
     return "\n".join("  " + line for line in text.splitlines())
 
 
 def _lay_out_comments(comments: Iterable[tuple[str, str]]) -> str:
-    """Return a comment line for each name that differs. Names are quoted so that they cannot end the line."""
+    """Return comment lines for names that differ. A quoted name cannot end its line, even with a line break in it."""
     lines = [f";   {name} is {own!r}" for name, own in comments if name != own]
     return "\n".join(["; Names here and in the task:", *lines, ""]) if lines else ""
