@@ -12,7 +12,7 @@ from .faces import FACE, NORMALS, POSTURES, faces_of, flat
 from .tumbling_geometry import hand_axis, lowest_point, nominal_tilt, normal, tilt
 
 SLENDERNESS = 1.6
-"""Largest ratio of a box's edge lengths for which tumbling has been tested."""
+"""Largest ratio of a box's edge lengths. Tumbling has been tested up to this ratio."""
 FLAT_TOLERANCE = np.radians(5.0)
 # The tolerance is less than PAST_BALANCE, so no box is in both leaning postures of an edge at once.
 _TIPPED_TOLERANCE = np.radians(5.0)

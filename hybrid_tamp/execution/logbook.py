@@ -65,7 +65,7 @@ class Logbook:
 
     @property
     def time(self) -> float:
-        """Simulated time [s]. It is computed as a product, so rounding errors do not accumulate."""
+        """Simulated time [s]. The time is computed as a product, so rounding errors do not accumulate."""
         return self.steps * self._backend.timestep
 
     @property

@@ -74,7 +74,7 @@ class Running:
 
     @property
     def latest(self) -> float:
-        """Time [s] at which the maximum duration ends, or the minimum duration for a hold without exit conditions."""
+        """Time [s] at which the maximum duration ends. A hold without exit conditions uses its minimum duration."""
         bounds = self.block.duration
         return self.begin + (bounds.maximum if self._exits or not self.block.hold else bounds.minimum)
 
@@ -103,7 +103,7 @@ class Running:
         return True
 
     def changes(self, reader: BlockInstance) -> bool:
-        """Return whether this instance writes a property that another instance reads of its targets."""
+        """Return whether this instance writes a property that the instance `reader` reads from its targets."""
         return any(
             reader.targets[target.name] == token and set(target.reads) & set(self.block.writes.get(slot, ()))
             for target in self._task.domain.block_by_name[reader.block].targets
@@ -114,7 +114,7 @@ class Running:
         """Check the maximum duration.
 
         Raises:
-            RunError: the duration exceeds its maximum, and the block is not a hold whose exit conditions have held.
+            RunError: the duration exceeds its maximum. A hold is exempt once its exit conditions have held.
         """
         maximum = self.block.duration.maximum
         if time - self.begin <= maximum + TIME_TOLERANCE or (self.block.hold and self.reached is not None):

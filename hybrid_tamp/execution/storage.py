@@ -1,7 +1,7 @@
 """Storage of recordings as npz archives. An archive contains three arrays and a JSON document, but no pickled object.
 
-`load_recording` accepts files from untrusted sources. It checks every statement in a file, such as the shape of an
-array, against the data, and raises an `InputError` that names the fault.
+`load_recording` accepts files from untrusted sources. The function checks every statement in a file, such as the shape
+of an array, against the data, and raises an `InputError` that names the fault.
 """
 
 import lzma

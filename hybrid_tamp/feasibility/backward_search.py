@@ -112,7 +112,7 @@ class BackwardSearch:
     def explain_infeasible(self, atom: Atom, reached: set[Atom]) -> list[Reason]:
         """Return a reason for each feasibility condition that prevents blocks from achieving an atom.
 
-        Only blocks whose changing conditions can hold are examined: each atom holds initially or is in `reached`.
+        A block is examined only if the atoms of its changing conditions hold initially or are in `reached`.
         """
         found: list[Reason] = []
         for block, fixed in self._achievers(atom):
@@ -126,7 +126,7 @@ class BackwardSearch:
         return found
 
     def _narrowed(self, block: Block, allowed: Choices, reached: set[Atom]) -> Choices:
-        """Return the values of each role for which changing conditions hold initially or are in `reached`."""
+        """Return, for each role, the values with which the changing conditions hold initially or are in `reached`."""
         kept = dict(allowed)
         for literal in block.changing_entry:
             if not literal.positive:

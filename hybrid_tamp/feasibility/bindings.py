@@ -25,7 +25,7 @@ def order_conditions(block: Block) -> tuple[Literal, ...]:
 
 
 def find_feasible(facts: StaticFacts, conditions: Iterable[Literal], allowed: Choices) -> list[Bound]:
-    """Return the bindings of the roles in the conditions with which all conditions hold. No token fills two roles.
+    """Return all bindings of the conditions' roles with which every condition holds. No token fills two roles.
 
     Raises:
         TooMany: more than `MOST` bindings satisfy one of the conditions.

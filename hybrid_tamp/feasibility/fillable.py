@@ -40,7 +40,7 @@ class Members:
 
 
 class FillableBlocks:
-    """The blocks that a task's tokens can fill. Tokens can pass only through blocks that tokens can fill."""
+    """The blocks that a task's tokens can fill and can reach through other blocks that tokens can fill."""
 
     def __init__(self, task: Task) -> None:
         self._task = task

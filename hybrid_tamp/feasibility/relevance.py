@@ -20,7 +20,7 @@ from hybrid_tamp.model.token import Token
 
 Classes = tuple[type[ObjectClass], ...]
 Pattern = tuple[str, tuple[Classes, ...]]
-"""Pair of (predicate, tuple with the classes of each argument's token). A symbol has no classes."""
+"""Pair of (predicate, possible classes of each argument). An argument that is a symbol has no classes."""
 
 
 def restrict_domain(task: Task, blocks: Collection[Block], tokens: Iterable[Token]) -> Domain:

@@ -19,7 +19,7 @@ _Moving = tuple[ContinuousSystem, IntArray]
 
 
 class AnalyticBackend(Resource):
-    """A backend in which the continuous system of a running instance's block moves the tokens of the instance."""
+    """A backend that moves the tokens of each running instance by the continuous system of the instance's block."""
 
     name = "analytic"
     timestep = CONTROL_PERIOD

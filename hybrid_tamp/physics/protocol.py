@@ -21,7 +21,7 @@ FLOOR = "(floor)"
 """Name of the floor in contacts. No token can have this name."""
 
 ContactForce = tuple[str, str, float]
-"""Triple of (name, name, normal force [N]) for two bodies in contact, in alphabetical order. `FLOOR` is a name, too."""
+"""Triple of (name, name, normal force [N]) for two bodies in contact. The names are sorted and may include `FLOOR`."""
 
 # The built-in backends are listed here too, so that they work even if this package is not installed.
 _BUILT_IN = {

@@ -70,7 +70,7 @@ def prepare_world(client: int, gravity: Sequence[float]) -> int:
 
 
 def create_body(client: int, body: Body) -> int:
-    """Create a body whose frame is at its centre of mass, and return its handle."""
+    """Create a body with its frame at the centre of mass, and return the body's handle."""
     collision = _create_shape(client, body.shape)
     handle: int = pybullet.createMultiBody(body.mass, collision, physicsClientId=client)
     pybullet.changeDynamics(

@@ -1,6 +1,6 @@
 """Simulated hands. Forces and torques move a hand, and two virtual fingers grip an object by friction.
 
-A grasp is simulated by a joint with a limited force, which keeps the relative pose of hand and object. If the load
+A joint with a limited force simulates a grasp and keeps the relative pose of the hand and the object. If the load
 exceeds the limit, the object slips. The joint is then replaced by a joint with the new relative pose, because the old
 joint would pull the object back.
 """
@@ -199,6 +199,6 @@ class Fingers:
 
     def _has_slipped(self, grasp: Grasp, state: State) -> bool:
         position, orientation = self._pose_in(grasp.thing, state)
-        # The product of two unit quaternions is the cosine of half the angle between them.
+        # The inner product of two unit quaternions is the cosine of half the angle between them.
         twisted = abs(orientation @ grasp.orientation) < np.cos(TWIST / 2)
         return bool(twisted or np.linalg.norm(position - grasp.position) > SLIP)

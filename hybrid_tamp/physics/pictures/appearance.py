@@ -83,7 +83,7 @@ def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[Co
 
 
 def _cross(radius: float) -> Mesh:
-    """Return two crossed hairlines that mark a place. The lines extend beyond an object that stands on the place."""
+    """Return two crossed hairlines that extend beyond the disc of a place. An object on the disc does not hide them."""
     arm = radius + _HAIRLINE
     return joined(box((arm, _THIN, _THIN / 2)), box((_THIN, arm, _THIN / 2)))
 

@@ -119,7 +119,7 @@ def frame_camera(spheres: Spheres, aspect: float) -> Camera:
 
 
 def _axes(points: NDArray[np.float64]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return unit vectors to the right, up and backward. The points ``(n, 3)`` spread most in the right direction."""
+    """Return unit vectors to the right, up and backward. The points ``(n, 3)`` spread most along the first vector."""
     level = points[:, :2] - points[:, :2].mean(axis=0)
     _, spreads, directions = np.linalg.svd(level, full_matrices=False)
     along = directions[0] if spreads[0] > 1e-9 else np.array([1.0, 0.0])
