@@ -1,1 +1,1 @@
-"""Questions about a task, answered from the results of planning and of runs."""
+"""Answers to questions about tasks, plans and runs."""

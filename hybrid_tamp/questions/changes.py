@@ -1,4 +1,4 @@
-"""Functions that apply changes to a task: add a token, a class, an edge or a fact, or set a property.
+"""Functions that return a changed task, with another token, class, edge or fact, or with a new property value.
 
 A changed task is planned like any other task. If a class has no members in the task, a new member has no known
 properties. Every feasibility fact about this new member is then assumed to hold.
@@ -42,7 +42,7 @@ def apply_change(task: Task, change: Change) -> Task:
 
 
 def apply_together(task: Task, changes: Collection[Change]) -> Task:
-    """Return the task with all changes applied: several edges, several facts, or at most one other change."""
+    """Return the task with all changes applied. Several changes must be all edges or all facts."""
     if len(changes) == 1:
         (change,) = changes
         return apply_change(task, change)
@@ -53,9 +53,9 @@ def apply_together(task: Task, changes: Collection[Change]) -> Task:
 
 
 def propose_copies(task: Task, like: Token) -> Iterator[CopyToken]:
-    """Yield changes that copy a token: one beside the original, then one on the other side of each object.
+    """Yield changes that copy a token to different positions.
 
-    The first copy is placed one object length beside the original, so that the two do not overlap.
+    The first copy is beside the original without overlap. Each further copy is on the opposite side of an object.
     """
     yield CopyToken(like)
     position = task.state[like, "position"]
@@ -67,7 +67,7 @@ def propose_copies(task: Task, like: Token) -> Iterator[CopyToken]:
 
 
 def _copy_position(task: Task, like: Token, across_from: Token | None) -> FloatArray:
-    """Return the position of a copy in metres: beside the original, or on the other side of another token."""
+    """Return the position of a copy in metres: beside the original, or on the opposite side of another token."""
     position = task.state[like, "position"]
     if across_from is None:
         longest = 0.1 if like.shape is None else float(np.ptp(points_of(like.shape), axis=0).max())
@@ -89,7 +89,7 @@ def with_copy(task: Task, like: Token, position: FloatArray) -> Task:
 
 
 def with_ideal(task: Task, object_class: type[ObjectClass]) -> Task:
-    """Return the task with a new token as the first member of a class. All feasibility facts about the token hold."""
+    """Return the task with a first member of a class. All feasibility facts about this new token hold."""
     classes = tuple(sorted({object_class, task_root(task)}, key=lambda each: each.name))
     ideal = Token(_free_name(task, object_class.name.lower()), classes, {})
     more = _add_token(task, ideal, {}, None, task.agents)
@@ -132,7 +132,7 @@ def _free_name(task: Task, name: str) -> str:
 
 
 def with_token(task: Task, token: Token) -> Task:
-    """Return the task with a token that replaces the token of the same name and keeps its state."""
+    """Return the task in which a token replaces the token of the same name. The state is kept."""
     tokens = tuple(token if each.name == token.name else each for each in task.tokens)
     names = {(each.name, varying.name) for each in tokens for varying in each.varying}
     state = State.of(tokens, {key: value for key, value in _given(task).items() if key in names})
@@ -140,10 +140,10 @@ def with_token(task: Task, token: Token) -> Task:
 
 
 def with_class(task: Task, token: Token, object_class: type[ObjectClass]) -> Task:
-    """Return the task with a token as a member of one more class.
+    """Return the task in which a token is also a member of another class.
 
-    The token copies missing class properties from the first member. If the class has no members to copy from, every
-    feasibility fact that involves the token as a member holds.
+    Missing properties are copied from the first member of the class. If the class has no members, every feasibility
+    fact in which the token is an argument of this class is assumed to hold.
     """
     members = [each for each in task.values_of(object_class) if isinstance(each, Token)]
     classes = tuple(sorted({*token.classes, object_class}, key=lambda each: each.name))
@@ -168,7 +168,7 @@ def with_edges(task: Task, more: Iterable[tuple[SlotName, SlotName]]) -> Task:
 
 
 def with_facts(task: Task, atoms: Iterable[Atom]) -> Task:
-    """Return the task with some feasibility facts made true, whatever their margins are."""
+    """Return the task in which the given feasibility facts hold, whatever their margins are."""
     domain = task.domain
     for positive in (True, False):
         wanted = {(atom.predicate, *atom.arguments) for atom in atoms if atom.positive is positive}
@@ -187,12 +187,12 @@ Granted = Callable[[Predicate, tuple[Value, ...]], bool]
 def grant(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collection[str] = ()) -> Domain:
     """Return the domain with a fixed margin for some feasibility facts.
 
-    The tokens in these facts may lack properties. If a state predicate needs a missing property, it does not hold. The
-    expected duration of each block is its minimum.
+    The tokens in these facts may lack properties. If a state predicate needs a missing property, the predicate does not
+    hold. The expected duration of each block is set to the minimum.
 
     Args:
         domain: the domain to change.
-        wanted: function that says whether a fact gets the margin, given its predicate and its arguments.
+        wanted: function that returns whether the fact with the given predicate and arguments gets the margin.
         margin: the margin of these facts.
         names: names of the predicates to change. If empty, all predicates are changed.
     """

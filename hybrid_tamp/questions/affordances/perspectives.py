@@ -1,9 +1,9 @@
 """Affordances of objects in the perspectives of the environment, an agent, an observer and a team (paper, Sec. II-E).
 
-An object affords a block if the object can fill one of the block's slots. In the *environment's* perspective only the
-object's classes count. In an *agent's* perspective the agent's capability tokens must fill the other slots. Every
-feasibility fact of this binding must hold, and edges must lead every token to its slot. The binding is the affordance's
-witness. Conditions that depend on the state are ignored.
+An object affords a block if the object can fill one of the block's slots. The *environment's* perspective considers
+only the classes of the object. In an *agent's* perspective, tokens of the agent must fill the other slots. Every
+feasibility fact of this binding must hold, and edges must lead every token to its slot. The binding is the witness of
+the affordance. Conditions that depend on the state are ignored.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -19,7 +19,7 @@ from hybrid_tamp.questions.changes import task_root, without_token
 
 
 def find_affordances(task: Task, view: View, agent: str | None = None) -> list[Affordance]:
-    """Return the affordances of all objects in a perspective.
+    """Return the affordances of all objects from one perspective.
 
     If an agent is given, affordances that involve only other agents are left out.
     """
@@ -55,7 +55,7 @@ def afforded_to(task: Task, *names: str) -> list[Affordance]:
 
 
 def observer(task: Task) -> tuple[list[Affordance], list[Implication]]:
-    """Return the affordances for each agent, and their implications for agents with the same capability classes."""
+    """Return the affordances for each agent, and the affordances implied for agents with the same capabilities."""
     by_agent = {name: afforded_to(task, name) for name in task.agents}
     implied = [
         Implication(seen, other, next((one.witness for one in by_agent[other] if one.key[1:] == seen.key[1:]), {}))
@@ -68,7 +68,7 @@ def observer(task: Task) -> tuple[list[Affordance], list[Implication]]:
 
 
 def team(task: Task) -> list[Affordance]:
-    """Return the affordances that a group of agents has but no smaller part of the group has."""
+    """Return each affordance that a group of agents has and that no smaller part of this group has."""
     found: list[Affordance] = []
     known: dict[tuple[object, ...], list[frozenset[str]]] = {}
     for size in range(1, len(task.agents) + 1):
@@ -82,7 +82,7 @@ def team(task: Task) -> list[Affordance]:
 
 
 def capabilities(task: Task, name: str) -> frozenset[tuple[str, int]]:
-    """Return pairs of (capability class, number) for an agent's tokens. Tokens of a class are numbered from 1."""
+    """Return pairs of (capability class, n), where n runs from 1 to the number of the agent's tokens of the class."""
     counted: list[str] = []
     for token in task.agents[name]:
         counted += [each.name for each in task.token_by_name[token].classes if issubclass(each, CapabilityClass)]
@@ -90,7 +90,7 @@ def capabilities(task: Task, name: str) -> frozenset[tuple[str, int]]:
 
 
 def _of_agents(task: Task, names: Iterable[str]) -> Task:
-    """Return the task without the tokens of agents that are not named."""
+    """Return the task without the tokens of all other agents."""
     own = {token for name in names for token in task.agents[name]}
     others = {token for tokens in task.agents.values() for token in tokens} - own
     for token in task.tokens:
@@ -100,7 +100,7 @@ def _of_agents(task: Task, names: Iterable[str]) -> Task:
 
 
 def _offered(task: Task, thing: Token) -> Iterator[tuple[Block, Slot]]:
-    """Yield pairs of (block, slot) for the object slots that a token fits by its classes. Hand slots are left out."""
+    """Yield a pair of (block, slot) for each slot that fits the classes of an object. Hand slots are left out."""
     for block in task.domain.blocks:
         for slot in block.slots:
             general = slot.object_class is task_root(task) or issubclass(slot.object_class, CapabilityClass)

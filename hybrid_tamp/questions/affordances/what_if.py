@@ -1,4 +1,4 @@
-"""Affordances gained or lost with one token more or less. Questions have the form ``+CLASS`` or ``-TOKEN``."""
+"""Affordances that are gained or lost if one token is added (``+CLASS``) or removed (``-TOKEN``)."""
 
 from collections.abc import Callable, Iterable
 
@@ -13,7 +13,7 @@ FindAffordances = Callable[[Task], list[Affordance]]
 
 
 def answer_what_if(task: Task, question: str, before: Iterable[Affordance], find: FindAffordances) -> WhatIf:
-    """Return the affordances that are gained and lost with one token more or less.
+    """Return the affordances that are gained and lost if one token is added or removed.
 
     Args:
         task: the task without the change.
@@ -33,11 +33,11 @@ def answer_what_if(task: Task, question: str, before: Iterable[Affordance], find
 
 
 def change_task(task: Task, question: str, find: FindAffordances) -> Task:
-    """Return the changed task of a question (see `answer_what_if`).
+    """Return the task with the change that a question describes (see `answer_what_if`).
 
     ``+CLASS`` copies a member of the class, preferably a member that belongs to an agent. The copy belongs to the same
-    agent. It is placed beside the original or on the other side of an object, wherever the most affordances result. If
-    the class has no members, the new token belongs to no agent, and every feasibility fact about the new token holds.
+    agent, and gets the position with the most affordances (see `propose_copies`). If the class has no members, the new
+    token belongs to no agent, and every feasibility fact about the new token holds.
 
     Raises:
         InputError: if the question has another form, or if the class or the token is unknown.
@@ -45,7 +45,7 @@ def change_task(task: Task, question: str, find: FindAffordances) -> Task:
     sign, name = question[:1], question[1:].strip()
     if sign == "-":
         if name not in task.token_by_name:
-            wanted = f"unknown token in the task {task.name}"
+            wanted = f"expected a token of the task {task.name}"
             raise InputError([Issue("questions", wanted, repr(name), tuple(sorted(task.token_by_name)))])
         return without_token(task, task.token_by_name[name])
     if sign != "+":
@@ -53,7 +53,7 @@ def change_task(task: Task, question: str, find: FindAffordances) -> Task:
         raise InputError([Issue("questions", "a question must begin with + or -", repr(question), remedy=remedy)])
     classes = {each.name: each for each in task.domain.classes if not is_place(each)}
     if name not in classes:
-        wanted = f"unknown object class in the domain {task.domain.name}"
+        wanted = f"expected an object class of the domain {task.domain.name}"
         raise InputError([Issue("questions", wanted, repr(name), tuple(sorted(classes)))])
     members = [each for each in task.values_of(classes[name]) if isinstance(each, Token)]
     if not members:

@@ -36,7 +36,7 @@ def find_answers(task: Task, reason: Reason) -> Iterator[Change]:
 
 
 def points_to(reason: Reason, change: Change) -> bool:
-    """Say whether a change removes the cause of a reason."""
+    """Return whether a change removes the cause of a reason."""
     match change:
         case CopyToken(like):
             return reason.lacks in like.classes
@@ -81,7 +81,7 @@ class _Space:
             yield self.fact(reason.atom)
 
     def tokens(self, wanted: type[ObjectClass] | None = None) -> Iterator[Change]:
-        """Yield copies of every token, and a first member for every class without members."""
+        """Yield changes that copy a token, and changes that add a first member to a class without members."""
         for token in self.task.assigned:
             if wanted is None or token.is_member(wanted):
                 yield from propose_copies(self.task, token)
@@ -98,7 +98,7 @@ class _Space:
                 yield JoinClass(token, each)
 
     def edges(self, towards: SlotName | None = None) -> Iterator[Change]:
-        """Return new edges from slots that tokens can reach: first edges to unreachable slots, then likely edges."""
+        """Return changes that add an edge from a reachable slot: to unreachable slots first, then likely edges."""
         sources = {slot for token in self.task.assigned for slot in self._passages.slots(token)}
         network, relations = self.task.domain.network, self.task.domain.relations
         pairs = [
@@ -118,12 +118,12 @@ class _Space:
         return (AddEdge(source, target) for source, target in pairs)
 
     def fact(self, atom: Atom) -> Change:
-        """Return the change that grants a feasibility fact."""
+        """Return the change that makes a feasibility fact hold."""
         predicate = self.task.domain.predicate_by_name[atom.predicate]
         return GrantFact(atom, with_unit(-self.task.margin(atom), predicate.unit))
 
     def failing(self) -> list[Atom]:
-        """Return the facts that are the only failing feasibility fact of some binding, smallest violation first."""
+        """Return each fact that is the only failing fact of at least one binding. Smallest violations come first."""
         found: dict[Atom, float] = {}
         for block in self.task.domain.blocks:
             for failure in self._single_failures(block):
@@ -131,7 +131,7 @@ class _Space:
         return sorted(found, key=lambda atom: (-found[atom], atom))
 
     def _single_failures(self, block: Block) -> Iterator[dict[Atom, float]]:
-        """Yield the failing fact, if any, of each binding of a block in which at most one fact fails."""
+        """Yield the result of `_failure` for each binding of a block in which at most one fact fails."""
         conditions = order_conditions(block)
         roles = {argument for literal in conditions for argument in literal.arguments if argument in block.roles}
         choices = {role: values for role, values in self.task.choices(block).items() if role in roles}

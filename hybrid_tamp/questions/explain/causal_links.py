@@ -32,7 +32,7 @@ def find_links(task: Task, plan: TaskPlan) -> list[Link]:
 
 
 def find_causes(task: Task, plan: TaskPlan) -> list[Cause]:
-    """Return the reason why each token is in the plan, or why the plan does not need the token."""
+    """Return for each token the reason why the plan needs or does not need this token."""
     links = find_links(task, plan)
     instances = {instance.name: instance for instance in plan.instances}
     needed = {link.instance for link in links}
@@ -62,7 +62,7 @@ def _why(token: Token, link: Link, instances: dict[str, BlockInstance]) -> str:
 
 
 def _why_not(task: Task, plan: TaskPlan, token: Token, needed: set[str]) -> str:
-    """Return the reason why the goal needs no instance with this token."""
+    """Return the reason why no instance that the goal needs contains this token."""
     roles = [
         (instance, role)
         for instance in plan.instances

@@ -1,7 +1,7 @@
 """Selection of a minimal set of reasons why a task has no plan.
 
-If single changes make the task solvable, a reason is dropped if removing its cause leaves the task unsolvable. If no
-single change makes the task solvable, the selected reasons are those whose causes must be removed together.
+If a single change makes the task solvable, a reason is kept only if removing its cause may make the task solvable. If
+no single change suffices, the reasons whose causes must be removed together are kept.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,11 +17,11 @@ from hybrid_tamp.questions.explain.candidates import find_answers
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_ANSWERS = 4
-"""Maximum number of changes to try to remove the cause of a reason."""
+"""Maximum number of changes that are tested to remove the cause of one reason."""
 
 
 def keep_necessary(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> list[Reason]:
-    """Return the reasons whose removal may make the task solvable.
+    """Return the reasons for which removing the cause may make the task solvable.
 
     After a reason is dropped, the other reasons are tested in a task without the cause of the dropped reason. After the
     deadline of `trials`, all remaining reasons are kept.
@@ -50,9 +50,9 @@ def _tasks_without(task: Task, reason: Reason) -> Iterator[Task]:
 
 
 def remove_together(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> tuple[list[Reason], list[Change]]:
-    """Return the reasons that must be removed together, and the changes that remove them.
+    """Return the reasons whose causes must be removed together, and the changes that remove these causes.
 
-    Each reason is removed by the first change that addresses it. If these changes together do not make the task
+    The first change that addresses a reason removes its cause. If these changes together do not make the task
     solvable, all reasons are returned without changes. After the deadline of `trials`, all remaining reasons are kept.
     """
     kept, changes = list(reasons), _find_changes(task, reasons, trials)

@@ -1,11 +1,11 @@
 """Reasons why a task has no plan, derived from its declarations. Each reason is true and can be checked by hand.
 
 A backward search starts at every goal atom that cannot be reached. It examines the blocks that could achieve the atom,
-then the blocks that could achieve their preconditions. A block cannot run if:
+then the blocks that could achieve the preconditions of these blocks. A block cannot run if:
 
 - no token can fill one of its slots,
 - the task has too few tokens for its slots, or
-- its feasibility facts fail for every choice of tokens. The reason then gives the margin of the best choice.
+- its feasibility facts fail for every choice of tokens. The reason then states the margin of the best choice.
 """
 
 import math
@@ -33,8 +33,8 @@ def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -
     """Explain why planning found no plan.
 
     Args:
-        outcome: the outcome of planning, which must be a failure. If the failure has a detail, no reasons are searched.
-        seconds: time limit of the search for single changes, in seconds. Only proven failures are searched for changes.
+        outcome: the outcome of planning, which must be a failure. A failure with a detail needs no reasons.
+        seconds: time limit of the search for single changes, in seconds. The search needs a proof that no plan exists.
         most: number of changes after which the search stops.
     """
     task, failure = outcome.task, outcome.failure
@@ -51,7 +51,6 @@ def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -
 
 
 def _excluded(task: Task, exclusion: Exclusion) -> Reason:
-    """Return a reason that states why a binding was excluded."""
     short, block = exclusion.shortfall, exclusion.instance.block
     return Reason(task.goal, block, "forward models", exclusion.text, short.atom, short.margin, short.unit)
 
@@ -91,11 +90,11 @@ def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
 def explain(task: Task, proven: bool = False) -> list[Reason]:
     """Return reasons why the goal cannot be reached.
 
-    Unless the task is `proven` to have no plan, the list is empty if the declarations show no reason.
+    If the declarations show no reason, the list is empty or, if the task is `proven` unsolvable, has a general reason.
     """
     search = BackwardSearch(task)
     open_atoms = [atom for atom in task.goal if not search.holds(atom)]
-    # Blocks that achieve the goal directly are examined first, because the search further back is bounded.
+    # Blocks that achieve a goal atom directly are examined first, because the search for further blocks is bounded.
     direct = {atom: search.explain_directly(atom) for atom in open_atoms}
     reasons = {atom: told or _reasons(search, atom) for atom, told in direct.items()}
     found = [reason for atom in open_atoms for reason in merge_reasons(atom, reasons[atom])]
@@ -130,9 +129,9 @@ def _unknown_classes(task: Task) -> tuple[Reason, ...]:
 
 def _hidden(atoms: list[Atom]) -> Reason:
     if len(atoms) > 1:
-        message = "the feasibility facts allow each goal atom on its own, but no plan achieves all of them together"
+        message = "the feasibility facts allow each goal atom on its own, but no plan achieves all goal atoms together"
     else:
-        message = "no single feasibility fact rules out this goal, but no plan achieves all preconditions of its blocks"
+        message = "no fact rules out the goal, but no plan meets all preconditions of the blocks that achieve the goal"
     return Reason(tuple(atoms), "", "together", message)
 
 
@@ -152,7 +151,7 @@ class _Walk:
         self._known: dict[Atom, list[Reason]] = {}
 
     def reasons(self, atom: Atom) -> list[Reason]:
-        """Return why the blocks that achieve an atom cannot run."""
+        """Return the reasons why the blocks that achieve an atom cannot run."""
         if atom not in self._known:
             # The empty list ends the recursion if an atom depends on itself.
             self._known[atom] = []

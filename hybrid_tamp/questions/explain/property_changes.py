@@ -14,13 +14,13 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.questions.changes import task_root
 
 _STEPS = (0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 2.0, 5.0, 10.0, 100.0, 1000.0)
-"""Step sizes of property changes, relative to the value, or in the property's unit if the value is 0."""
+"""Sizes of the tested changes, relative to the old value, or in the property's unit if the old value is 0."""
 _HALVINGS = 40
 _DIGITS = 3
 
 
 def find_property_changes(task: Task, atom: Atom) -> Iterator[SetProperty]:
-    """Yield the smallest change of each token property that makes a feasibility fact hold."""
+    """Yield, for each property of the tokens in a feasibility fact, the smallest change that makes the fact hold."""
     for name in atom.arguments:
         token = task.token_by_name.get(name)
         for key in sorted(token.properties) if token else ():
@@ -46,7 +46,7 @@ def _unit(token: Token, key: str) -> str:
 
 
 def _components(token: Token, key: str) -> tuple[int | None, ...]:
-    """Return the components of a property that may change: None for a number, and 0 to 2 for a free vector."""
+    """Return the components of a property that may change: None for a number, and 0 to 2 for an unrestricted vector."""
     value = token[key]
     if isinstance(value, float):
         return (None,)
@@ -61,7 +61,7 @@ def _value(token: Token, key: str, component: int | None) -> float:
 
 
 def _least(task: Task, token: Token, key: str, component: int | None, atom: Atom) -> Token | None:
-    """Return the token with the smallest change of a number that makes the fact hold, or None if there is none."""
+    """Return the token with the smallest change of one number that makes the fact hold, or None if no change does."""
     value = _value(token, key, component)
     size = abs(value) or 1.0
     for step in _STEPS:
@@ -73,7 +73,7 @@ def _least(task: Task, token: Token, key: str, component: int | None, atom: Atom
 
 
 def _nearest(task: Task, token: Token, key: str, component: int | None, far: float, atom: Atom) -> float:
-    """Return a value close to the smallest sufficient change, rounded to three digits if the fact still holds."""
+    """Return a value close to the smallest sufficient change, rounded to three digits if the rounded value suffices."""
     near = _value(token, key, component)
     enough = far
     for _ in range(_HALVINGS):

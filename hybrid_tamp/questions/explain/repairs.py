@@ -3,7 +3,7 @@
 Solving the delete relaxation of a changed task takes a few hundredths of a second and may prove that the change is
 useless. The planner tries the remaining changes. Its plans must obey the law of assignment. If the task is unsolvable
 only because blocks delete atoms, the relaxation proves nothing. The planner then tries many edges or facts at once. If
-the task is unsolvable with all of them, each of them is useless.
+the task is unsolvable with a whole group of edges or facts, each change of the group is useless.
 """
 
 from collections import Counter
@@ -54,7 +54,7 @@ def find_repairs(task: Task, reasons: Sequence[Reason], trials: TrialPlanner, mo
     for change in _Sieve(task, reasons, trials).promising(propose_changes(task, reasons)):
         if trials.over:
             return Repairs(tuple(found), complete=False)
-        # Copies of the same token at different positions count once.
+        # At most one copy of each token is suggested.
         source = change.like if isinstance(change, CopyToken) else None
         if change is None or kinds[change.kind] == OF_A_KIND or (source is not None and source.name in copied):
             continue
@@ -86,7 +86,7 @@ class _Sieve:
             elif self._relaxed_unsolvable:
                 yield from self._split(list(group), self._possible)
             else:
-                # Planning takes longer. So the first change is tried alone, and each further group is twice as large.
+                # Planning takes long, so the first change is tried alone, and each further group is twice as large.
                 rest, size = list(group), 1
                 while rest:
                     yield from self._split(rest[:size], self._may_be_planned)
@@ -119,7 +119,7 @@ class _Sieve:
 def find_counterfactual_reasons(
     task: Task, reasons: Iterable[Reason], suggestions: Iterable[Suggestion]
 ) -> list[Reason]:
-    """Return a reason for each suggestion that removes none of the given reasons."""
+    """Return a reason for each suggested change that removes the cause of none of the given reasons."""
     found: list[Reason] = []
     for suggestion in suggestions:
         if not any(points_to(reason, suggestion.change) for reason in (*reasons, *found)):

@@ -13,7 +13,7 @@ from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
 
 LEAST = 2.0
-"""Minimum time limit of a search in seconds, even shortly before the deadline."""
+"""Smallest time limit of a search, in seconds. It applies even if less time remains until the deadline."""
 PROVING = 10.0
 """Time limit of one attempt to prove that a task has no plan, in seconds."""
 
@@ -24,7 +24,7 @@ class TrialPlanner(ExitStack):
     def __init__(self, deadline: float) -> None:
         super().__init__()
         self._deadline = deadline
-        # Each process plans one task. The second process starts while the first one searches.
+        # Each process plans one task. The second process starts while the first process searches.
         self._processes = cycle(self.enter_context(PlannerProcess()) for _ in range(2))
 
     @property
@@ -40,7 +40,7 @@ class TrialPlanner(ExitStack):
             return None
 
     def proves_unsolvable(self, task: Task) -> bool:
-        """Say whether a short search proves that the task has no plan."""
+        """Return whether a short search proves that the task has no plan."""
         if not any(may_be_solvable(compile_task(each).problem) for each in task.alternatives()):
             return True
         try:

@@ -1,11 +1,11 @@
 """Beam search through time for the cheapest interpretation of an observation.
 
-An instance ends if one of its tokens leaves, or if its block has no hold. Its tokens then enter slots of new instances
-along edges of the network. Tokens of other instances may join them. At this instant, the exit conditions of all ending
-instances and the entry conditions of all starting instances must be observed to hold. Of all interpretations with the
-same running instances, only the cheapest is kept. Few instances make an interpretation cheap, and so do tokens that
-stop near their predicted positions. An instance with targets costs less if a later instance needs its effects. This
-cost settles ambiguous targets, for example if a hand reaches behind an object and two regions lie on the same line.
+An instance of a block with `hold` ends when one of its tokens leaves. Any other instance ends when its exit conditions
+hold. The tokens then enter slots of new instances along edges of the network. At this instant, the exit conditions of
+all ending instances and the entry conditions of all starting instances must be observed to hold. Of all interpretations
+with the same running instances, only the cheapest is kept. An interpretation is cheap if it has few instances, and if
+tokens stop near their predicted positions. An instance with targets costs less if the next instance needs its effects.
+This cost settles ambiguous targets, for example if a hand reaches behind an object and two regions lie on one line.
 """
 
 from collections.abc import Iterator
@@ -30,7 +30,7 @@ _UNUSED = 0.2
 
 @dataclass(frozen=True)
 class Interpretation:
-    """An explanation of the first part of an observation.
+    """An explanation of an observation up to a row.
 
     Attributes:
         running: instances that are still running.
@@ -99,7 +99,7 @@ class _Search:
             )
 
     def _successors(self, interpretation: Interpretation) -> list[Interpretation]:
-        """Return the interpretations that end the instance that is due first."""
+        """Return the interpretations that follow when the instance that is due first ends."""
         due = min(interpretation.running, key=lambda hypothesis: hypothesis.due)
         reassignments = self._reassignments(interpretation, _Reassignment((due,), (), due.tokens))
         found = [each for reassignment in reassignments for each in self._continuations(interpretation, reassignment)]
@@ -133,7 +133,7 @@ class _Search:
     def _slot_choices(
         self, interpretation: Interpretation, reassignment: _Reassignment, name: str, slot: str, token: str
     ) -> Iterator[Roles]:
-        """Yield every assignment of tokens to the slots of a block with a given token in a given slot."""
+        """Yield every assignment of tokens to the slots of a block in which a given token fills a given slot."""
         placed = _placed(reassignment)
         choices = {}
         for each in self.hypotheses.block(name).slots:
@@ -158,7 +158,7 @@ class _Search:
             yield _after(paid, reassignment.ending, list(started), row)
 
     def _unused_cost(self, reassignment: _Reassignment) -> float:
-        """Return the extra cost of ending instances with targets if no starting instance needs their effects."""
+        """Return the extra cost of ending instances that have targets and whose effects no starting instance needs."""
         entries = (self._ground(name, slots + targets, True) for name, slots, targets in reassignment.starting)
         needed = frozenset[Atom]().union(*entries)
         aimed = [each for each in reassignment.ending if each.block and each.targets]
@@ -174,7 +174,7 @@ class _Search:
         return self._atoms[key]
 
     def _instant(self, reassignment: _Reassignment) -> int | None:
-        """Return the row of a reassignment: the last allowed row before tokens move, or else the first allowed row."""
+        """Return the last allowed row of a reassignment before its tokens move, or else the first allowed row."""
         low, high = reassignment.window
         rows = low + np.flatnonzero(self._allowed(reassignment, strict=True)[low : high + 1])
         if not len(rows):
@@ -190,7 +190,7 @@ class _Search:
         onset = min((self.seen.onset(token, low) for token in moving), default=low)
         still = all(self.seen.departure(token, low) > self.seen.last for token in moving)
         if still and any(each.block and not self.hypotheses.block(each.block).hold for each in reassignment.ending):
-            # No token moves any more, and an ending block has no hold, so the next block must begin at once.
+            # No token moves later, and an ending block has no hold, so the next block must begin at once.
             return int(rows[0])
         before = rows[rows <= onset]
         return int(before[-1] if len(before) else rows[0])
@@ -205,7 +205,7 @@ class _Search:
         return allowed
 
     def _unexplained(self, interpretation: Interpretation, due: Hypothesis) -> Interpretation:
-        """End an instance if no block explains its next movement. Only the first moving token is left unexplained."""
+        """End an instance whose tokens move without an explanation. Only the first token to move stays unexplained."""
         row = min(max(due.reached, due.due), self.seen.last)
         resting = self.task.domain.resting
         anchor = self.hypotheses.block(resting).anchor

@@ -1,8 +1,8 @@
 """Hypotheses of an observer. A hypothesis explains the observed motion of some tokens by one block instance.
 
 An instance lasts at least until its exit conditions are observed to hold. After that, its tokens stay still until they
-leave. While a block runs, the state variables that it does not write stay constant. The state variables that it reads
-from its targets stay constant until its exit conditions hold.
+leave. State variables that its block does not write stay constant during the whole instance. Target poses that its
+block reads stay constant until the exit conditions hold.
 """
 
 from collections.abc import Mapping
@@ -30,11 +30,11 @@ Roles = tuple[tuple[str, str], ...]
 UNEXPLAINED_COST = 20.0
 """Cost of a movement that no block explains. One block instance costs 1."""
 MISFIT_SCALE = 0.05
-"""Misfit that costs as much as one block instance, in metres."""
+"""Distance from the predicted position that costs as much as one block instance, in metres."""
 PAUSE_COST = 4.0
 """Cost of a pause that the rollout of the block's policy does not show. One block instance costs 1."""
 _MISFIT_BOUND = (0.08, 0.25)
-"""Pair of (offset in metres, factor). The largest misfit is the offset plus the factor times the distance moved."""
+"""Pair of (offset in metres, factor). The largest misfit is the offset plus the factor times the moved distance."""
 _OPEN = 0.2
 """Longest time for which noise may switch exit conditions on and off, in seconds."""
 _PAUSE = 0.2
@@ -76,7 +76,7 @@ class Hypothesis:
 
 
 class Hypotheses:
-    """Generator of the hypotheses about one observation. It also finds the rows where they may begin and end."""
+    """Generator of the hypotheses about one observation, and of the rows in which hypotheses may begin and end."""
 
     def __init__(self, task: Task, observation: Observation) -> None:
         self.task = task
@@ -111,7 +111,7 @@ class Hypotheses:
         return self.truth(self.block(name).measured_entries, roles, strict)
 
     def find(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Hypothesis, ...]:
-        """Return the hypotheses that may begin in a row and agree with the observation. Noise may allow several."""
+        """Return the hypotheses that begin in a row and agree with the observation. Noise may cause several."""
         key = (name, slots, targets, start)
         if key not in self._found:
             rows = self._reached(self.block(name), slots + targets, start)
@@ -120,7 +120,7 @@ class Hypotheses:
         return self._found[key]
 
     def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
-        """Return candidates for the first row at which the exit conditions hold. Noise may allow several."""
+        """Return the possible first rows at which the exit conditions hold. Noise may cause several."""
         seen = self.observation
         earliest = seen.times[start] + block.duration.minimum
         if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:
@@ -148,7 +148,7 @@ class Hypotheses:
         return Hypothesis(name, slots, targets, start, reached, departs, departs if block.hold else reached, cost)
 
     def unexplained(self, token: str, start: int) -> Hypothesis:
-        """Return an unexplained hypothesis that lasts until the token next stays still."""
+        """Return a hypothesis without a block, which ends when the token stays still."""
         seen, row = self.observation, start + 1
         while row < seen.last:
             left = seen.departure(token, row)
@@ -162,7 +162,7 @@ class Hypotheses:
     def targets(self, block: Block, slots: Roles) -> tuple[Roles, ...]:
         """Return the bindings of the targets that the feasibility facts allow.
 
-        Tokens precede symbols in each binding, and the bindings follow the order of the tokens in the task.
+        In each binding, tokens precede symbols. The bindings are sorted by the order of the tokens in the task.
         """
         key = (block.name, slots)
         if key not in self._targets:
@@ -190,7 +190,7 @@ class Hypotheses:
 
     @cached_property
     def _changes(self) -> dict[tuple[str, str], tuple[int, ...]]:
-        """Maps (token, state variable other than pose and velocity) to the rows where its unary predicates change."""
+        """Maps (token, state variable except pose and velocity) to rows where a unary predicate over it changes."""
         found: dict[tuple[str, str], tuple[int, ...]] = {}
         bodies = {varying.name for varying in BODY_STATE}
         for predicate, token in product(self.task.domain.predicates, self.task.assigned):
@@ -205,7 +205,7 @@ class Hypotheses:
         return found
 
     def _disturbed(self, block: Block, targets: Roles, start: int, reached: int) -> bool:
-        """Say whether the block reads the pose of a target that moves before the exit conditions hold."""
+        """Return whether a target whose pose the block reads moves before the exit conditions hold."""
         named = dict(targets)
         return any(
             self.observation.departure(named[target.name], start) < reached
@@ -214,7 +214,7 @@ class Hypotheses:
         )
 
     def _misfit(self, block: Block, slots: Roles, targets: Roles, start: int, reached: int) -> float | None:
-        """Return the summed distance of the tokens from their predicted positions in metres, or None if it is large."""
+        """Return the sum of the tokens' distances from their predicted positions in metres, or None if one is large."""
         seen = self.observation
         tokens = [token for _, token in slots]
         before = seen.likely(start)

@@ -1,7 +1,7 @@
 """Comparison of an observed movement with a rollout of a block's policy on the block's forward model.
 
-If the movement has more pauses than the rollout, several blocks produced it. If its path is much longer than in the
-rollout, the block did not produce it.
+If the movement has more pauses than the rollout, several blocks produced the movement. If the path of the movement is
+much longer than that of the rollout, the block did not produce the movement.
 """
 
 from itertools import pairwise
@@ -35,7 +35,7 @@ def count_pauses(speeds: FloatArray, period: float, slow: float = _SLOW) -> int:
     Args:
         speeds: speed of the fastest token in each row, in m/s. Shape ``(t,)``.
         period: time between two rows, in seconds.
-        slow: speed below which the token counts as pausing, in m/s.
+        slow: speed below which a token counts as pausing, in m/s.
     """
     still: Truth = speeds < slow
     ends = [0, *(np.flatnonzero(np.diff(still.astype(int))) + 1).tolist(), len(still)]
@@ -44,7 +44,7 @@ def count_pauses(speeds: FloatArray, period: float, slow: float = _SLOW) -> int:
 
 
 def measure_length(positions: FloatArray, period: float) -> float:
-    """Return the length of the longest path of any token, in metres.
+    """Return the length of the longest path among the tokens, in metres.
 
     ``positions`` is in metres and has shape ``(t, tokens, 3)``, with ``period`` seconds between two rows.
     """
@@ -54,7 +54,7 @@ def measure_length(positions: FloatArray, period: float) -> float:
 
 
 def count_unexpected_pauses(block: Block, binding: Binding, seen: Observation, start: int, reached: int) -> int | None:
-    """Return how many more pauses the movement has than the block's rollout, or None if its path is too long."""
+    """Return the number of pauses beyond those in the block's rollout, or None if the observed path is too long."""
     moved = [str(getattr(binding[slot], "name", "")) for slot, written in block.writes.items() if "position" in written]
     if not moved or block.policy is None:
         return 0

@@ -16,7 +16,7 @@ Truth = NDArray[np.bool_]
 """Mask of the rows in which a condition holds. Shape ``(t,)``."""
 
 SMOOTHING = 0.02
-"""Window over which poses and velocities are averaged, in seconds. It is much shorter than any block."""
+"""Window over which poses and velocities are averaged, in seconds. Every block lasts much longer."""
 ALLOWANCE = 0.25
 """Tolerance of observed margins, as a multiple of the predicate's scale."""
 SURE = 3.0
@@ -26,16 +26,16 @@ _MEDIAN = 0.6745
 _LEAST = 1e-4
 """Smallest estimate of position noise that is used, in metres. Smaller estimates reflect the movement itself."""
 _DRAWS = 16
-"""Number of states drawn to represent a noisy state."""
+"""Number of random states that represent one noisy state."""
 STILL = (0.01, 0.04)
-"""Largest changes of a token that stays still: position in metres and orientation in radians."""
+"""Largest changes of (position in metres, orientation in radians) of a token that stays still."""
 _ONSET = (0.003, 0.01)
-"""Smallest changes of a token that has begun to move: position in metres and orientation in radians."""
+"""Smallest changes of (position in metres, orientation in radians) of a token that has begun to move."""
 
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """A time series of observed states, smoothed.
+    """A time series of observed states, before and after smoothing.
 
     Attributes:
         times: time of each row, in seconds. Shape ``(t,)``.
@@ -62,7 +62,7 @@ class Observation:
             times: evenly spaced times, in seconds. Shape ``(t,)``.
             trajectory: measured states. Batch shape ``(t,)``.
             allowance: tolerance of observed margins, as a multiple of the predicate's scale.
-            deviation: standard deviation of the noise after smoothing. By default it is estimated.
+            deviation: standard deviation of the noise after smoothing. Estimated by default.
         """
         period = float(times[1] - times[0]) if len(times) > 1 else 1.0
         window = max(1, round(SMOOTHING / period)) | 1
@@ -100,8 +100,8 @@ class Observation:
     def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE) -> Truth:
         """Return a mask of the rows in which the measured states satisfy a condition.
 
-        Unless `strict`, rows are included if the smoothed margin is above minus the allowance minus `sure` standard
-        deviations of its noise.
+        Unless `strict`, rows are also included if the smoothed margin is negative by at most the allowance plus `sure`
+        standard deviations of the margin's noise.
         """
         key = (literal.ground(binding), strict, sure)
         if key not in self._truths:
@@ -119,7 +119,7 @@ class Observation:
         return row + int(moved[0]) if len(moved) else self.last + 1
 
     def onset(self, token: str, row: int) -> int:
-        """Return the row in which the token begins to leave its pose in `row`."""
+        """Return the last row in which the token still has its pose of `row`."""
         return row + int(np.flatnonzero(~self._moved(token, row, _ONSET)[row : self.departure(token, row)])[-1])
 
     def place(self, token: str, row: int) -> FloatArray:
@@ -147,7 +147,7 @@ class Shown:
 
     Attributes:
         source: name of the folder or file with the demonstration.
-        task: the demonstrator's task, starting from the first observed state.
+        task: the demonstrator's task, whose initial state is the first observed state.
         observation: observed states over time.
     """
 

@@ -16,7 +16,7 @@ from hybrid_tamp.questions.imitate.observation import Observation
 
 
 def segment(task: Task, observation: Observation) -> Segmentation:
-    """Return the timeline that explains an observation best. The goal of the task affects only the violations."""
+    """Return the timeline that best explains an observation. The goal of the task affects only the violations."""
     best = find_best(task, observation)
     times = observation.times
     hypotheses = [*((each, each.due) for each in best.past), *((each, observation.last) for each in best.running)]

@@ -1,8 +1,8 @@
 """Transfer of a demonstrated plan to another agent with the same capability classes (paper, Sec. II-E).
 
 The goals determine the roles of the tokens that they name. All other tokens take roles that their classes allow.
-Assignments of roles are tried in turn, and the first assignment with a lawful plan is used. Assignments whose tokens
-are arranged most like the demonstration come first.
+Assignments of roles are tried one after the other, and the first assignment with a lawful plan is used. Assignments
+in which the tokens are arranged most like in the demonstration come first.
 """
 
 from collections.abc import Iterator, Mapping
@@ -34,7 +34,7 @@ class Transfer:
 
     Attributes:
         plan: the scheduled plan, which obeys the law of assignment.
-        task: the imitator's task. If its goal leaves a choice, the goal is the alternative that the plan achieves.
+        task: the imitator's task. A goal with a choice is replaced by the alternative that the plan achieves.
         roles: maps each token of the demonstration to the imitator's token that takes its role.
     """
 
@@ -65,7 +65,7 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
     for token, names in able.items():
         if not names:
             classes = ", ".join(sorted(sort.name for sort in wanted[token]))
-            raise _refused(f"{token} in the demonstration is a member of {classes}, but no token of {task.name} is")
+            raise _refused(f"{token} in the demonstration is a member of {classes}, but {task.name} has no such token")
     found = list(islice(_assignments(able, _goal_roles(shown, task, able)), _MOST))
     if not found:
         raise _refused(f"{task.name} has too few tokens to replace {_counted(wanted, able)}")

@@ -1,8 +1,9 @@
 """Trials that test whether a new token is a member of a class (paper, Sec. II-B).
 
-Features of the token's shape rank the classes. For each class, the surface of a labelled member is warped onto the new
-token, and the properties of the labelled member are transferred. The domain's trial tasks assume that the token is a
-member with these properties. The tasks are planned and run from several starts. The measurements decide the verdict.
+The classes are ranked by features of the token's shape. For each class, the surface of a labelled (known) member is
+warped onto the new token, and the properties of this member are transferred. The domain's trial tasks assume that the
+new token is a member with these properties. A trial task is planned and then run from several starts. The measurements
+decide the verdict.
 """
 
 import logging
@@ -28,7 +29,7 @@ from hybrid_tamp.model.trial import TrialRecipe
 from hybrid_tamp.physics.protocol import Backend
 
 STARTS = 4
-"""Minimum number of trials for a class. If all or none of four trials succeed, the interval excludes 1/2."""
+"""Minimum number of trials for a class. If all or none of four trials succeed, the confidence interval excludes 1/2."""
 MOST_STARTS = 16
 """Maximum number of trials for a class. This many trials distinguish a success rate of 9/10 from 1/2."""
 BLOCK_SECONDS = 8.0
@@ -37,7 +38,7 @@ MOST_SECONDS = 60.0
 """Maximum simulated time of a trial, in seconds."""
 
 FindPlan = Callable[[Task], TaskPlan]
-"""Function that returns a plan for a task. It raises NoPlan or LimitReached if it finds none."""
+"""Function that returns a plan for a task. The function raises NoPlan or LimitReached if it finds no plan."""
 Tell = Callable[[float, str], None]
 """Progress callback. Its arguments are the finished share of the work (0 to 1) and a description."""
 
@@ -53,7 +54,7 @@ class Prober:
         backend: physics backend that runs the plans.
         starts: minimum number of trials for a class.
         most_starts: maximum number of trials for a class. Trials continue beyond the minimum only while the verdict is
-            unsure. The verdict is tested after every trial, so a token with a true success rate of 1/2 gets a verdict
+            unsure. The verdict is tested after every trial, so a token with a true success rate of 1/2 gets yes or no
             more often than the confidence level implies.
         most_seconds: maximum simulated time of a trial, in seconds.
         deadline: time on the monotonic clock at which the probe is aborted, in seconds.
@@ -97,7 +98,7 @@ class Prober:
             return replace(untried, obstacle=f"the domain {task.domain.name} defines no trial for this class")
         found = _nearest(task, token, recipe)
         if found is None:
-            return replace(untried, obstacle="the task has no labelled member of this class with a shape to warp")
+            return replace(untried, obstacle="the task has no labelled member of this class whose shape can be warped")
         labelled, warped = found
         estimate = recipe.estimate(task, token, labelled, warped.carry)
         known = Verdict(
@@ -114,7 +115,7 @@ class Prober:
     def run_trials(
         self, known: Verdict, recipe: TrialRecipe[Task], task: Task, member: Token, plan: TaskPlan, seed: int
     ) -> Verdict:
-        """Run trials until the verdict is sure or their maximum number is reached. Return the verdict with the trials.
+        """Run trials until the verdict is yes or no, or until `most_starts` trials have run. Return the verdict.
 
         Raises:
             LimitReached: if the deadline passes.
@@ -192,7 +193,7 @@ def _nearest(task: Task, token: Token, recipe: TrialRecipe[Task]) -> tuple[Token
 
 
 def with_time_bounds(domain: Domain) -> Domain:
-    """Return the domain with shorter time limits of blocks, so that failing trials end early."""
+    """Return the domain with shorter time limits for its blocks, so that failing trials end early."""
     durations = [replace(block.duration, maximum=min(block.duration.maximum, BLOCK_SECONDS)) for block in domain.blocks]
     blocks = zip(domain.blocks, durations, strict=True)
     return domain.with_blocks([replace(block, duration=duration) for block, duration in blocks])
@@ -207,7 +208,7 @@ def _faults(
     for key, (low, high) in recipe.bounds.items():
         values = [value for (_, name), value in measured.items() if name == key]
         if not values:
-            yield f"{key} was not measured"
+            yield f"the domain must measure {key}, got no value"
         yield from (
             f"{key} must be within {low:g} to {high:g}, got {value:.4g}" for value in values if not low <= value <= high
         )
