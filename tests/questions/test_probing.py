@@ -300,7 +300,7 @@ def test_unknown_classes_are_checked_as_classes_are() -> None:
     for wrong, said in (
         ("[ROLABLE]", "did you mean 'ROLLABLE'"),
         ("[STATIC END-EFFECTOR, ROLLABLE]", "no token can be a member of both"),
-        ("[TOKEN]", "names each of its classes once"),
+        ("[TOKEN]", "a class must not be listed twice"),
     ):
         with pytest.raises(InputError, match=said):
             load_task_text(text.replace("[ROLLABLE, TUMBLABLE]", wrong), "t")
