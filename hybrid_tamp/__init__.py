@@ -1,7 +1,7 @@
 """hybrid_tamp: task and motion planning with affordances as resources.
 
-Users import every public name from this package: the verbs, their arguments and their results. Each name is loaded at
-its first use, so that ``import hybrid_tamp`` stays fast. Authors of domains import from `hybrid_tamp.authoring`.
+This package offers the verbs and the classes of their arguments and results. Each name is imported only when the name
+is first used, so ``import hybrid_tamp`` is fast. Authors of domains import from `hybrid_tamp.authoring`.
 """
 
 from importlib import import_module
@@ -91,7 +91,7 @@ _NAMES = {
     "verbs.replay": "replay",
     "verbs.run": "run",
 }
-"""Maps each module to its public names, separated by blanks."""
+"""Maps each module to a string of its public names."""
 _HOME_OF = {name: home for home, names in _NAMES.items() for name in names.split()}
 
 __version__ = "0.1.0"
@@ -99,7 +99,7 @@ __all__ = sorted(_HOME_OF)
 
 
 def __getattr__(name: str) -> Any:
-    """Load a public name from its module at its first use (PEP 562)."""
+    """Import the module of a public name and return the named object (PEP 562)."""
     if name not in _HOME_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_HOME_OF[name]}"), name)

@@ -1,4 +1,4 @@
-"""The exceptions of the library. Errors of other libraries are translated to these where the libraries are called.
+"""The exceptions of the library. Code that calls another library translates the errors of the other library into them.
 
 ::
 
@@ -8,9 +8,9 @@
     ├── NoPlan                  10, 11   the task is proven unsolvable (10), or no plan was found (11)
     ├── LimitReached                20   a time or memory limit was reached
     ├── ExecutionFailed             40   the plan was executed but the goal was not reached
-    └── LawBroken                    1   a plan or recording of the library breaks the law of assignment
+    └── LawBroken                    1   a plan or recording made by the library breaks the law of assignment
 
-Any other exception is a bug of hybrid_tamp and gives exit status 1.
+Any other exception is a bug in hybrid_tamp. The exit status is then 1.
 """
 
 from collections.abc import Iterable, Sequence
@@ -20,13 +20,13 @@ from difflib import get_close_matches
 
 @dataclass(frozen=True)
 class Issue:
-    """One fault of an input, split into the parts of its message.
+    """A fault of an input, split into the parts of its error message.
 
     Attributes:
         where: place of the fault, e.g. ``file:line:column`` or ``block.slot``.
         wanted: the requirement that is not met.
-        came: the value that was given; empty if there is none.
-        available: the accepted values, if there are only a few.
+        came: the given value as text; empty if no value was given.
+        available: the accepted values; empty if they cannot be listed.
         remedy: advice on how to repair the fault; empty if ``wanted`` makes the repair clear.
     """
 
@@ -52,7 +52,7 @@ class Issue:
 
 
 def did_you_mean(word: str, available: Sequence[str]) -> str | None:
-    """Return the available word that is closest to a mistyped word, or None if no word is close."""
+    """Return the available word that is most similar to a mistyped word, or None if none is similar enough."""
     folded = {name.casefold(): name for name in available}
     close = get_close_matches(word.casefold(), folded, n=1, cutoff=0.7)
     return folded[close[0]] if close else None
@@ -79,12 +79,12 @@ class DomainError(InputError):
 
 
 class NoPlan(HybridTampError):
-    """Error for a task without a plan.
+    """Error for a task for which no plan exists or no plan was found.
 
     Attributes:
-        proven: True if it is proven that no plan exists, False if the planner found no plan.
+        proven: whether the task is proven to have no plan.
         kind: ``unsolvable``, ``not_found``, ``planner_crashed``, ``plan_refused`` or ``class_unknown``.
-        probes: pairs of (task, token). A probe of the token shows whether the task can have a plan.
+        probes: pairs of (task, token). A probe of the token's unknown classes may make the task solvable.
     """
 
     def __init__(self, message: str, *, proven: bool, kind: str, probes: Sequence[tuple[str, str]] = ()) -> None:
@@ -100,7 +100,7 @@ class NoPlan(HybridTampError):
 
 
 class LimitReached(HybridTampError):
-    """Error for a time or memory limit that was reached; `limit` is ``time`` or ``memory``."""
+    """Error raised when a time or memory limit is reached; `limit` is ``time`` or ``memory``."""
 
     exit_status = 20
 
@@ -110,7 +110,7 @@ class LimitReached(HybridTampError):
 
 
 class ExecutionFailed(HybridTampError):
-    """Error for a plan that was executed without reaching the goal."""
+    """Error raised when an executed plan does not reach the goal, or when trials confirm no class of a token."""
 
     exit_status = 40
 

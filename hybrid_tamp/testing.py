@@ -14,14 +14,14 @@ from hybrid_tamp.model.predicate import ANY, Binding, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 
-_WALKS = 4  # Largest number of walks per sample.
-_LONGEST_HOLD = 30.0  # [s]
-_STEPS_A_BLOCK = 4  # Length of a walk, in steps per block of the domain.
+_WALKS = 4  # Maximum number of random walks for each of the `samples`.
+_LONGEST_HOLD = 30.0  # Longest rollout of a block that can continue after its exit conditions hold [s].
+_STEPS_A_BLOCK = 4  # Maximum number of steps of a random walk for each block.
 
 
 @dataclass(frozen=True)
 class Disagreement:
-    """A declared exit condition that does not hold at the end of a rollout of its block."""
+    """An exit condition that is declared for a block but does not hold at the end of a rollout of the block."""
 
     block: str
     binding: tuple[tuple[str, str], ...]
@@ -36,21 +36,21 @@ class Disagreement:
 
 
 def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 / 240) -> list[Disagreement]:
-    """Roll out every block from reachable states and check the declared exit conditions in the final states.
+    """Roll out every block from reachable states and check the block's declared exit conditions at the end.
 
-    Each random walk starts in the initial state of the task with the hands displaced at random. Each step of a walk
-    rolls out one block whose entry conditions hold. Blocks without a rollout so far are preferred. The next step
-    starts in the final state of the block, so a walk can tip a box and then lower it.
+    Each random walk starts in the initial state of the task, but with slightly displaced hands. Each step of a walk
+    rolls out a block whose entry conditions hold, preferably a block that was not rolled out before. The next step
+    starts in the final state of this rollout. A walk can thus tip a box and then lower the box.
 
     Args:
-        task: a task of the domain, with tokens for every block to check.
+        task: a task of the domain. A block is checked only if the task has tokens for its slots.
         samples: minimum number of rollouts of each block, if the entry conditions of the block hold often enough.
-        seed: seed of the displacements and choices.
+        seed: seed of the random walks.
         dt: time step of the rollouts [s].
 
     Returns:
-        Every declared exit condition that does not hold after the longest duration of its block. Also every block that
-        no walk could enter although the task has tokens for its slots.
+        An entry for each exit condition that did not hold after a rollout of the block's longest duration, and an entry
+        for each checked block that no walk could enter.
     """
     rng = np.random.default_rng(seed)
     blocks = [block for block in task.domain.blocks if all(map(task.values_of, block.roles.values()))]
@@ -67,12 +67,12 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
             longest = min(block.duration.maximum, _LONGEST_HOLD) if block.hold else block.duration.maximum
             state = roll_out(block, binding, state, longest, dt)[-1]
             found.extend(_disagreements(block, binding, state))
-    never = "its entry conditions held in none of the states that were reached"
+    never = "its entry conditions did not hold in any state that was reached"
     return found + [Disagreement(name, (), never, math.nan) for name, times in done.items() if not times]
 
 
 def _displaced(task: Task, rng: np.random.Generator) -> State:
-    """Return the initial state with slightly displaced hands. Other tokens stay, so that the task's facts hold."""
+    """Return the initial state with slightly displaced hands. Other tokens stay in place, so that the facts hold."""
     moves = {
         (token.name, "position"): task.state[token, "position"] + rng.uniform(-0.05, 0.05, 3)
         for token in task.tokens
@@ -84,13 +84,14 @@ def _displaced(task: Task, rng: np.random.Generator) -> State:
 def _next(
     task: Task, blocks: list[Block], state: State, done: Counter[str], rng: np.random.Generator, samples: int
 ) -> tuple[Block, Binding] | None:
-    """Return a block with a binding that fulfils the entry conditions in the state.
+    """Return a block and a binding that fulfils the block's entry conditions in the state.
 
-    Blocks without a rollout so far are preferred. None if there is no such block or every block has enough rollouts.
+    Blocks that were not rolled out before are preferred. Return None if no block can be entered in the state, or if
+    every block was rolled out at least `samples` times.
     """
     if min(done.values()) >= samples:
         return None
-    # Among blocks that were rolled out before, counts do not matter: some states follow only after frequent blocks.
+    # Choose at random among blocks that were rolled out before: only blocks that ran often lead to some states.
     for block in sorted(blocks, key=lambda block: (done[block.name] > 0, rng.random())):
         possible = list(enumerate_bindings(task.choices(block), block.entry, partial(_holds, task, state)))
         if possible:

@@ -1,6 +1,6 @@
-"""The command line: parse arguments, call a verb, print its result and return an exit status.
+"""The command line: it parses arguments, calls a verb, prints the verb's result and returns an exit status.
 
-Each verb has a module, and `app` registers all verbs. Heavy modules are imported inside the verbs' functions.
+Each verb has its own module, and `app` registers all verbs. Slow imports are inside the verbs' functions.
 """
 
 import sys
@@ -16,11 +16,11 @@ from hybrid_tamp.errors import HybridTampError, InputError, Issue
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status."""
     words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
-    # The class UsageError of click, which typer does not export.
+    # This is click.UsageError, a class that typer does not export.
     usage_error = cast(type[Exception], typer.BadParameter.__mro__[1])
     try:
         status = app(args=words, prog_name="hybrid-tamp", standalone_mode=False)
-        if sys.stdout is not None:  # None if it was closed before Python started
+        if sys.stdout is not None:  # None if standard output was closed before Python started
             sys.stdout.flush()
     except HybridTampError as error:
         report_error(error, "--json" in words)

@@ -11,17 +11,17 @@ from hybrid_tamp.cli.console import say
 def affordances(
     task: options.Task,
     view: Annotated[
-        Literal["environment", "agent", "observer", "team"], typer.Option("--view", help="the perspective")
+        Literal["environment", "agent", "observer", "team"], typer.Option("--view", help="perspective to show")
     ] = "environment",
-    agent: Annotated[str | None, typer.Option("--agent", metavar="NAME", help="only this agent of the task")] = None,
+    agent: Annotated[str | None, typer.Option("--agent", metavar="NAME", help="show only this agent")] = None,
     what_if: Annotated[
         list[str] | None,
-        typer.Option("--what-if", metavar="+CLASS|-TOKEN", help="show the effect of adding or removing a token"),
+        typer.Option("--what-if", metavar="+CLASS|-TOKEN", help="show the effect of a token that is added or removed"),
     ] = None,
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Show which objects afford which blocks to which agents, and how an added or removed token changes this."""
+    """Show which objects afford which blocks to which agents, and the effect of an added or removed token."""
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.question_tables import affordances_table
     from hybrid_tamp.verbs.affordances import affordances as find_affordances

@@ -50,4 +50,4 @@ def _options(
 
 _QUESTIONS = (learn, imitate, explain, affordances, probe)
 for verb in (check, plan, pddl, run, replay, report, *_QUESTIONS, network, domains, schema):
-    app.command()(verb)  # in the order of the help
+    app.command()(verb)  # the help lists the verbs in this order

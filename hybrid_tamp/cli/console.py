@@ -23,11 +23,11 @@ _FLAGS = {
     "token": "--token",
     "view": "--view",
 }
-"""Maps each argument of a verb's function to the flag or argument of the command line."""
+"""Maps each parameter of the verbs' functions to its command-line flag or argument."""
 
 
 def say(document: dict[str, Any], as_json: bool, *texts: "Callable[[], RenderableType]") -> None:
-    """Print the document as JSON if `as_json` is true, else print the texts and tables."""
+    """Print the document as JSON if `as_json` is true, else print the text or table that each function returns."""
     if as_json:
         typer.echo(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
         return
@@ -36,7 +36,7 @@ def say(document: dict[str, Any], as_json: bool, *texts: "Callable[[], Renderabl
 
 
 def show(renderable: "RenderableType", *, stderr: bool = False) -> None:
-    """Print a string unchanged, or fit a rich table or text to the terminal. Print nothing for an empty string."""
+    """Print a string unchanged, or print a rich table or text that fits the terminal. Skip an empty string."""
     if isinstance(renderable, str):
         if renderable:
             typer.echo(renderable, err=stderr)
@@ -45,21 +45,21 @@ def show(renderable: "RenderableType", *, stderr: bool = False) -> None:
 
     class Plain(Console):
         def on_broken_pipe(self) -> None:
-            # Rich would exit with status 1. A reader that closes the pipe (e.g. `| head`) is no error.
+            # Rich would exit with status 1, but a pipe that its reader closes (e.g. `| head`) is no error.
             raise
 
     Plain(stderr=stderr, highlight=False, markup=False).print(renderable)
 
 
 def output_failed(error: OSError) -> int:
-    """Return the exit status after standard output could not be written.
+    """Return the exit status for a failure to write to standard output.
 
     Raises:
-        OSError: the error concerns a file instead of standard output.
+        OSError: the error concerns a file and not standard output.
     """
     if error.filename is not None:
         raise error
-    # Redirect standard output, because the interpreter writes to standard output again when it exits.
+    # Redirect standard output, because Python writes to standard output again at exit.
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if isinstance(error, BrokenPipeError):
         return 0  # the reader closed the pipe, e.g. `| head`
@@ -68,7 +68,7 @@ def output_failed(error: OSError) -> int:
 
 
 def report_error(error: HybridTampError, as_json: bool) -> None:
-    """Print an error on standard error; if `as_json` is true, also print a JSON document on standard output."""
+    """Print an error to standard error. If `as_json` is true, also print a JSON document to standard output."""
     error = _with_flags(error)
     typer.echo(str(error), err=True)
     issues: tuple[Issue, ...] = error.issues if isinstance(error, InputError) else ()
@@ -83,7 +83,7 @@ def report_error(error: HybridTampError, as_json: bool) -> None:
 
 
 def _with_flags(error: HybridTampError) -> HybridTampError:
-    """Return the error with command-line flags in place of the names of function arguments."""
+    """Return the error with each function argument's name replaced by its command-line flag."""
     if isinstance(error, LimitReached):
         return LimitReached(str(error).replace("time_limit", "--time-limit"), limit=error.limit)
     if isinstance(error, NoPlan) and error.probes:

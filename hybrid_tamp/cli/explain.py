@@ -15,12 +15,12 @@ def explain(
     as_json: options.Json = False,
     domain: options.Domain = None,
     planner: options.Planner = None,
-    seconds: Annotated[float, typer.Option("--seconds", min=0, help="time limit for finding changes [s]")] = 20.0,
+    seconds: Annotated[float, typer.Option("--seconds", min=0, help="time limit of the search for changes [s]")] = 20.0,
     most: Annotated[int, typer.Option("--most", min=1, help="maximum number of changes to find")] = 5,
     time_limit: options.Time = None,
     memory_limit: options.Memory = None,
 ) -> None:
-    """Explain why a task has no plan and which single changes would make it solvable.
+    """Explain why a task has no plan, and list single changes that would make the task solvable.
 
     If the task has a plan, explain why each token is in the plan.
     """

@@ -11,16 +11,16 @@ from hybrid_tamp.cli.console import say
 
 def learn(
     block: Annotated[
-        str, typer.Argument(metavar="BLOCK", help="a block, or an action whose modes all move in the same way")
+        str, typer.Argument(metavar="BLOCK", help="a block, or an action whose modes share one kind of movement")
     ],
     demonstrations: Annotated[
-        list[Path], typer.Argument(metavar="DEMO...", help="CSV files of time and position or pose, or folders of runs")
+        list[Path], typer.Argument(metavar="DEMO...", help="folders of runs, or CSV files of timed positions or poses")
     ],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.json", help="file for the primitive")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.json", help="file to write")],
     as_json: options.Json = False,
     domain: options.Domain = None,
     token: Annotated[
-        str | None, typer.Option("--token", metavar="NAME", help="use only movements of this token")
+        str | None, typer.Option("--token", metavar="NAME", help="use only the movements of this token")
     ] = None,
     weights: Annotated[int, typer.Option("--weights", min=1, max=1000, help="number of basis functions")] = 20,
     force: options.Force = False,
@@ -41,6 +41,6 @@ def learn(
         "rms": primitive.rms,
         "unit": primitive.unit,
     }
-    error = f"rms error {primitive.rms:.2g} {primitive.unit} over the demonstrations {', '.join(primitive.sources)}"
+    error = f"rms error {primitive.rms:.2g} {primitive.unit} over {', '.join(primitive.sources)}"
     text = f"{output}: primitive of {block} with {weights} weights per dimension, {error}"
     say(document, as_json, lambda: text)

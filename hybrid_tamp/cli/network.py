@@ -9,11 +9,11 @@ from hybrid_tamp.cli.console import say
 
 
 def network(
-    of: Annotated[str, typer.Argument(metavar="TASK|DOMAIN", help="a task, or a domain's name, module or .py file")],
+    of: Annotated[str, typer.Argument(metavar="TASK|DOMAIN", help="a task or a domain (name, module or .py file)")],
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Show the reassignment network: for each slot, the slots that a token may enter next."""
+    """Show the reassignment network: each slot with the slots that a token may enter next."""
     from hybrid_tamp.report.domain_documents import network_document
     from hybrid_tamp.report.tables import network_table
     from hybrid_tamp.verbs.network import find_network

@@ -8,7 +8,7 @@ Task = Annotated[str, typer.Argument(metavar="TASK", help="a YAML task file, or 
 Json = Annotated[bool, typer.Option("--json", help="print one JSON document and nothing else")]
 Domain = Annotated[
     str | None,
-    typer.Option("--domain", metavar="NAME", help="domain to use: a name, package.module:ATTRIBUTE, or a .py file"),
+    typer.Option("--domain", metavar="NAME", help="domain: a name, package.module:ATTRIBUTE, or a .py file"),
 ]
 Planner = Annotated[str | None, typer.Option("--planner", metavar="NAME", help="planning engine")]
 Objective = Annotated[
@@ -20,15 +20,15 @@ Time = Annotated[float | None, typer.Option("--time-limit", min=0.001, help="tim
 Memory = Annotated[float | None, typer.Option("--memory-limit", min=1, help="memory limit of the planner [MiB]")]
 Optimiser = Annotated[
     Literal["cma", "grid"] | None,
-    typer.Option("--optimiser", help="optimiser of hyperparameters: CMA-ES, or direct sampling on a grid"),
+    typer.Option("--optimiser", help="optimiser of hyperparameters: CMA-ES or a grid search"),
 ]
 Evaluations = Annotated[
     int | None,
-    typer.Option("--evaluations", min=1, max=10**9, metavar="N", help="maximum number of rollouts of the optimiser"),
+    typer.Option("--evaluations", min=1, max=10**9, metavar="N", help="maximum number of rollouts for the optimiser"),
 ]
 Refine = Annotated[
     Literal["none", "physics"] | None,
     typer.Option("--refine", help="physics: continue the optimisation in the physics backend"),
 ]
 Backend = Annotated[str, typer.Option("--backend", metavar="NAME", help="physics backend")]
-Force = Annotated[bool, typer.Option("--force", help="replace the files of another run")]
+Force = Annotated[bool, typer.Option("--force", help="replace existing output files")]

@@ -19,7 +19,7 @@ def plan(
     domain: options.Domain = None,
     planner: options.Planner = None,
     objective: options.Objective = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for plan.json and PDDL")] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for plan.json, PDDL files")] = None,
     force: options.Force = False,
     seed: options.Seed = None,
     time_limit: options.Time = None,

@@ -11,13 +11,13 @@ from hybrid_tamp.cli.console import say
 
 def probe(
     task: options.Task,
-    token: Annotated[str, typer.Option("--token", metavar="NAME", help="the token whose classes are to be found")],
+    token: Annotated[str, typer.Option("--token", metavar="NAME", help="token to probe")],
     classes: Annotated[
-        list[str] | None, typer.Option("--class", metavar="CLASS", help="class to try; default: all unknown classes")
+        list[str] | None, typer.Option("--class", metavar="CLASS", help="class to test; default: every unknown class")
     ] = None,
     as_json: options.Json = False,
     write: Annotated[
-        Path | None, typer.Option("--write", metavar="NEW.yaml", help="write a task with the confirmed classes")
+        Path | None, typer.Option("--write", metavar="NEW.yaml", help="write a task file with the confirmed classes")
     ] = None,
     starts: Annotated[int, typer.Option("--seeds", min=1, max=1000, help="initial number of trials per class")] = 4,
     most_starts: Annotated[
@@ -28,7 +28,7 @@ def probe(
     seed: options.Seed = None,
     time_limit: Annotated[float | None, typer.Option("--time-limit", min=0.001, help="time limit [s]")] = None,
 ) -> None:
-    """Find the classes of a token by predictions from its shape and by trials in physics."""
+    """Predict the classes of a token from its shape and confirm the classes by trials in physics."""
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.report.question_tables import membership_lines, membership_table, resting_text

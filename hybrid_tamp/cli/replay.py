@@ -14,7 +14,7 @@ def replay(
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Run the recorded commands again and report whether the states are bit-identical."""
+    """Run the recorded commands again and report whether the new states equal the recorded states bit for bit."""
     from hybrid_tamp.verbs.loading import domain_finder
     from hybrid_tamp.verbs.replay import replay as replay_run
 
@@ -29,10 +29,10 @@ def replay(
         "refusal": result.refusal,
     }
     if result.identical:
-        text = f"{result.steps} steps replayed, bit-identical"
+        text = f"the states of all {result.steps} replayed steps are bit-identical"
     elif difference is not None:
-        where = f"{difference.property} of {difference.token} first differs at {difference.time:.4f} s"
-        text = f"not identical; {where}, by {difference.size:.3g}"
+        where = f"the {difference.property} of {difference.token} first differs at {difference.time:.4f} s"
+        text = f"not identical; {where} (by {difference.size:.3g})"
     else:
         text = f"not identical; {result.refusal}"
     say(document, as_json, lambda: f"{directory}: {text}")

@@ -10,11 +10,11 @@ from hybrid_tamp.cli.console import say
 
 
 def report(
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="the folder that plan or run wrote")],
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="folder written by 'plan' or 'run'")],
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Write report.html anew from the documents in a folder."""
+    """Write report.html again from the JSON documents in a folder."""
     from hybrid_tamp.verbs.loading import Settings
     from hybrid_tamp.verbs.report import write_report
 

@@ -20,7 +20,7 @@ def run(
     planner: options.Planner = None,
     objective: options.Objective = None,
     backend: options.Backend = "pybullet",
-    video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="file for a video")] = None,
+    video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="video to write")] = None,
     force: options.Force = False,
     seed: options.Seed = None,
     time_limit: options.Time = None,
@@ -29,7 +29,7 @@ def run(
     evaluations: options.Evaluations = None,
     refine: options.Refine = None,
 ) -> None:
-    """Plan a task, optimise its hyperparameters, execute the plan in physics and evaluate the recorded run."""
+    """Plan a task, optimise the plan, execute the plan in physics and evaluate the recorded run."""
     from hybrid_tamp.verbs.planner import start_planner
 
     with start_planner() as process:

@@ -9,10 +9,10 @@ from hybrid_tamp.cli.console import say
 
 def schema(
     document: Annotated[
-        Literal["task", "plan", "result", "explain", "affordances"], typer.Argument(help="the document")
+        Literal["task", "plan", "result", "explain", "affordances"], typer.Argument(help="kind of document")
     ] = "task",
     reference: Annotated[
-        bool, typer.Option("--reference", help="print the reference page of task files in Markdown instead")
+        bool, typer.Option("--reference", help="print the Markdown reference of task files instead")
     ] = False,
 ) -> None:
     """Print the JSON Schema of task files or of a document that a verb prints or writes."""

@@ -11,7 +11,7 @@ _Result = TypeVar("_Result")
 def map_in_processes(function: Callable[[_Item], _Result], items: Sequence[_Item], processes: int) -> list[_Result]:
     """Apply a function to items in parallel and return the results in the order of the items.
 
-    The current process does the work if there is only one item or one process.
+    If there is only one item or `processes` is 1, the current process does the work.
 
     Args:
         function: function of one item. The function, the items and the results must be picklable.
