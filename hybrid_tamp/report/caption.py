@@ -11,7 +11,7 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 
 Picture = NDArray[np.uint8]
-"""Array of shape ``(height, width, 3)`` with red, green and blue."""
+"""Image array of shape ``(height, width, 3)`` with the channels red, green and blue."""
 
 _BACKGROUND = (255, 255, 255)
 _RULE = (205, 210, 216)
@@ -26,7 +26,7 @@ _VERDICT_TIME = 0.5
 
 
 def allocation(instance: BlockInstance) -> str:
-    """Return the slots of an instance with their tokens, e.g. ``ROLLING-1: hand=hand object=drum -> goal``."""
+    """Return the slots and tokens of an instance as text, e.g. ``ROLLING-1: hand=hand object=drum -> goal``."""
     slots = " ".join(f"{slot}={token}" for slot, token in instance.slots.items())
     targets = ", ".join(instance.targets.values())
     return f"{instance.name}: {slots}" + (f" -> {targets}" if targets else "")
@@ -59,7 +59,7 @@ class Captions:
         self._height = 2 * _MARGIN + _LINE + _LINE * max(map(len, self._lines))
 
     def under(self, picture: Picture, time: float) -> Picture:
-        """Return a picture ``(h, w, 3)`` with the caption of an instant [s] added below it."""
+        """Return a picture ``(h, w, 3)`` with the caption of an instant [s] added below the picture."""
         height = picture.shape[0] + self._height
         canvas = Image.new("RGB", (self._width, height + height % 2), _BACKGROUND)
         canvas.paste(Image.fromarray(picture), (0, 0))

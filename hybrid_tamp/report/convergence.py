@@ -1,4 +1,4 @@
-"""The convergence curve of the optimiser: a picture of the best value over the number of rollouts."""
+"""The convergence curve of the optimiser: a plot of the best value against the number of rollouts."""
 
 from io import BytesIO
 from typing import TYPE_CHECKING
@@ -34,7 +34,7 @@ def convergence_picture(entry: Json) -> bytes | None:
     axes.grid(color="#e4e7eb")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, fontsize="small", frameon=False)
     picture = BytesIO()
-    # Leave out matplotlib's version, so that the file depends on nothing but the run.
+    # Leave out matplotlib's version, so that the file depends only on the run.
     figure.savefig(picture, format="png", metadata={"Software": None})
     return picture.getvalue()
 

@@ -1,7 +1,7 @@
 """JSON documents and their JSON Schemas, both derived from the dataclasses of `model/` and the keys of `keys.py`.
 
 `document` turns a result, e.g. a `RunResult`, into plain data with the published keys. Documents have no classes of
-their own. Each key names an attribute of the result, and the attribute's type gives the JSON Schema of the key.
+their own. Each key names an attribute of the result, and the attribute's type determines the JSON Schema of the key.
 """
 
 import inspect
@@ -21,7 +21,7 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from hybrid_tamp.report.keys import DOCUMENTS, KEYS, TEXTS, Key, Keys
 
 Json = dict[str, Any]
-"""Plain data, as `json.loads` returns it."""
+"""Plain data of the kind that `json.loads` returns."""
 
 
 def document(result: Any) -> Json:
@@ -50,7 +50,7 @@ def parse_document(stem: str, content: bytes) -> Json:
 
 
 def json_schemas() -> dict[str, Json]:
-    """Return a mapping of each document's file stem to its JSON Schema."""
+    """Return a dictionary that maps the file stem of each document to the document's JSON Schema."""
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     return {stem: dialect | _adapter(stem).json_schema(by_alias=True) for stem in DOCUMENTS}
 
@@ -95,7 +95,7 @@ def _read(value: Any, key: Key) -> Any:
 
 
 def _keys(of: type, keys: Keys | None) -> tuple[Key, ...]:
-    """Return the given keys, or else the dataclass's keys in `KEYS`, or else one key for each field."""
+    """Return the given keys. The default is the dataclass's keys in `KEYS`, or else one key for each field."""
     wanted = keys or KEYS.get(of) or tuple(field.name for field in fields(of))
     return tuple(Key(each) if isinstance(each, str) else each for each in wanted)
 
@@ -151,7 +151,7 @@ def _resolve(of: type, key: Key) -> tuple[Any, str]:
 
 
 def _described(of: type, name: str) -> str:
-    """Return the description of an attribute in the docstring of its class."""
+    """Return an attribute's description, which is read from the docstring of the class."""
     member = inspect.getattr_static(of, name, None)
     if isinstance(member, property | cached_property):
         return (inspect.getdoc(member) or "").partition("\n")[0]

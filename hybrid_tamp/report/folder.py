@@ -33,7 +33,7 @@ class RunFolder:
 
         Args:
             path: path of the folder.
-            force: whether the folder may contain another run, whose files `clear` removes.
+            force: whether the folder may contain another run. `clear` removes the files of that run.
 
         Raises:
             InputError: the path is a file, the folder cannot be created, or `force` is false and the folder contains

@@ -1,4 +1,4 @@
-"""The keys of the JSON documents. The tables list the dataclasses whose keys differ from their fields."""
+"""The keys of the JSON documents. The tables list each dataclass whose keys differ from its fields."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -24,12 +24,12 @@ class Key:
 
     Attributes:
         name: the key.
-        source: path of an attribute, or function of the whole object, that gives the key's value. The default is the
-            attribute of the same name.
-        default: value for a document without the key. A type stands for an empty object of the type. A key without a
+        source: source of the value, which is the path of an attribute or a function of the whole object. The default is
+            the attribute of the same name.
+        default: value if a document lacks the key. A type stands for an empty object of the type. A key without a
             default is required.
         nullable: whether the value may be null, which stands for a number that is not finite.
-        keys: keys of the value, if they differ from the keys in `KEYS`.
+        keys: keys of the value, if the value's keys differ from the keys in `KEYS`.
     """
 
     name: str
@@ -43,11 +43,11 @@ class Key:
 
 
 Keys = tuple[str | Key, ...]
-"""The ordered keys of an object. A string stands for the attribute of the same name."""
+"""The ordered keys of an object. A string names both the key and the attribute."""
 
 
 def _of(attribute: str, *names: str) -> Keys:
-    """Return keys for parts of an attribute: the key ``name`` shows ``attribute.name``."""
+    """Return a key for each name. The value of the key ``name`` is ``attribute.name``."""
     return tuple(Key(name, f"{attribute}.{name}") for name in names)
 
 
@@ -98,7 +98,7 @@ QUESTION_KEYS: Mapping[type, Keys] = {
         *("successes", "trials", "interval", "obstacle"),
     ),
 }
-"""Maps the dataclasses for answers to questions about a task to their keys."""
+"""Maps each dataclass of an answer to the dataclass's keys."""
 
 _RESULT: Keys = (
     Key("task", "task.name"),
@@ -180,10 +180,10 @@ KEYS: Mapping[type, Keys] = {
     ),
     BlockInstance: (Key("block", "action"), "mode", Key("instance", "name"), "slots", "targets", "hyperparameters"),
 }
-"""Maps dataclasses to their keys. In all other dataclasses every field is a key."""
+"""Maps each dataclass to the dataclass's keys. In all other dataclasses, every field is a key."""
 
 TEXTS: Mapping[type, Callable[[Any], str]] = {Atom: lambda atom: atom.text, PlannedAction: lambda action: action.text}
-"""Maps each class whose values are shown as text to the function that returns the text."""
+"""Maps each class whose instances are shown as text to the function that returns the text."""
 
 DOCUMENTS: Mapping[str, type] = {
     "plan-1": PlanOutcome,

@@ -1,4 +1,4 @@
-"""Measures of a run that every domain has: contact forces between instances, planned and measured durations."""
+"""Measures that every domain has: the contact force between instances, and the planned and measured durations."""
 
 from collections.abc import Mapping
 
@@ -13,8 +13,8 @@ MEASURED = "measured_duration [s]"
 def run_measures(plan: TaskPlan, recording: Recording) -> Mapping[str, float]:
     """Return the measures of a run of a plan.
 
-    - `CONTACT`: largest normal force [N] between tokens of different instances, without contacts with the floor. The
-      measure is absent if no two tokens touched or the backend does not measure contacts.
+    - `CONTACT`: largest normal force between tokens of different instances [N]. Floor contacts are ignored. The
+      measure is absent if no such tokens touched or the backend does not measure contacts.
     - `PLANNED`: makespan of the plan [s].
     - `MEASURED`: duration of the run [s].
     """

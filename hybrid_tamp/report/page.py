@@ -63,7 +63,7 @@ def _content(path: Path, plan: Json, result: Json | None, resting: str) -> dict[
 
 
 def lanes(plan: Json, resting: str) -> dict[str, list[Json]]:
-    """Return the timeline bars of each token, with sizes in percent of the makespan. Rest has no bar."""
+    """Map each token to its timeline bars, with sizes in percent of the makespan. A resting token has no bar."""
     found: dict[str, list[Json]] = {}
     for step in plan["steps"]:
         for entry in step["blocks"]:

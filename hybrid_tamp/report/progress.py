@@ -14,7 +14,7 @@ def progress_bar(wanted: bool = True) -> Iterator[Callable[[float, str], None]]:
     The context yields a function that updates the bar with the finished share (0 to 1) and the current activity.
     """
     columns = (TextColumn("{task.description:<24}"), BarColumn(), TimeElapsedColumn())
-    # console.is_terminal is not used, because FORCE_COLOR makes it true for files.
+    # console.is_terminal is not used, because FORCE_COLOR makes that property true for files.
     console = Console(stderr=True)
     with Progress(*columns, console=console, transient=True, disable=not wanted or not console.file.isatty()) as bar:
         task = bar.add_task("planning", total=1.0)

@@ -1,4 +1,4 @@
-"""Tables for people with the answers to questions about a task."""
+"""Tables of the answers to questions about a task."""
 
 from collections.abc import Iterable, Mapping
 
@@ -24,7 +24,7 @@ def explanation_table(result: TaskExplanation) -> RenderableType:
 
 
 def _reasons_of(cause: Cause) -> list[str]:
-    """Return a line for each instance with the nearest instance that needs it. The document has the whole chain."""
+    """Return one line for each link between an instance and the nearest instance that needs its effect."""
     others = {link.instance: link for link in reversed(cause.links)}
     others.pop(cause.links[0].instance if cause.links else "", None)
     more = [f"{link.instance} for {link.needed_by_text}: {link.atom.text}" for link in reversed(others.values())]
@@ -34,7 +34,7 @@ def _reasons_of(cause: Cause) -> list[str]:
 def affordances_table(result: AffordanceResult) -> RenderableType:
     """Return tables of the objects and the blocks that they afford, and of the effect of each proposed change."""
     title = f"{result.task.name}, {result.view} view"
-    shown: list[RenderableType] = [Text(f"{title}: no object affords anything.")]
+    shown: list[RenderableType] = [Text(f"{title}: no object affords a block.")]
     if result.affordances:
         shown = [_affordances(title, result.affordances)]
     if result.implied:
@@ -56,10 +56,10 @@ def _affordances(title: str, affordances: Iterable[Affordance]) -> Table:
 
 
 def _implied(implications: Iterable[Implication]) -> Table:
-    title = "What other agents with the same capability classes can do"
-    table = new_table(title, "seen agent", "object", "block", "observer", "can do it too?", "e.g. with")
+    title = "Affordances for other agents with the same capability classes"
+    table = new_table(title, "observed agent", "object", "block", "observer", "observer can?", "e.g. with")
     for each in implications:
-        answer = "yes" if each.holds else "allowed by class, but ruled out by a feasibility fact"
+        answer = "yes" if each.holds else "no: the classes match, but a feasibility fact fails"
         seen = each.affordance
         witness = _witness(each.witness, seen.slot)
         table.add_row(*map(Text, (each.seen, seen.object, seen.block, each.observer, answer, witness)))
@@ -92,7 +92,7 @@ def membership_table(result: MembershipResult) -> RenderableType:
 
 
 def membership_lines(result: MembershipResult) -> list[str]:
-    """Return lines with the token's properties as a member of each class and the failures in trials."""
+    """Return lines about the properties that the token has in each class, and about the failed trials."""
     lines = []
     for verdict in result.verdicts:
         known = ", ".join(f"{name} {_number(value)}" for name, value in verdict.properties.items())

@@ -32,7 +32,7 @@ def refinement_tables(entry: Json, performance: Sequence[Json] | None = None) ->
 
 
 def exclusion_text(entry: Json) -> str:
-    """Return a line with a binding that was given up before this plan was found, and the reason."""
+    """Return a line about a binding that was excluded before this plan was found, with the reason."""
     unit = "" if entry["unit"] in ("", "1") else f" {entry['unit']}"
     failure = f"{entry['atom']} fails by {-entry['margin']:.3g}{unit}"
     return f"given up: {entry['block']} with {roles_text(entry['roles'])}, because {failure}"
@@ -63,7 +63,7 @@ def number(value: float | None) -> str:
 
 
 def _named(name: str, unit: str) -> str:
-    """Return the name of a quantity with its unit in brackets, unless the unit is 1."""
+    """Return the name of a quantity, followed by its unit in brackets unless the unit is 1."""
     return name if unit in ("", "1") else f"{name} [{unit}]"
 
 
@@ -78,7 +78,7 @@ def _gain(best: Json, other: Json) -> str:
     """Return the gain of `best` over `other`, or an empty text if either violates conditions."""
     if best["value"] is None or other["value"] is None or (best["violation"], other["violation"]) != (0, 0):
         return ""
-    # Values that differ only by rounding count as equal.
+    # Values that differ only by rounding errors are treated as equal.
     gain = best["value"] - other["value"]
     return f"{0.0 if abs(gain) < 1e-9 * (1 + abs(best['value'])) else gain:+.3g}"
 

@@ -1,4 +1,4 @@
-"""Functions for keys that are not attributes of a dataclass. The docstrings describe the keys in the JSON Schemas."""
+"""Values of keys that are not attributes. The functions' docstrings describe the keys in the JSON Schemas."""
 
 import shlex
 from math import isfinite
@@ -24,12 +24,12 @@ def actions(outcome: PlanOutcome) -> tuple[PlannedAction, ...]:
 
 
 def proven_shortest(figures: PlannerFigures) -> bool:
-    """Whether the makespan is proven to be minimal; always false, because no planner here proves this."""
+    """Whether the makespan is proven to be minimal; always false, because none of the planners proves this."""
     return False
 
 
 def refined(outcome: PlanOutcome) -> PlanOutcome | None:
-    """Optimisation of the hyperparameters; null if they were not optimised."""
+    """Optimisation of the hyperparameters; null if no hyperparameters were optimised."""
     return None if outcome.refinement is None else outcome
 
 
@@ -66,12 +66,12 @@ def moves(tuned: Tuned) -> tuple[str, ...]:
 
 
 def before(retuning: Retuning) -> Value | None:
-    """Value in physics of the optimum of the forward models; null if the run failed."""
+    """Value of the plan in physics at the optimum of the forward models; null if the run failed."""
     return retuning.before if isfinite(retuning.before.violation) else None
 
 
 def best(retuning: Retuning) -> Value | None:
-    """Value in physics of the hyperparameters that were kept; null if every run failed."""
+    """Value of the plan in physics with the chosen hyperparameters; null if every run failed."""
     return retuning.best if isfinite(retuning.best.violation) else None
 
 

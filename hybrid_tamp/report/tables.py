@@ -38,7 +38,7 @@ def new_table(title: str, *headings: str, framed: bool = True) -> Table:
 
 
 def plan_table(document: Json, resting: str) -> RenderableType:
-    """Return a table of the steps of a plan and their allocations, as in the captions of the paper's Fig. 3.
+    """Return a table of a plan's steps with the blocks and tokens of each step, as in the paper's Fig. 3.
 
     Args:
         document: the document of a plan.
@@ -68,7 +68,7 @@ def plan_footer(document: Json) -> str:
 
 
 def network_text(network: Json) -> str:
-    """Return lines about the parts left out of a reduced network and the tokens added as tools, if there are any."""
+    """Return lines about blocks and tokens that the network leaves out, and about tokens that were added as tools."""
     whole, expanded = network["reduced_from"], network["expanded_with"]
     lines = []
     if whole is not None:
@@ -106,7 +106,7 @@ def timetable(title: str, plan: TaskPlan) -> RenderableType:
 
 
 def timeline(plan: TaskPlan, tokens: Iterable[str], resting: str) -> RenderableType:
-    """Return a table with one row per token that shows its blocks over time, to scale. Dots stand for rest."""
+    """Return a table in which each row shows the blocks of a token over time, to scale. Dots stand for rest."""
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True)
     table.add_column(no_wrap=True)

@@ -13,5 +13,5 @@ def versions() -> dict[str, str]:
         try:
             found[package] = version(package)
         except PackageNotFoundError:
-            continue  # only one of the two packages of pybullet is installed
+            continue  # only one of the two alternative packages of pybullet is installed
     return found

@@ -1,1 +1,1 @@
-"""One module per verb of the command line: it loads a task, calls the stages and saves the results."""
+"""The verbs of the command line, one module each. Each verb loads a task, calls the stages and saves the results."""

@@ -25,11 +25,11 @@ def affordances(
         source: a task, the path of a task file, or the name of a bundled task.
         settings: settings that replace settings of the task file.
         view: the perspective: ``environment``, ``agent``, ``observer`` or ``team``.
-        agent: name of an agent. If given, only affordances for this agent or for a group with this agent are returned.
-        questions: proposed changes: ``+CLASS`` adds a token of a class, ``-TOKEN`` removes a token.
+        agent: name of an agent. If given, only affordances for this agent or a group with this agent are returned.
+        questions: proposed changes. ``+CLASS`` adds a token of the class, and ``-TOKEN`` removes the token.
 
     Raises:
-        InputError: the task file is wrong, the agent is unknown, or a question has neither form.
+        InputError: the task file is wrong, the agent is unknown, or a question is neither ``+CLASS`` nor ``-TOKEN``.
     """
     task = load(source, settings)
     _check_agents(task, view, agent)

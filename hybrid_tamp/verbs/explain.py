@@ -1,4 +1,4 @@
-"""The verb ``explain``: explain why each token is in the plan, or why there is no plan and which changes would help."""
+"""The verb ``explain``: explain why each token is in the plan. If there is no plan, explain why and find remedies."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.verbs.loading import Settings, load
 
 SECONDS = 20.0
-"""Default time limit of the search for single changes [s]."""
+"""Default time limit of the search for single changes that make the task solvable [s]."""
 MOST = 5
 """Default maximum number of single changes that the search finds."""
 
@@ -34,7 +34,7 @@ def explain(
     Raises:
         InputError: the task file is wrong, or the planner is unknown or not installed.
     """
-    # Start the planner process first, so that it starts up while the task file is read.
+    # Start the planner process first, so that its start-up overlaps with the reading of the task file.
     with PlannerProcess() as process:
         task = load(source, settings, plans=True)
         outcome = plan_task(task, process)

@@ -35,7 +35,7 @@ from hybrid_tamp.verbs.run import run
 
 _WAY = "imitation"
 _ALLOWANCE_OF_POSES = 1.0
-"""Tolerance for demonstrations in files, because their poses are noisy and have no velocities."""
+"""Tolerance for demonstrations in files. The poses in files are noisy and lack velocities."""
 _logger = logging.getLogger(__name__)
 
 
@@ -54,7 +54,7 @@ def imitate(
     """Imitate a demonstration by another agent.
 
     Args:
-        shown: the folder of a run, whose states and task are read, a file of token poses, or a result of `read_shown`.
+        shown: the demonstration, which is the folder of a run, a file of token poses, or a result of `read_shown`.
         source: the imitator's task, the path of its file, or the name of a bundled task.
         folder: folder for the files of the run.
         settings: settings that replace settings of the task file.
@@ -98,9 +98,9 @@ def read_shown(
 
     Args:
         path: the folder of a run, or a file of token poses.
-        task: the imitator's task. If `path` is a file, the task is also the demonstrator's, unless `actor` is given.
+        task: the imitator's task. By default, the demonstrator in a file has the same task.
         settings: settings that replace settings of the task file.
-        actor: the demonstrator's task, if `path` is a file.
+        actor: another task for the demonstrator, if `path` is a file.
 
     Raises:
         InputError: the folder has no complete run, or the file is wrong.
@@ -113,7 +113,7 @@ def read_shown(
         demonstrator = load_task(path / "task.yaml", domain_finder(settings.domain))
         layout = StateLayout.of(demonstrator.tokens)
         if recording.layout != layout:
-            raise InputError([Issue(str(path), "the recording must have the tokens of task.yaml", "other tokens")])
+            raise InputError([Issue(str(path), "the recording must contain the tokens of task.yaml", "other tokens")])
         times, states = recording.times, State(layout, recording.states)
     observation = Observation.of(times, states, allowance, noise)
     return Shown(path.name, demonstrator.replaced(state=observation.at(0.0)), observation)
@@ -132,12 +132,12 @@ def _learn_primitives(shown: Shown, plan: TaskPlan, task: Task) -> dict[str, Pri
             movements = demonstrated_movements(shown.source, seen.times, seen.trajectory, instances, block.movement)
             found[name] = fit_primitive(name, list(movements), block.movement)
         except InputError as error:
-            _logger.warning("%s keeps the motor primitive of the domain, because none was learnt: %s", name, error)
+            _logger.warning("%s keeps the domain's motor primitive, because no primitive was learnt: %s", name, error)
     return found
 
 
 def _outcome(task: Task, moved: Transfer, seconds: float) -> PlanOutcome:
-    """Return the transferred plan as the outcome of planning, or a failure if the plan does not solve the task."""
+    """Return an outcome with the transferred plan, or a failed outcome if the plan does not solve the task."""
     outcome = PlanOutcome(task, PlannerFigures(_WAY, seconds, _WAY), PlannedNetwork.of(task, task))
     breaches = check_law(task, moved.plan)
     if breaches:

@@ -28,15 +28,15 @@ def learn(
     """Fit a block's motor primitive to demonstrations.
 
     Args:
-        block: name of a block, e.g. ``"REACHING:behind"``, or of an action whose modes all move in the same way.
-        demonstrations: CSV files of time and position or pose, or folders of runs. Every instance of the block in a
-            run is a demonstration, from its start until its exit conditions hold.
+        block: name of a block, e.g. ``"REACHING:behind"``, or of an action whose modes share one kind of movement.
+        demonstrations: folders of runs, or CSV files of timed positions or poses. Every instance of the block in a
+            run is a demonstration that ends as soon as the exit conditions of the instance hold.
         domain: the domain or its name; by default the installed domain that has the block.
         token: name of a token. Only instances of the block that move this token are used; by default all instances.
         weights: number of basis functions.
 
     Returns:
-        The primitive with the names of its demonstrations and its error, for `save_primitive`.
+        The primitive, its error and the names of its demonstrations. `save_primitive` writes the result to a file.
 
     Raises:
         InputError: a demonstration, the block, the domain or the number of weights is wrong.
@@ -44,7 +44,7 @@ def learn(
     paths = [Path(path) for path in demonstrations]
     if not paths or weights < 1:
         given = f"{len(paths)} demonstrations and {weights} weights"
-        raise InputError([Issue("learn", "needs at least one demonstration and one weight", given)])
+        raise InputError([Issue("learn", "the input must contain at least one demonstration and one weight", given)])
     blocks, movement = _find_blocks(block, domain)
     shown = []
     for path in paths:
@@ -77,7 +77,7 @@ def fit_primitive(
 
 
 def save_primitive(primitive: PrimitiveFile, path: Path, *, force: bool = False) -> None:
-    """Write a primitive as JSON, under a temporary name until the file is complete.
+    """Write a primitive as JSON. The file has a temporary name until the file is complete.
 
     Raises:
         InputError: the file exists and `force` is false, or the file cannot be written.
@@ -85,12 +85,12 @@ def save_primitive(primitive: PrimitiveFile, path: Path, *, force: bool = False)
     if path.is_dir() or (path.exists() and not force):
         came = "a folder" if path.is_dir() else "an existing file"
         wanted = "the file for the primitive must not exist yet"
-        raise InputError([Issue(str(path), wanted, came, remedy="force=True replaces a file")])
+        raise InputError([Issue(str(path), wanted, came, remedy="force=True replaces the existing file")])
     RunFolder(path.parent).write_text(path.name, primitive.text)
 
 
 def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], Movement]:
-    """Return the block with a name, or the blocks of an action, and the kind of movement of their primitive."""
+    """Return the blocks with this name or action, and the kind of movement that their primitive generates."""
     domains = available_domains() if domain is None else (domain,)
     blocks = [block for one in domains for block in (find_domain(one) if isinstance(one, str) else one).blocks]
     able = [block for block in blocks if block.taught and block.movement]
@@ -103,7 +103,7 @@ def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], M
     movements = {block.movement for block in found if block.movement}
     if len(movements) > 1:
         modes = tuple(block.name for block in found)
-        wanted = f"the modes of {name} move in different ways, so one mode must be named"
+        wanted = f"one mode must be named, because the modes of {name} have different kinds of movement"
         raise InputError([Issue("block", wanted, available=modes)])
     return found, movements.pop()
 
@@ -125,7 +125,7 @@ def _read_run(path: Path, blocks: Sequence[Block], movement: Movement, token: st
 
 
 def _check_movements(path: Path, shown: Iterable[ShownMovement], block: Block, movement: Movement) -> None:
-    """Raise `InputError` if a movement is not of the kind that the primitive of the block generates."""
+    """Raise `InputError` if a movement differs in kind from the movements that the block's primitive generates."""
     for one in shown:
         try:
             one.way(movement.moves, movement.dimensions)

@@ -16,7 +16,7 @@ Record = TypeVar("Record", Task, Limits, MidLevel)
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings that replace the settings of a task file. None keeps the setting of the file.
+    """Settings that replace the settings of a task file. A value of None keeps the file's setting.
 
     Attributes:
         domain: the domain: a name, ``package.module:ATTRIBUTE`` or a Python file.
@@ -44,12 +44,12 @@ class Settings:
 def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: bool = False) -> Task:
     """Load a task.
 
-    Only the settings can name a module or Python file as the domain. A task file cannot, because it must not run code.
+    Only the settings may name a module or Python file as the domain, because a task file must not run code.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         settings: settings that replace settings of the task file.
-        plans: whether the verb plans. If true, the planner of the file is checked unless the settings replace it.
+        plans: whether the verb plans the task. If so, the file's planner is checked unless the settings name a planner.
 
     Raises:
         InputError: the file has faults; each issue names the place of a fault.
@@ -64,7 +64,7 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
 
 
 def _replaced(record: Record, **values: Any) -> Record:
-    """Return a record with new values of fields, or the same record if no value changes. None keeps a value."""
+    """Return a copy of a record with new values, or the same record if no value changes. None keeps the old value."""
     changed = {name: value for name, value in values.items() if value not in (None, getattr(record, name))}
     return replace(record, **changed) if changed else record
 
@@ -72,7 +72,7 @@ def _replaced(record: Record, **values: Any) -> Record:
 def domain_finder(name: str | None) -> Callable[[str], Domain]:
     """Return the function with which a verb finds the domain of a task file.
 
-    If `name` is given, the function always returns the domain `name`. Otherwise it finds installed domains by name.
+    Given a `name`, the function always returns that domain. By default, the function finds installed domains by name.
     """
     if name is None:
         return installed_domain

@@ -6,7 +6,7 @@ from hybrid_tamp.verbs.loading import Settings, load
 
 
 def find_network(name: str, domain: str | None = None) -> Domain:
-    """Return the domain with a name, or the domain of the task with this name.
+    """Return the domain with the given name, or the domain of the task with the given name.
 
     Args:
         name: an installed domain, ``package.module:ATTRIBUTE``, a Python file, or a task.

@@ -44,7 +44,7 @@ def pddl(
         The written files.
 
     Raises:
-        InputError: the task file is wrong, the folder cannot be used, or the goal has wildcards and there is no plan.
+        InputError: the task file is wrong, the folder cannot be used, or the goal has wildcards that no plan binds.
         NoPlan: there is no plan, or no plan was found.
         LimitReached: the planner reached a limit.
     """
@@ -63,11 +63,11 @@ def export(task: Task, folder: RunFolder, plan: TaskPlan | None = None, encoding
     Args:
         task: the task.
         folder: folder for the files.
-        plan: a plan of the task, found in any encoding.
+        plan: a plan of the task. The plan may come from either encoding.
         encoding: how blocks become planning actions.
 
     Raises:
-        InputError: the goal has wildcards and no plan is given that binds the wildcards.
+        InputError: the goal has wildcards, but no plan is given to bind the wildcards.
     """
     if plan is not None and len(task.alternatives()) > 1:
         task = next(each for each in task.alternatives() if not check_law(each, plan))

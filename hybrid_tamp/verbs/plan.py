@@ -51,7 +51,7 @@ def plan(
         NotFinite: every rollout of a plan failed.
     """
     with ExitStack() as stack:
-        # Start the planner process first, so that it starts up while the task file is read.
+        # Start the planner process first, so that its start-up overlaps with the reading of the task file.
         process = planner or stack.enter_context(PlannerProcess())
         task = load(source, settings, plans=True)
         target = None if folder is None else RunFolder.open(folder, force=force)
@@ -67,10 +67,10 @@ def plan(
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Replace the files of an earlier run in a folder by the files of a plan.
+    """Write the files of a plan into a folder, from which the files of an earlier run are removed first.
 
     The files are plan.json, the PDDL, the convergence curve, the task file and the files named in the task file. If
-    there is no plan, the PDDL is left out for goals with wildcards or with tokens of unknown classes.
+    there is no plan, the PDDL is written only if the goal has no wildcards and requires no unknown classes.
     """
     # Read the task file before the folder is cleared, because the task file may be in this folder.
     text, named = portable(outcome.task)

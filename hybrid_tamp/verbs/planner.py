@@ -1,4 +1,4 @@
-"""The planner process. To save time, the command line starts the process before it imports a verb."""
+"""The planner process. To save time, the command line starts the process before importing a verb."""
 
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 

@@ -34,12 +34,12 @@ def probe(
     """Find the classes of a token by predictions from its shape and by trials in physics.
 
     Args:
-        source: a task, the path of a task file, or a bundled task; its other tokens serve as hands and known members.
+        source: a task, the path of a task file, or the name of a bundled task. Trials also use the task's other tokens.
         token: name of the token.
         classes: names of the classes to test; by default all classes whose membership is unknown.
         settings: settings that replace settings of the task file. The seed determines the start states.
-        starts: initial number of trials of each class, each from another start state.
-        most_starts: maximum number of trials of each class, used if fewer trials give no clear verdict.
+        starts: initial number of trials of each class. Every trial has a different start state.
+        most_starts: maximum number of trials of each class, if fewer trials do not give a clear verdict.
         seconds: wall-clock time limit [s]; unlimited by default.
         backend: name of the physics backend.
         tell: called with the finished share and the current activity.
@@ -73,7 +73,7 @@ def save_members(
     *,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write a task file that lists the confirmed classes among the classes of the token.
+    """Write a task file in which the token has the confirmed classes.
 
     Args:
         source: the probed task, or its file or name.
@@ -87,14 +87,14 @@ def save_members(
 
     Raises:
         ExecutionFailed: no class was confirmed.
-        InputError: the file exists or cannot be written, or a confirmed class refuses the pose of the token.
+        InputError: the file exists or cannot be written, or a confirmed class does not allow the token's pose.
     """
     joined = [verdict for verdict in result.verdicts if verdict.verdict == "yes"]
     if not joined:
         said = ", ".join(f"{verdict.object_class}: {verdict.verdict}" for verdict in result.verdicts)
         raise ExecutionFailed(f"no file was written, because no class of {result.token} was confirmed; {said}")
     if target.is_dir() or (target.exists() and not force):
-        remedy = "force=True replaces a file"
+        remedy = "force=True replaces the existing file"
         raise InputError([Issue(str(target), "the new task file must not exist yet", remedy=remedy)])
     task = load(source, settings)
     assert task.source is not None, "the task must come from a file"

@@ -1,4 +1,4 @@
-"""The verb ``report``: write the report page of a run anew."""
+"""The verb ``report``: write the report page of a run again."""
 
 import logging
 from pathlib import Path
@@ -26,7 +26,7 @@ def write_report(directory: Path | str, settings: Settings = Settings()) -> Path
     try:
         resting = load(folder / "task.yaml", settings).domain.resting
     except InputError as error:
-        # The documents have everything except the name of the resting block.
-        _LOG.info("the page assumes that tokens rest in %s: %s", Domain.resting, error)
+        # The documents contain everything that the page needs except the name of the resting block.
+        _LOG.info("the report page assumes that the resting block is %s: %s", Domain.resting, error)
         resting = Domain.resting
     return write_page(RunFolder(folder), resting)

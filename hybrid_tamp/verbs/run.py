@@ -1,4 +1,4 @@
-"""The verb ``run``: plan and optimise a task, execute the plan in physics and evaluate the recorded run."""
+"""The verb ``run``: plan a task, optimise the plan, execute the plan in physics and evaluate the recorded run."""
 
 import time
 from contextlib import ExitStack
@@ -45,21 +45,21 @@ def run(
     find_plan: FindPlan | None = None,
     progress: Progress | None = None,
 ) -> RunResult:
-    """Plan a task, optimise its hyperparameters, execute the plan and evaluate the recorded run.
+    """Plan a task, optimise the plan's hyperparameters, execute the plan and evaluate the recorded run.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         folder: folder for the files of the run.
         settings: settings that replace settings of the task file.
         backend: name of the physics backend.
-        video: file for a video; by default only one picture per step is drawn.
+        video: file for a video. One picture per step is drawn even if no video is wanted.
         force: whether to replace the files of another run.
         planner: a running planner process; by default a new process is started.
         find_plan: function that returns a plan; by default the planner is called.
         progress: called with the finished share and the current activity.
 
     Raises:
-        NoPlan: there is no plan, or no plan that was found succeeds in the forward models.
+        NoPlan: no plan was found, or every plan that was found fails in the forward models.
         LimitReached: the planner reached a limit.
         InputError: the task file, the folder, the planner or the backend cannot be used.
         NotFinite: every rollout of a plan failed.
@@ -67,7 +67,7 @@ def run(
     began = time.monotonic()
     tell = progress or (lambda share, what: None)
     with ExitStack() as stack:
-        # Start the planner process first, so that it starts up while the task file is read.
+        # Start the planner process first, so that its start-up overlaps with the reading of the task file.
         process = planner or stack.enter_context(PlannerProcess())
         task = load(source, settings, plans=find_plan is None)
         target = RunFolder.open(folder, force=force)
