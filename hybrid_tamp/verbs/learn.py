@@ -103,7 +103,7 @@ def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], M
     movements = {block.movement for block in found if block.movement}
     if len(movements) > 1:
         modes = tuple(block.name for block in found)
-        wanted = f"one mode must be named, because the modes of {name} have different kinds of movement"
+        wanted = f"the modes of {name} have different kinds of movement, so one mode must be named"
         raise InputError([Issue("block", wanted, available=modes)])
     return found, movements.pop()
 
