@@ -1,6 +1,6 @@
 """Policy and forward model that LIFTING, HOLDING and LOWERING share, for hands that bear a box between them.
 
-A hand at position x with velocity v follows a reference c that moves with the box. The force of the hand is
+Let x and v be the position and velocity of a hand. The hand follows a reference c that moves with the box. Its force is
 F = K (c - x) + D (c' - v) - S n + W z. Here n is the outward normal of the hand's face, S is the squeeze, W is the
 hand's share of the weight and z points up. The stiffness K is smaller along n. Only friction joins a hand to the box:
 each hand bears at most mu times its force on the face. Under a larger load, the box slips in the forward model, too.

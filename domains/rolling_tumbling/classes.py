@@ -88,9 +88,7 @@ class Tumblable(BoxShaped, AffordanceClass):
         """Return an error message if the hollow or the shape does not fit the half extents, otherwise None."""
         halves = token["half_extents"]
         if any(depth >= half for depth, half in zip(token["hollow"], halves, strict=True)):
-            return (
-                f"each component of hollow must be less than that of half_extents, {halves} m; got {token['hollow']} m"
-            )
+            return f"hollow must be less than half_extents in x, y and z; got {token['hollow']} m and {halves} m"
         if isinstance(token.shape, MeshShape):
             lower, upper = token.shape.corners.tolist()
             ends = [(abs(end), half) for row in (lower, upper) for end, half in zip(row, halves, strict=True)]

@@ -133,7 +133,7 @@ def _off_face(state: State, hand: Token, thing: Token) -> tuple[str, FloatArray]
 
 
 def corners_to_face(state: State, hand: Token, thing: Token, face: str) -> list[FloatArray]:
-    """Return the corners, each ``(3,)`` [m], of the cheaper of the hand's two routes around the box to a face."""
+    """Return the corners ``(3,)`` [m] of the hand's route around the box to a face. The cheaper direction is chosen."""
     place = place_at(state, hand, thing, face)
     outward = normal(state, thing, face)
     before = place + outward * (_ROOM - STANDBY_GAP)

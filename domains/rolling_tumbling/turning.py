@@ -1,10 +1,9 @@
 """Policy and forward model that all modes of TIPPING share, for two hands that turn a box about an edge.
 
-A motor primitive plans the tilt of the box. The reference c of a hand at position x with velocity v is a point beside
-the hand's face. This point turns about the edge with the planned tilt. The force of the hand is F = K (c - x) +
-D (c' - v) - S n, where n is the outward normal of its face and S is the squeeze. The hands close and squeeze before the
-box turns. If the box ends flat on a face, the hands loosen their grip before the end. If the edge slides, the box lags
-behind the plan and the hands turn further.
+A motor primitive plans the tilt of the box. Let x and v be the position and velocity of a hand. Its reference c turns
+about the edge with the planned tilt. The force of the hand is F = K (c - x) + D (c' - v) - S n, where n is the outward
+normal of its face and S is the squeeze. The hands close and squeeze before the box turns. If the box ends flat on a
+face, the hands loosen their grip before the end. If the edge slides, the box lags behind, and the hands turn further.
 """
 
 from dataclasses import dataclass

@@ -44,9 +44,7 @@ class DexterousHand(StaticEndEffector):
     maximal_aperture: float = positive("m", "largest gap between the fingers", 1, default=_OPEN)
     wrist_inertia: float = positive("kg m^2", "moment of inertia of the hand about its wrist", 1e3)
     contact_width: float = positive("m", "length of the hand's contact with a handle, along the handle", 1)
-    strike_torque: float = positive(
-        "N m", "torque that drives a strike, in addition to the torque that bears the tool", 1e6
-    )
+    strike_torque: float = positive("N m", "torque of a strike, in addition to the torque that bears the tool", 1e6)
     strike_angle: float = positive("rad", "angle through which strike_torque drives a strike", 2.5)
 
     @staticmethod
@@ -92,9 +90,7 @@ class Striker(Graspable):
 
     name: ClassVar[str] = "STRIKER"
 
-    impact_point: Vector3 = quantity(
-        "m", "striking point of the head, in the body frame; a strike moves this point along -z"
-    )
+    impact_point: Vector3 = quantity("m", "striking point, in the body frame; a strike moves this point along -z")
 
 
 class Pusher(Graspable):
@@ -102,9 +98,7 @@ class Pusher(Graspable):
 
     name: ClassVar[str] = "PUSHER"
 
-    pushing_point: Vector3 = quantity(
-        "m", "pushing point of the head, in the body frame; a push moves this point along +z"
-    )
+    pushing_point: Vector3 = quantity("m", "pushing point, in the body frame; a push moves this point along +z")
 
 
 class _Boxes(BoxShaped):

@@ -159,7 +159,7 @@ def test_a_task_finds_its_mesh_beside_it_and_takes_it_along(tmp_path: Path) -> N
         ("file: p5.obj", "file: p6.obj", ("t.yaml:6:31", "p6.obj", "no file of this name")),
         ("file: p5.obj", "file: p5.stl", ("t.yaml:6:31", "p5.stl", "Wavefront")),
         ("[0.15, 0.14, 0.15]", "[0.15, 0.14, 0.2]", ("the mesh, which extends",)),
-        ("hollow: [0.024, 0", "hollow: [0.2, 0", ("hollow must be less than that of half_extents",)),
+        ("hollow: [0.024, 0", "hollow: [0.2, 0", ("hollow must be less than half_extents in x, y and z",)),
         ("[0, 0, 0.15]}\n", "[0, 0, 0.1]}\n", ("lowest point at z = -0.05 m",)),
     ],
 )
