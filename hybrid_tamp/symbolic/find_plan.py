@@ -83,7 +83,7 @@ def _rebind(search: Search, best: Candidate, shortening: float) -> Candidate:
 
 
 def _plan_alternatives(task: Task, alternatives: Sequence[Task], planner: Planner) -> SearchResult:
-    """Return the best result of all alternatives of a goal. The nearest alternative is planned first and wins ties."""
+    """Return the best result of all alternatives of a goal. The first alternative wins ties."""
     began = time.monotonic()
     found: list[SearchResult] = []
     undecided: list[LimitReached] = []

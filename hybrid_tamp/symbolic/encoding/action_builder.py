@@ -1,4 +1,4 @@
-"""Builder of one operator, which collects its parameters, preconditions and effects."""
+"""Builder, which collects the parameters, preconditions and effects of one operator."""
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Literal
@@ -9,14 +9,14 @@ from hybrid_tamp.symbolic.pddl.naming import variable_of
 from hybrid_tamp.symbolic.pddl.operators import Fact, Operator
 
 Same = dict[str, Sort]
-"""Maps each role whose token also has a role in the old block to the class of the old role."""
+"""Maps roles of the new block to classes. The token of each role also has a role of this class in the old block."""
 
 
 class ActionBuilder:
     """Collects the preconditions and effects of one operator. A role becomes a variable of the same name."""
 
     def __init__(self, vocabulary: Vocabulary, block: Block, same: Same | None = None) -> None:
-        """Start an operator that assigns a token to a block. A role in `same` gets the narrower of its two classes."""
+        """Start an operator that assigns a token to a block. A role in `same` gets the narrower of the two classes."""
         self.vocabulary = vocabulary
         self.block = block
         self._same = same or {}
@@ -87,7 +87,7 @@ class ActionBuilder:
         self.delete(fact)
 
     def replace(self, old: Fact, new: Fact) -> None:
-        """Require and delete one fact and add another."""
+        """Require and delete the old fact, and add the new fact."""
         self.consume(old)
         self.add(new)
 
@@ -109,7 +109,7 @@ class ActionBuilder:
         """Add an exit condition over roles of the new block as an effect."""
         name, index = self.vocabulary.predicate(literal.predicate.name), literal.predicate.functional_index
         if ANY in literal.arguments and index is None:
-            return  # The predicate is maintained. Its atoms end when the token leaves.
+            return  # The predicate is maintained. Its atoms are deleted when the token leaves.
         arguments = [ANY if a == ANY else self._argument(a) for a in literal.arguments]
         if index is not None:
             self._clear(literal, name, arguments, index)
@@ -119,7 +119,7 @@ class ActionBuilder:
             self.add((name, *arguments))
 
     def _clear(self, literal: Literal, name: str, arguments: list[str], index: int) -> None:
-        """Delete the old value of a functional predicate. If the exit sets no new value, add the value 'none'."""
+        """Delete the old value of a functional predicate. If no exit condition sets a value, add the value 'none'."""
         others = (name, *arguments[:index], *arguments[index + 1 :])
         known = self._known_value(literal, index)
         if known is not None:

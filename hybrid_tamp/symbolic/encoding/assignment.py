@@ -1,6 +1,6 @@
 """The compiler's own predicates about tokens in slots, readers of tokens and unfinished reassignments.
 
-A kind, a block, and slots or targets of the block identify each predicate. The PDDL name is derived from all of them.
+A kind, a block, and slots or targets of the block identify each predicate. All of these form the PDDL name.
 """
 
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ State = tuple[str, ...]
 """Key of a compiler predicate: its kind, the name of its block, and the names of the block's slots or targets."""
 
 COUNT = "how many"
-"""Type of the numbers of readers."""
+"""Type of the constants that stand for numbers of readers."""
 ROOT = "object"
 """Root of all types, including places."""
 
@@ -52,7 +52,7 @@ def _block_predicates(domain: Domain, block: Block) -> Iterator[tuple[State, tup
 
 
 def remainders(block: Block) -> tuple[tuple[str, ...], ...]:
-    """Return every non-empty set of slots without the anchor. Tokens of a set may have to leave after the anchor."""
+    """Return all non-empty sets of slots without the anchor. Their tokens may remain after the anchor leaves."""
     names = [slot.name for slot in block.others]
     sets: list[tuple[str, ...]] = [()]
     for name in names:
@@ -61,7 +61,7 @@ def remainders(block: Block) -> tuple[tuple[str, ...], ...]:
 
 
 def locked_targets(domain: Domain, block: Block) -> tuple[Target, ...]:
-    """Return the targets whose properties some block may change while this block reads them."""
+    """Return the targets with a property that some block may change while this block reads the property."""
 
     def written(target: Target) -> bool:
         return any(
@@ -79,7 +79,7 @@ def remembered(domain: Domain, block: Block, slot: str) -> tuple[str, ...]:
     """Return the targets that an operator must know when the token in a slot leaves.
 
     When the anchor leaves, the operator releases the locked targets. When any token leaves, the operator deletes the
-    maintained exit conditions of its slot (see `keeper`).
+    maintained exit conditions of the token's slot (see `keeper`).
     """
     locked = {t.name for t in locked_targets(domain, block)} if slot == block.anchor else set()
     targets = {t.name for t in block.targets}
@@ -90,6 +90,6 @@ def remembered(domain: Domain, block: Block, slot: str) -> tuple[str, ...]:
 
 
 def keeper(block: Block, arguments: tuple[str, ...]) -> str:
-    """Return the slot of a condition, which is its last slot other than the anchor, or the anchor if there is none."""
+    """Return the last slot, other than the anchor, that a condition mentions, or the anchor if there is none."""
     others = [slot.name for slot in block.others if slot.name in arguments]
     return others[-1] if others else block.anchor

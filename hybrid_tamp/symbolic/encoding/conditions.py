@@ -1,8 +1,8 @@
 """Assignment of a block's conditions to operators.
 
-A condition belongs to the operator that knows all its roles. A condition on the anchor and targets belongs to `begin`.
-A condition on other slots belongs to the `fill` of the last of these slots. If the conditions of several fills mention
-the same target, the first fill binds the target. Later fills and `begin` use the same target.
+A condition belongs to an operator that has parameters for all roles of the condition. If the anchor is the only slot
+in the condition, the operator is `begin`. Otherwise, the operator is the `fill` of the last slot in the condition. If
+several fills mention the same target, the first fill binds the target. Later fills and `begin` use the same target.
 """
 
 from collections.abc import Iterator
@@ -22,11 +22,11 @@ class Conditions:
     vocabulary: Vocabulary
 
     def entry_at_begin(self, block: Block) -> list[Literal]:
-        """Return the entry conditions on the anchor and targets only."""
+        """Return the entry conditions that mention no slot except the anchor."""
         return [literal for literal in block.entry if keeper(block, literal.arguments) == block.anchor]
 
     def entry_at_fill(self, block: Block, slot: str) -> list[Literal]:
-        """Return the entry conditions that a fill checks, including feasibility conditions whose roles are known."""
+        """Return the entry conditions that a `fill` checks, including feasibility conditions on known roles."""
         mine = [literal for literal in block.entry if keeper(block, literal.arguments) == slot]
         known = {slot, block.anchor} | {a for literal in mine for a in literal.arguments}
         early = [c for c in self.entry_at_begin(block) if c.predicate.static and set(c.arguments) <= known]
@@ -37,7 +37,7 @@ class Conditions:
         return [literal for literal in block.exit if keeper(block, literal.arguments) == slot]
 
     def bound_by(self, block: Block) -> dict[str, str]:
-        """Return a dictionary that maps each target to the first slot whose fill mentions the target."""
+        """Return a dictionary that maps each target to the first slot whose `fill` mentions the target."""
         targets = {target.name for target in block.targets}
         bound: dict[str, str] = {}
         for slot in block.others:
@@ -52,7 +52,7 @@ class Conditions:
         return [literal for literal in block.maintained_exit if keeper(block, literal.arguments) == slot]
 
     def unified(self, old: Block, slot_before: str, new: Block, slot: str) -> dict[str, str]:
-        """Return a dictionary that maps roles of the old block to equal roles of the new block.
+        """Return a dictionary that maps roles of the old block to roles of the new block with the same token.
 
         The old block maintains a condition, e.g. behind(hand, object, region), for its own targets only. So an entry
         condition of the new block on the same predicate must name the same tokens.
@@ -68,7 +68,7 @@ class Conditions:
         return same
 
     def locked(self, block: Block) -> tuple[Target, ...]:
-        """Return the targets whose properties some block may change while this block reads them."""
+        """Return the targets with a property that some block may change while this block reads the property."""
         return locked_targets(self.vocabulary.domain, block)
 
     def claimable(self, block: Block, slot: str) -> bool:
@@ -86,22 +86,22 @@ class Conditions:
                     yield set(target.reads)
 
     def readable(self, block: Block, slot: str) -> bool:
-        """Return whether a block may read the token in this slot as a locked target."""
+        """Return whether some block may read the token of this slot as a locked target."""
         return any(True for _ in self._reads(block, slot))
 
     def changes(self, block: Block, slot: str) -> bool:
-        """Return whether the block changes a property of the slot's token that another block may read."""
+        """Return whether the block changes a property that another block may read from the token of the slot."""
         written = set(block.writes.get(slot, ()))
         return any(written & read for read in self._reads(block, slot))
 
     def disturbs(self, block: Block, slot: str) -> bool:
-        """Return whether the block changes a readable property of the slot's token until the block ends."""
+        """Return whether `changes` is true and the block continues to change the token until the block ends."""
         # A block with a hold stops changing the property at its exit.
         return not block.hold and self.changes(block, slot)
 
     def to_keep_apart(self, block: Block, bound: set[str]) -> list[tuple[str, str]]:
         """Return the pairs of (slot, target) that need the condition `distinct`."""
-        # Pairs in a common static condition are left out, because feasibility is computed for different tokens only.
+        # A pair that shares a static condition is left out, because feasibility is computed for different tokens only.
         pairs = []
         for slot, target in product(block.slots, block.targets):
             sort, names = target.sort, {slot.name, target.name}

@@ -1,4 +1,4 @@
-"""The operators of a network edge, which are ``fill``, ``begin`` and ``leave`` (see `encoder`)."""
+"""The operators of the edges of the network: ``fill``, ``begin`` and ``leave`` (see `encoder`)."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -18,7 +18,7 @@ class EdgeOperators(OperatorMaker):
     # -- fill ---------------------------------------------------------------------------------------------------
 
     def fill(self, old: Block, slot_before: str, new: Block, slot: str) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield the operator that reserves a token for a slot, if there is one."""
+        """Yield the operator that reserves a token for a slot. Some edges have no such operator."""
         # The token comes from a block with one slot, or from the current block of the anchor.
         name = f"fill-{legal(new.name)}-{legal(slot)}-from-{legal(old.name)}"
         if len(old.slots) > 1:
@@ -84,7 +84,7 @@ class EdgeOperators(OperatorMaker):
     # -- begin --------------------------------------------------------------------------------------------------
 
     def begin(self, old: Block, new: Block) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield an operator that moves the anchor to a new block, for each set of tokens that move with the anchor."""
+        """Yield operators that move the anchor to a new block, one for each set of slots that move with the anchor."""
         movable = [
             slot.name
             for slot in old.others
@@ -129,7 +129,7 @@ class EdgeOperators(OperatorMaker):
     # -- leave --------------------------------------------------------------------------------------------------
 
     def leave(self, old: Block, slot: str, new: Block) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield an operator that moves a token out of a block after the anchor, for each set of remaining tokens."""
+        """Yield operators that move a token out of a block after the anchor, one for each set of remaining slots."""
         for rest in remainders(old):
             if rest[0] == slot:
                 yield self._leave(old, slot, new, rest)

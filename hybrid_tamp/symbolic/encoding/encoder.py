@@ -1,19 +1,19 @@
-"""Encoder of block declarations as lifted STRIPS operators, for any domain.
+"""Encoder, which converts the blocks of any domain to lifted STRIPS operators.
 
-Each edge of the network gives operators of one of three kinds:
+Each edge of the network has operators of one of three kinds:
 
-* ``fill-C-s-from-B`` reserves a token for slot s of the next instance of C, whose anchor is given. Slots are filled
-  in order. Until C begins, the anchor is claimed and the token stays in its old block.
-* ``begin-C-from-B`` moves the anchor from B to C, and C begins. A block with one slot needs no other operator. The
-  exit conditions of C become facts at once. The predicates `completed` and `settled` prevent their use before C ends.
-* ``leave-B-r-to-C`` moves the token in slot r of B to C, after the anchor has left B. No other action may come between.
+* ``fill-C-s-from-B`` reserves a token of block B for slot s of block C. A parameter names the anchor of the next
+  instance of C. The slots are filled in order. Until C begins, the anchor is claimed and the token stays in B.
+* ``begin-C-from-B`` moves the anchor from B to C, and C begins. A block with one slot needs no other operator. The exit
+  conditions of C become facts at once. `completed` and `settled` prevent the use of these facts before C ends.
+* ``leave-B-r-to-C`` moves the token in slot r of B to C. This happens directly after the anchor leaves B.
 
 Three predicates enforce the law of assignment. `readers` counts the running instances that read a token. A block may
 change the token only if this count is zero. `settled` says that the current block of a token does not change the token.
 `idle` keeps the reassignments of one instant together. An instance is identified by its block and its anchor.
 
-The encoding has two limits. Only one block with several slots begins at an instant. An anchor cannot pass from a block
-with several slots to the same block.
+The encoding has two limits. Two blocks with several slots cannot begin at the same instant. An anchor cannot pass from
+a block with several slots to the same block.
 """
 
 from collections.abc import Iterator
@@ -37,7 +37,7 @@ class EncodedDomain:
         vocabulary: PDDL names of the domain in which each chain is one block.
         planning: Planning domain.
         meanings: Maps the name of each operator to its meaning.
-        chains: Chains with their blocks.
+        chains: Chains of the domain.
     """
 
     vocabulary: Vocabulary
@@ -61,7 +61,7 @@ def _encode(chains: Chains) -> EncodedDomain:
     built = list(_operators(vocabulary))
     names = name_apart({number: operator.name for number, (operator, _) in enumerate(built)})
     built = [(replace(operator, name=names[number]), meaning) for number, (operator, meaning) in enumerate(built)]
-    # Of its own predicates, the compiler declares only those that an operator or a goal may mention.
+    # A compiler predicate is declared only if an operator or a goal may mention the predicate.
     mentioned = {"idle", "unclaimed", "completed"}
     mentioned |= {fact[0] for o, _ in built for facts in (o.precondition, o.add, o.delete) for fact in facts}
     own = (predicate for predicate in vocabulary.assignment_predicates if predicate[0] in mentioned)

@@ -1,4 +1,4 @@
-"""The effects of leaving and entering a block, which operators of all kinds share."""
+"""Preconditions and effects of leaving and entering a block, for operators of all kinds."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class Meaning:
         block: Block that the token enters.
         slot: Slot that the token enters.
         source: Pair of (block, slot) that the token leaves.
-        roles: Maps each role of the block that is a parameter to the index of the parameter.
+        roles: Maps roles of the block to the indices of their parameters.
         along: Slots of the source block whose tokens enter the new block together with the anchor.
     """
 
@@ -34,7 +34,7 @@ class Meaning:
 
 
 class OperatorMaker:
-    """Makes the effects of leaving and entering the blocks of one domain."""
+    """Makes the preconditions and effects of leaving and entering the blocks of one domain."""
 
     def __init__(self, vocabulary: Vocabulary) -> None:
         self.vocabulary = vocabulary
@@ -50,7 +50,7 @@ class OperatorMaker:
     # -- entering the new block
 
     def _enter(self, action: ActionBuilder, old: Block, slot_before: str, new: Block) -> None:
-        """Add the conditions and effects of an anchor that enters a block."""
+        """Add the preconditions and effects of an anchor that enters a block."""
         for literal in self.conditions.entry_at_begin(new):
             action.require_literal(literal)
         anchor = action.variable(new.anchor)
@@ -70,7 +70,7 @@ class OperatorMaker:
             action.add(("completed", anchor))
 
     def _start_writing(self, action: ActionBuilder, old: Block, slot_before: str, new: Block, slot: str) -> None:
-        """Require that no instance reads a token that the block changes, and update `settled`."""
+        """If the block changes the token of the slot, require that no instance reads the token. Update `settled`."""
         if not self.conditions.readable(new, slot):
             return
         token = action.variable(slot)

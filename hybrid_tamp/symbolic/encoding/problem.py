@@ -25,7 +25,7 @@ class Compilation:
         task: Task that is compiled, with a ground goal.
         encoded: Encoded domain of the task.
         words: Translation between the user's names and PDDL names.
-        numbers: PDDL names of the numbers 1, 2, ... of instances that can read one token at the same time.
+        numbers: PDDL names of 1, 2, ..., up to the largest number of instances that can read one token at a time.
         goal: Facts that must hold at the end of a plan.
         feasible: Feasibility facts of the task, or of a larger task that contains the task.
     """
@@ -39,7 +39,7 @@ class Compilation:
 
     @cached_property
     def problem(self) -> PlanningProblem:
-        """The planning problem. Its number of feasibility facts grows fast with the number of tokens."""
+        """The planning problem. The number of feasibility facts grows fast with the number of tokens."""
         writer = _Writer(self.encoded, self.words, self.numbers)
         count = self.encoded.vocabulary.type_of(COUNT)
         return PlanningProblem(
@@ -53,7 +53,7 @@ class Compilation:
 
     @cached_property
     def changing(self) -> frozenset[Fact]:
-        """The initial facts, except the feasibility and inequality facts, which `always` decides."""
+        """The initial facts without the feasibility and inequality facts (see `always`)."""
         return frozenset(_Writer(self.encoded, self.words, self.numbers).changing())
 
     def always(self, fact: Fact) -> bool:
@@ -69,7 +69,7 @@ class Compilation:
     def reaches_goal(self, actions: Sequence[PlannedAction]) -> bool:
         """Return whether the actions can be applied in this order and achieve the goal.
 
-        A large task has too many feasibility facts to list, so each fact is decided when an action requires it.
+        A large task has too many feasibility facts to list, so each fact is computed when an action requires the fact.
         """
         operators = {operator.name: operator for operator in self.encoded.planning.operators}
         facts: set[Fact] = set(self.changing)
@@ -102,10 +102,10 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
         task: Task to compile.
         whole: Compilation of a larger task with the same tokens in the same state. Its encoded domain and its
             feasibility facts are reused.
-        chains: Whether blocks in series are compiled as one step.
+        chains: Whether blocks in series are compiled as one block.
 
     Raises:
-        InputError: If the goal has a negative atom, leaves a choice, or depends on an unknown class of a token.
+        InputError: If the goal has a negative atom, leaves a choice, or requires an `unknown` class of a token.
     """
     task = settle_goal(task)
     encoded = whole.encoded if whole else encode_task(task) if chains else encode_domain(task.domain)
@@ -118,7 +118,7 @@ def compile_task(task: Task, whole: Compilation | None = None, chains: bool = Tr
 
 def _numbers(task: Task) -> tuple[str, ...]:
     """Return the names of the numbers from 1 to the largest number of instances that can read one token at a time."""
-    # Each instance with locked targets has an anchor of its own.
+    # Instances that run at the same time have different anchors.
     anchors = {
         token
         for block in task.domain.blocks
@@ -158,7 +158,7 @@ class _Writer:
             yield from self.words.differences()
 
     def _no_values(self, changing: frozenset[Atom]) -> Iterator[Fact]:
-        """Yield the value 'none' of each functional predicate, for all arguments without a value."""
+        """Yield a fact with the value 'none' for each functional predicate and all arguments without a value."""
         for predicate in self.task.domain.predicates:
             index = predicate.functional_index
             if index is None:
@@ -182,7 +182,7 @@ class _Writer:
         yield from (("next", one, more) for one, more in pairwise([none, *self.numbers]))
 
     def goal(self) -> Iterator[Fact]:
-        """Yield the user's goal, and facts that hold once all reassignments and blocks without a hold are finished."""
+        """Yield the user's goal, and facts that hold if no reassignment and no block without a hold is unfinished."""
         yield from map(self.fact, self.task.goal)
         yield ("idle",)
         for token in self.task.assigned:

@@ -15,7 +15,7 @@ from hybrid_tamp.symbolic.pddl.operators import Fact
 
 @dataclass(frozen=True, eq=False)
 class TaskWords:
-    """Translation between the user's names and PDDL names, and facts that no action changes.
+    """Translates between the user's names and PDDL names, and lists facts that no action changes.
 
     Attributes:
         task: Task whose tokens and symbols are named.
@@ -29,7 +29,7 @@ class TaskWords:
 
     @classmethod
     def of(cls, task: Task, vocabulary: Vocabulary, taken: Collection[str]) -> "TaskWords":
-        """Return the PDDL names of a task. Names of tokens differ from the names in `taken`."""
+        """Return the PDDL names of a task. No token gets a name in `taken`."""
         return cls(task, vocabulary, Naming({token.name: token.name for token in task.tokens}, taken))
 
     @property
@@ -47,14 +47,14 @@ class TaskWords:
         return self.tokens.user(pddl) if self.tokens.knows(pddl) else self.vocabulary.names.user(pddl)
 
     def guards(self) -> Iterator[Fact]:
-        """Yield the facts that tokens are members of classes that are not PDDL types."""
+        """Yield a fact for each membership of a token in a class, if the class is not a PDDL type."""
         for token in self.task.tokens:
             for member in token.classes:
                 if member is not TOKEN:
                     yield from self.vocabulary.guard(self.tokens.pddl(token.name), member)
 
     def denials(self, static: frozenset[Atom]) -> Iterator[Fact]:
-        """Yield the negations of static atoms that do not hold, for predicates that an entry condition negates."""
+        """Yield the negated static atoms that hold, for each predicate that an entry condition negates."""
         for predicate in self.vocabulary.denied:
             word = self.vocabulary.predicate(predicate.name, positive=False)
             for names in self.combine(predicate):
@@ -77,14 +77,14 @@ def settle_goal(task: Task) -> Task:
     """Return the task with its goal as a conjunction of positive ground atoms.
 
     Raises:
-        InputError: If the goal leaves a choice, has a negative atom, or depends on an unknown class of a token.
+        InputError: If the goal leaves a choice, has a negative atom, or requires an `unknown` class of a token.
     """
     for atom, token, sort in task.unsettled:
         wanted = f"'{atom.text}' requires a member of {sort.name}, but it is unknown whether {token.name} is a member"
-        raise InputError([Issue("goal", wanted, remedy="probe the token")])
+        raise InputError([Issue("goal", wanted, remedy=f"probe {token.name}")])
     first, *others = task.alternatives()
     if others:
-        wanted = "the goal of a planning problem must name every token"
+        wanted = f"each atom in the goal of a planning problem must name a token, not {ANY!r}"
         named = ", ".join(atom.text for atom in first.goal)
         remedy = f"name tokens instead of {ANY!r}; the nearest choice is {named}"
         raise InputError([Issue("goal", wanted, f"a goal with {len(others) + 1} choices", remedy=remedy)])

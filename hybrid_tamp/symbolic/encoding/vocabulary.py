@@ -1,7 +1,7 @@
 """The PDDL types, constants and predicates of a domain, named after the user's names.
 
-A PDDL type has one parent, but affordance classes overlap. So a class becomes a type only if it shares no tokens with
-classes other than its superclasses and subclasses. Any other class becomes a static unary predicate, which guards the
+A PDDL type has one parent, but affordance classes overlap. So a class becomes a type only if all classes that may share
+its tokens are superclasses or subclasses. Every other class becomes a static unary predicate, which guards the
 variables of the class.
 """
 
@@ -19,7 +19,7 @@ from hybrid_tamp.symbolic.pddl.naming import Naming, legal, name_apart, name_var
 from hybrid_tamp.symbolic.pddl.operators import Fact, Typed
 
 Word = tuple[str, str]
-"""Kind of a named thing (class, sort, symbol, predicate, ...) and the user's name of the thing."""
+"""Pair of (kind, user's name) of a named thing. The kind is class, sort, symbol, predicate, ..."""
 
 _NONE_READING: Word = ("count", "none reading")
 
@@ -46,7 +46,7 @@ class Vocabulary:
 
     @cached_property
     def sorts(self) -> tuple[SymbolSort, ...]:
-        """The symbol sorts of the domain, its predicates and its targets, without duplicates."""
+        """The symbol sorts of the domain, of its predicates and of its targets, without duplicates."""
         mentioned = [*self.domain.sorts]
         mentioned += [p.sort for q in self.domain.predicates for p in q.parameters if isinstance(p.sort, SymbolSort)]
         mentioned += [t.sort for b in self.domain.blocks for t in b.targets if isinstance(t.sort, SymbolSort)]
@@ -127,7 +127,7 @@ class Vocabulary:
         return one
 
     def guard(self, variable: str, sort: type[ObjectClass] | SymbolSort) -> Iterator[Fact]:
-        """Yield the class membership of a variable as a unary fact, if its class is not a PDDL type."""
+        """Yield the fact that a variable is a member of its class, if the class is not a PDDL type."""
         if not isinstance(sort, SymbolSort) and sort not in self.typed:
             yield (self.names.pddl(("class", sort.name)), variable)
 
@@ -145,7 +145,7 @@ class Vocabulary:
         return ROOT if object_class is TOKEN or is_place(object_class) else self.type_of(TOKEN)
 
     def token_type(self, token: Token) -> str:
-        """Return the PDDL type of the token's most derived class that is a type."""
+        """Return the narrowest PDDL type of a token."""
         deepest = max(filter(token.is_member, self.typed), key=lambda c: (len(c.__mro__), c is not TOKEN), default=None)
         return self.type_of(deepest) if deepest else ROOT
 

@@ -1,13 +1,13 @@
 """Planning problems in a plain form for engines that do not follow PDDL in two points.
 
 The first point is colliding effects. An operator that deletes ``(inside ?thing ?old)`` and adds ``(inside ?thing
-?new)`` changes the same fact twice if the two regions are equal. In PDDL the add wins. Some engines delete the fact or
-reject the action, even for two adds. So the plain form has an extra operator for each such case, with one parameter for
-both regions and a single effect. The original operator stays. At worst, such an engine then computes a state with too
-few facts. All conditions and goals are positive, so the plan also works with more facts.
+?new)`` changes the same fact twice if ?old equals ?new. In PDDL, the add wins. Some engines delete the fact. Other
+engines reject the action, even if both effects are adds. So the plain form has an extra operator for each collision,
+with one parameter for both regions and a single effect. If an engine applies the original operator instead, its state
+has too few facts. Its plan is still valid, because all conditions and goals are positive.
 
-The second point is conditions on constants. If no operator changes such a condition, some engines treat it as false.
-So the plain form omits the condition if it is true, and omits the operator if the condition is false.
+The second point is preconditions on constants. If no operator changes the fact, some engines treat it as false. So the
+plain form omits a precondition that is true, and omits an operator with a precondition that is false.
 """
 
 from collections.abc import Iterator, Mapping
@@ -31,7 +31,7 @@ class _Case:
 
 
 def without_impossible(source: PlanningProblem) -> PlanningProblem:
-    """Return the problem without the operators that constant facts rule out, e.g. because there are no boxes.
+    """Return the problem without the operators that can never be applied, e.g. operators on boxes without any box.
 
     The result also omits unused predicates, their facts and unused constants. Engines would remove these items
     themselves, but their preprocessing takes time for every operator, and in some engines for every object.
@@ -74,16 +74,16 @@ class _Fixed:
             self._rows.get(fact[0], []).append(fact)
 
     def settle(self, fact: Fact) -> bool:
-        """Return whether a fact over constants has the same truth value in all states."""
+        """Return whether a fact has only constants as arguments and the same truth value in all states."""
         return fact[0] in self._rows and all(argument in self._constants for argument in fact[1:])
 
     def allow(self, operator: Operator) -> bool:
-        """Return whether the constant facts can satisfy each precondition of the operator separately."""
+        """Return whether each precondition that no operator changes matches at least one initial fact."""
         conditions = [fact for fact in operator.precondition if fact[0] in self._rows]
         return all(any(self._fits(fact, row) for row in self._rows[fact[0]]) for fact in conditions)
 
     def _fits(self, fact: Fact, row: Fact) -> bool:
-        """Return whether a ground fact is an instance of a fact."""
+        """Return whether the ground fact `row` is an instance of the lifted fact `fact`."""
         values = {constant: constant for constant in self._constants}
         return all(values.setdefault(argument, value) == value for argument, value in zip(fact, row, strict=True))
 
@@ -114,7 +114,7 @@ class PlainProblem:
         return replace(operator, precondition=tuple(f for f in operator.precondition if not self._fixed.settle(f)))
 
     def _separate(self, whole: _Case) -> None:
-        """Add the cases of an operator in which effects collide, including cases of several collisions."""
+        """Add the cases of an operator in which effects collide, including cases with several collisions."""
         found = {whole.arguments}
         unexplored = [whole]
         while unexplored:
@@ -136,7 +136,7 @@ class PlainProblem:
                 yield substitution
 
     def _unify(self, one: Fact, other: Fact, types: Mapping[str, str]) -> Substitution | None:
-        """Return the substitution that makes two facts of one predicate equal, or None if there is none."""
+        """Return the substitution that makes two facts of one predicate equal, or None if this is impossible."""
         substitution: dict[str, str] = {}
         for pair in zip(one[1:], other[1:], strict=True):
             first, second = (_value(argument, substitution) for argument in pair)
@@ -159,7 +159,7 @@ class PlainProblem:
         return wide in lineage(narrow, self._parents)
 
     def _narrow(self, case: _Case, substitution: Substitution) -> _Case:
-        """Return the narrower case in which a substitution also applies."""
+        """Return the case to which a substitution is applied in addition."""
         operator = case.operator
         lists = (operator.precondition, operator.add, operator.delete)
         facts = [tuple(dict.fromkeys(_put(fact, substitution) for fact in each)) for each in lists]

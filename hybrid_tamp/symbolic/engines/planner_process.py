@@ -1,7 +1,7 @@
 """The planner process, which starts early and answers one planning request.
 
 The planner process imports unified_planning (`engines.worker`) while the main process reads and compiles the task. This
-module converts its JSON replies to Python objects.
+module converts the JSON replies of the planner process to Python objects.
 """
 
 import logging
@@ -17,7 +17,7 @@ from hybrid_tamp.symbolic.engines.worker_process import WorkerProcess
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 
 if TYPE_CHECKING:
-    # This import takes as long as the imports of the worker, which must start first.
+    # At run time, this slow import would delay the start of the worker.
     from hybrid_tamp.model.task import Limits
 
 _LOG = logging.getLogger(__name__)
@@ -31,8 +31,8 @@ class PlannerAnswer:
 
     Attributes:
         status: ``solved`` (the engine found a valid plan), ``unsolvable`` (it proved that there is no plan),
-            ``not_found`` (it gave neither a plan nor a proof), ``crashed`` or ``refused`` (its plan is invalid).
-        actions: Plan of the engine if the status is ``solved`` or ``refused``.
+            ``not_found`` (it returned neither a plan nor a proof), ``crashed`` or ``refused`` (its plan is invalid).
+        actions: Plan of the engine if the status is ``solved`` or ``refused``, otherwise empty.
         seconds: Time from the request to the answer [s].
         engine: Name of the engine.
         message: Details for the user, or an empty string.
@@ -50,7 +50,7 @@ class PlannerAnswer:
 class PlannerProcess:
     """A context manager for planner processes.
 
-    Entering the context starts the first process, so enter it before reading the task. One process answers one
+    Entering the context starts the first process, so enter the context before the task is read. One process answers one
     request. Each further request starts another process.
     """
 
@@ -104,7 +104,7 @@ def _read_answer(reply: dict[str, Any], engine: str, seconds: float) -> PlannerA
     if status == "unknown":
         raise unknown_engine(engine, tuple(reply["available"]))
     if status == "unsupported":
-        wanted = f"the engine must support {message}"
+        wanted = f"the engine must support the problem features {message}"
         raise InputError([Issue("planner", wanted, engine, remedy="choose another engine")])
     if status == "limit":
         raise LimitReached(message, limit=reply["limit"])

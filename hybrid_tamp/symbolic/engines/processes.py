@@ -1,4 +1,4 @@
-"""Process trees, whose memory can be measured and whose processes can all be killed.
+"""Process trees. The memory of a tree can be measured, and all its processes can be killed.
 
 Engines start subprocesses. Some of these run in new sessions or become orphans. So a process is a member of a tree if
 it is a descendant of the root, was a member before, or has the tree's mark in its environment. Children inherit the
@@ -30,7 +30,7 @@ def make_environment(mark: str, temporary: Path) -> dict[str, str]:
     """Return the environment variables of a planner process.
 
     The planner process imports the same modules as this process. String hashes are fixed, so equal requests get equal
-    answers. Temporary files go to the given directory, which Java expects as an option.
+    answers. Temporary files go to the given directory, which Java gets as an option.
     """
     java = f"-Djava.io.tmpdir={temporary} -XX:-UsePerfData"
     return {
@@ -47,7 +47,7 @@ class ProcessTree:
     """A child process and its descendants."""
 
     def __init__(self, root: int, mark: str) -> None:
-        """Start to observe the tree of the process with ID `root`. Its processes have the value `mark` in `MARK`."""
+        """Start to observe the tree of the process with ID `root`. Its processes have `MARK` set to `mark`."""
         self._root = psutil.Process(root)
         self._mark = mark
         self._seen = {self._root}
@@ -58,7 +58,7 @@ class ProcessTree:
         return sum(map(_resident, self._seen)) / _MIB
 
     def exact_memory(self) -> float:
-        """Return the memory of the tree's processes at the last update [MiB]. A shared page is counted once."""
+        """Return the memory of the processes that the last update found [MiB]. A shared page is counted once."""
         # This method is slow. If the system does not account for shared pages, the result equals that of `memory`.
         return sum(map(_proportional, self._seen)) / _MIB
 
@@ -101,7 +101,7 @@ def adopt_orphans() -> None:
 
 def kill_descendants() -> None:
     """Kill all descendants of this process and leave no zombie. Return after at most 5 s."""
-    # If a descendant is left, the parent of this process kills it.
+    # The parent of this process kills any descendant that is left.
     deadline = time.monotonic() + _PATIENCE
     while time.monotonic() < deadline:
         descendants = _descendants(psutil.Process())
@@ -127,7 +127,7 @@ def _descendants(process: psutil.Process) -> list[psutil.Process]:
 
 
 def _alive(processes: Iterable[psutil.Process]) -> set[psutil.Process]:
-    """Return the processes that have not ended. Zombies count as ended."""
+    """Return the processes that have not ended. Zombies are left out."""
     return {process for process in processes if process.is_running() and _status(process) != psutil.STATUS_ZOMBIE}
 
 
@@ -154,7 +154,7 @@ def _resident(process: psutil.Process) -> int:
 
 
 def _proportional(process: psutil.Process) -> int:
-    """Return the resident memory of a process in bytes. Shared pages are divided by the number of their users."""
+    """Return the resident memory of a process in bytes. A page that n processes share counts as 1/n page."""
     try:
         return getattr(process.memory_full_info(), "pss", None) or _resident(process)
     except psutil.NoSuchProcess:

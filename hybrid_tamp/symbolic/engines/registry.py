@@ -1,8 +1,8 @@
-"""The planning engines and their properties, without importing unified_planning.
+"""Planning engines and their properties. This module does not import unified_planning.
 
 All engines support STRIPS with types. Some of them require the plain form (`engines.plain`). The table shows how each
-engine answers if there is no plan, and the resulting status. The answers were determined with tasks that are proven
-unsolvable by mutexes of the translator, by relaxed reachability, or only by an exhaustive search.
+engine answers if there is no plan, and the resulting status. The answers were determined with three kinds
+of unsolvable tasks. They are proven by mutexes of the translator, by relaxed reachability, or by exhaustive search.
 
 ==================== ============================================ ====================================
 engine               answer                                       status
@@ -22,7 +22,7 @@ aries                none; the engine tries ever longer plans     time limit
 The searches behind these proofs are complete in the configuration of unified_planning. They are ``lama-first`` (lazy
 greedy search, which prunes only states without a relaxed plan), ``astar(lmcut())``, unbounded bidirectional symbolic
 search, and greedy and weighted A* search with additive, maximum or landmark-cut heuristics. For other engines, the
-answer UNSOLVABLE_PROVEN counts as a proof.
+answer UNSOLVABLE_PROVEN is accepted as a proof.
 """
 
 import os
@@ -69,7 +69,7 @@ class Engine:
 
 
 # In domains with many operators, the translator spends most of its time on the search for invariants. The invariants
-# that it finds first are the most useful.
+# that are found first are the most useful.
 _TRANSLATE = ["--invariant-generation-max-candidates", "200"]
 
 _FAST_DOWNWARD = Engine(
@@ -118,8 +118,8 @@ def known_engines() -> tuple[str, ...]:
 def check_engine(name: str) -> None:
     """Check that an engine exists, as far as possible without importing unified_planning.
 
-    The engine is a known engine, an engine in the configuration of unified_planning, or ``package.module:ClassName``.
-    The class must be derived from ``unified_planning.engines.Engine``.
+    The name must be a known engine, an engine in the configuration of unified_planning, or ``package.module:ClassName``
+    with a class that is derived from ``unified_planning.engines.Engine``.
 
     Raises:
         InputError: If the engine is unknown or not installed, or if it needs Java and Java is not installed.

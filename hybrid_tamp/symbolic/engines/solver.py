@@ -7,7 +7,7 @@ The reply to a request is a dictionary for JSON. Its ``status`` is one of
 * ``unsolvable``: the engine proved that there is no plan.
 * ``not_found``: the engine ended with neither a plan nor a proof.
 * ``crashed``: the engine failed.
-* ``limit``: the engine itself reached a ``limit`` (time or memory).
+* ``limit``: the engine reached a limit of its own. The key ``limit`` is ``time`` or ``memory``.
 * ``unknown``: the engine does not exist. The ``available`` engines are listed.
 * ``unsupported``: the engine does not support the problem, even after compilation.
 """
@@ -81,7 +81,7 @@ class Solver:
         return {"status": "refused" if fault else "solved", "actions": actions, "message": fault}
 
     def _load(self, name: str) -> None:
-        """Import an engine and register it with unified_planning. Raise LookupError if there is no such planner."""
+        """Import an engine and register it with unified_planning. Raise LookupError if no such planner exists."""
         if name in self._installable:
             with _configspace_put_off():
                 self._factory.add_engine(name, *self._installable[name])

@@ -1,4 +1,4 @@
-"""Conversion of planning problems to objects of unified_planning, and of its plans to planned actions.
+"""Conversion of planning problems to unified_planning, and of plans of unified_planning to planned actions.
 
 The functions import unified_planning when they are called, because the import is slow.
 """
@@ -60,7 +60,7 @@ class UnifiedProblem:
         return "; ".join(entry.message for entry in result.log_messages or ()) or result.status.name
 
     def _misfit(self, action: PlannedAction) -> str:
-        """Return why an action is not an instance of an operator, or an empty string if it is."""
+        """Return why an action is not an instance of an operator, or an empty string for an instance."""
         if action.name not in self.actions:
             return f"there is no operator {action.name!r}"
         parameters = self.actions[action.name].parameters
@@ -82,14 +82,14 @@ class UnifiedProblem:
 
 
 def unify(source: PlanningProblem, *, sparse: bool = False) -> UnifiedProblem:
-    """Convert a planning problem to an object of unified_planning.
+    """Convert a planning problem to a problem of unified_planning.
 
-    The object belongs to the global environment, because a private environment breaks the optimal Fast Downward engine.
+    The problem belongs to the global environment, because a private environment breaks optimal Fast Downward.
 
     Args:
         source: Planning problem to convert.
-        sparse: Whether the object has only the true initial values. Most engines ignore the false values, which are
-            thousands of times more.
+        sparse: Whether false initial values are left out. Most engines ignore the false values, which may outnumber the
+            true values by a factor of thousands.
     """
     from unified_planning.environment import get_environment
 
@@ -183,7 +183,7 @@ class _Builder:
         return any(kind == "object" for signature in signatures for _, kind in signature)
 
     def _signature(self, parameters: Iterable[Typed]) -> OrderedDict[str, Any]:
-        """Return an ordered dictionary from the names of parameters to their types."""
+        """Return an ordered dictionary that maps the name of each parameter to its type."""
         return OrderedDict((self._names(name, "parameter"), self._type(kind)) for name, kind in parameters)
 
     def _action(self, operator: Operator) -> Any:

@@ -2,11 +2,11 @@
 
 The process imports unified_planning at once, while its parent still reads the task. A line on standard input signals
 that ``DIRECTORY/request.json`` exists. The process solves the requested problem, writes ``DIRECTORY/reply.json``, and
-writes one byte to the descriptor. Then the process waits until standard input is closed, which also happens if the
+writes one byte to the file descriptor. Then the process waits until standard input is closed, which also happens if the
 parent dies. Finally the process kills all its descendants and removes the directory.
 
-Both output streams go to a log file of the parent, because engines print to them. If an exception occurs, its traceback
-goes to the same log and there is no reply.
+Engines print to standard output and standard error, so both streams go to a log file of the parent. If an exception
+occurs, its traceback goes to the same log file and no reply is written.
 """
 
 import json
@@ -57,7 +57,7 @@ def main(directory: Path, descriptor: int) -> None:
 
 
 def decode_problem(data: Mapping[str, Any]) -> PlanningProblem:
-    """Convert the JSON form of a planning problem, in which tuples are lists, to the problem."""
+    """Convert a planning problem from its JSON form, in which tuples are lists."""
     fields = {key: _tuples(value) for key, value in data.items() if key != "domain"}
     domain = {key: _tuples(value) for key, value in data["domain"].items()}
     domain["operators"] = tuple(Operator(**each) for each in domain["operators"])

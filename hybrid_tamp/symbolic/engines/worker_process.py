@@ -24,10 +24,10 @@ from hybrid_tamp.symbolic.engines.processes import ProcessTree, make_environment
 from hybrid_tamp.symbolic.engines.worker import REPLY, REQUEST
 
 if TYPE_CHECKING:
-    # This import takes as long as the imports of the worker, which must start first.
+    # At run time, this slow import would delay the start of the worker.
     from hybrid_tamp.model.task import Limits
 
-_FIRST_LOOK = 0.01  # Interval from the request to the first check of the processes [s]. Later intervals double.
+_FIRST_LOOK = 0.01  # Interval from the request to the first check [s]. Each later interval is twice as long.
 _LAST_LOOK = 0.05  # Largest interval between two checks [s].
 _GRACE = 1.0  # Time limit for the worker to end itself and its descendants before the parent kills them [s].
 _LOG_FILE = "log"
@@ -62,7 +62,7 @@ class WorkerProcess:
         """Wait until the worker has answered or ended.
 
         Raises:
-            LimitReached: If a limit is reached before that.
+            LimitReached: If a limit is reached before the worker has answered or ended.
         """
         pause = _FIRST_LOOK
         while not self._answered.wait(min(pause, max(0.0, began + limits.time - time.monotonic()))):
@@ -75,7 +75,7 @@ class WorkerProcess:
             pause = min(2 * pause, _LAST_LOOK)
 
     def reply(self) -> dict[str, Any]:
-        """Return the reply after `wait`. If the worker has left no reply, report a crash."""
+        """Return the reply after `wait`. If the worker wrote no reply, return the status ``crashed``."""
         path, code = self._directory / REPLY, self._process.returncode
         if path.exists():
             reply: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
@@ -85,7 +85,7 @@ class WorkerProcess:
 
     def stop(self) -> None:
         """End the worker and its descendants, and remove its files. Further calls have no effect."""
-        # The worker ends when its input closes. The worker itself can kill its descendants without leaving zombies.
+        # The worker ends when its input is closed. Only the worker can kill its descendants without leaving zombies.
         self._input.close()
         self._ended.wait(_GRACE)
         self._tree.kill(search=self._process.returncode != 0)
@@ -118,7 +118,7 @@ class WorkerProcess:
         return self._process.stdin
 
     def _listen(self) -> None:
-        """Wait until the worker answers or ends, then until the worker ends. Set the two events."""
+        """Set `_answered` when the worker answers or ends. Set `_ended` when the worker ends."""
         with self._signs:
             if not self._signs.read(1):
                 self._process.wait()
@@ -128,7 +128,7 @@ class WorkerProcess:
 
 
 def _ending(code: int | None) -> str:
-    """Describe how a worker without a reply ended. A worker that still waits for its input has the code None."""
+    """Describe how a worker without a reply ended. The code of a worker that has not ended yet is None."""
     if code is None:
         return "an exception"
     return f"exit code {code}" if code >= 0 else f"signal {-code} ({signal.strsignal(-code)})"

@@ -1,7 +1,7 @@
-"""Allocation of helpers to groups of goals.
+"""Allocation of helpers, e.g. hands, to groups of goals.
 
 Each group gets the closest helpers of the kinds that its plan needs. If there are too few helpers for all groups at
-once, the groups are served in waves.
+once, some groups get their helpers in a later wave.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -17,14 +17,14 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.symbolic.strategies.groups import Group, Helpers, Signature
 
 _NEAR = 6
-"""Least number of closest helpers to consider for a group. Other helpers are considered if these do not suffice."""
+"""Minimum number of closest helpers to consider for a group. If these do not suffice, all helpers are considered."""
 _CHOICES = 8
-"""Largest number of combinations of kinds to try for a group and a number of helpers."""
+"""Maximum number of combinations of helper kinds to try for one group and one number of helpers."""
 
 
 @dataclass(frozen=True)
 class Demand:
-    """A group and the signatures of the helpers that its plan needs, in the order of their roles in the plan."""
+    """A group, and the kind of each helper that its plan needs, in the order of the helpers in the plan."""
 
     group: Group
     kinds: tuple[Signature, ...]
@@ -32,12 +32,12 @@ class Demand:
 
 @dataclass(frozen=True)
 class Share:
-    """A group with the names of its assigned helpers, in the order of their roles in the group's plan."""
+    """A group, and the names of its helpers, in the order of the helpers in the group's plan."""
 
     group: Group
     helpers: tuple[str, ...]
     returning: bool = False
-    """Whether a later wave needs one of the helpers again."""
+    """Whether a later wave needs one of these helpers again."""
 
 
 class Allocation:
@@ -47,11 +47,11 @@ class Allocation:
         self._views: Mapping[Group, Helpers] = {group: Helpers(task, group, holding, feasible) for group in groups}
 
     def considered(self, group: Group, count: int) -> tuple[str, ...]:
-        """Return the helpers that are considered if a group needs `count` helpers, closest first."""
+        """Return the helpers to consider for a group that needs `count` helpers, closest first."""
         return tuple(self._views[group].closest[: max(_NEAR, 2 * count)])
 
     def choices(self, group: Group, count: int) -> Iterator[tuple[str, ...]]:
-        """Yield combinations of `count` helpers for a group, closest first. All combinations differ in their kinds."""
+        """Yield combinations of `count` helpers for a group, closest first. No two have the same kinds of helpers."""
         view = self._views[group]
         kinds: dict[Signature, list[str]] = {}
         for name in self.considered(group, count):
@@ -70,7 +70,7 @@ class Allocation:
         return Demand(group, tuple(map(self._views[group].signature, helpers)))
 
     def shares(self, demands: Sequence[Demand]) -> list[list[Share]] | None:
-        """Return waves in which each token helps at most one group, or None if a demand cannot be met."""
+        """Return waves of shares, or None if a demand cannot be met. In a wave, each helper has at most one group."""
         waves: list[list[Share]] = []
         left = list(demands)
         while left:
@@ -81,7 +81,7 @@ class Allocation:
         return _mark_returns(waves)
 
     def _wave(self, demands: Sequence[Demand]) -> tuple[list[Share], list[Demand]]:
-        """Return the shares of the demands that can be met at once, and the remaining demands."""
+        """Return a pair: the shares for the demands that can be met at once, and the remaining demands."""
         names = self._views[demands[0].group].closest
         at_once = min(len(demands), len(names) // max(1, len(demands[0].kinds)))
         shares: list[Share] = []
@@ -107,7 +107,7 @@ class Allocation:
         return [Share(demand.group, tuple(names[next(chosen)] for _ in demand.kinds)) for demand, _ in met]
 
     def _costs(self, demand: Demand, names: Sequence[str], near: bool) -> FloatArray:
-        """Return distances to the group [m], shape ``(kinds, names)``. Unsuitable helpers have an infinite distance."""
+        """Return distances of helpers to the group [m], infinity for unsuitable helpers. Shape ``(kinds, names)``."""
         view, costs = self._views[demand.group], np.full((len(demand.kinds), len(names)), np.inf)
         candidates = self.considered(demand.group, len(demand.kinds)) if near else view.closest
         for name in candidates:
@@ -118,7 +118,7 @@ class Allocation:
 
 
 def cheapest_matching(costs: FloatArray) -> list[int] | None:
-    """Return a different column for each row with the least sum of costs, or None if there is no matching.
+    """Return a column for each row, all different, with the least sum of costs. Return None if this is impossible.
 
     Args:
         costs: Costs of shape ``(rows, columns)``. An infinite cost forbids a pair of row and column.
@@ -128,7 +128,7 @@ def cheapest_matching(costs: FloatArray) -> list[int] | None:
 
     if costs.shape[0] > costs.shape[1]:
         return None
-    # A forbidden pair costs more than all allowed pairs together, so it is chosen only if nothing else is possible.
+    # A forbidden pair costs more than all allowed pairs together, so the pair is chosen only if this is unavoidable.
     allowed = np.isfinite(costs)
     finite = np.where(allowed, costs, 1.0 + costs[allowed].sum())
     rows, columns = linear_sum_assignment(finite)
@@ -136,7 +136,7 @@ def cheapest_matching(costs: FloatArray) -> list[int] | None:
 
 
 def _mark_returns(waves: list[list[Share]]) -> list[list[Share]]:
-    """Mark each share with a helper that a later wave needs again."""
+    """Mark a share as returning if a later wave needs one of its helpers again."""
     marked: list[list[Share]] = []
     needed: set[str] = set()
     for wave in reversed(waves):

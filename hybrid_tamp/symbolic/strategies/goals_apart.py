@@ -1,11 +1,11 @@
 """Strategy that plans independent goals separately and merges the plans.
 
-Goals that share tokens form a group. Each group is planned separately, with different numbers of helpers. The plans
-share only places and helpers that have returned to their initial state. The concatenated plan is checked action by
-action. The schedule runs independent plans in parallel.
+Goals that share tokens form a group. Several numbers of helpers (e.g. hands) per group are tried. The plans of two
+groups share only places and helpers that have returned to their initial state. The concatenated plan is checked action
+by action. The schedule runs independent plans in parallel.
 
-Two groups share a plan if their planning problems are equal up to renaming. So any number of equal boxes with equally
-placed hands needs only one search.
+Two groups share a plan if their planning problems are equal up to renaming. So any number of equal boxes, each with
+equally placed hands, needs only one search.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -35,16 +35,16 @@ Actions = tuple[PlannedAction, ...]
 
 
 def plan_goals_apart(search: Search, seconds: float, *, first_will_do: bool) -> Candidate | None:
-    """Return the plan with the smallest makespan over different numbers of helpers per group, or None.
+    """Try several numbers of helpers per group. Return the plan with the smallest makespan, or None.
 
-    Numbers of helpers that all groups can have at once are tried first, starting with the largest. If they give no
-    plan, larger numbers are tried, and helpers serve the groups one after another.
+    Numbers of helpers that all groups can have at once are tried first, starting with the largest. If no plan is
+    found, larger numbers are tried, and helpers serve the groups one after another.
 
     Args:
         search: Search for a plan of the whole task.
         seconds: Time limit for each group, and for the search for shorter plans [s].
-        first_will_do: Whether to return the first plan. If True, nothing is planned unless a group is smaller than the
-            task.
+        first_will_do: Whether to return the first plan that is found. If True, return None if no group is smaller than
+            the task.
     """
     best: Candidate | None = None
     with search.stage("compiling"):
@@ -80,7 +80,7 @@ class _Groups:
         self._places = tuple(token.name for token in search.task.tokens if token.place)
         self._known: dict[Key, Actions | None] = {}
         self.allocation = Allocation(search.task, self._groups, self._holding, search.compilation.feasible)
-        self.hopeless = False  # Whether some group has no plan even with all useful helpers.
+        self.hopeless = False  # Whether at least one group has no plan with all useful helpers.
 
     @property
     def smaller_than_the_task(self) -> bool:
@@ -89,7 +89,7 @@ class _Groups:
         return len(self._groups) > 1 or (len(self._groups) == 1 and left_out > most_helpers(self._task))
 
     def count_helpers(self) -> tuple[int, int, int]:
-        """Return the number of helpers that all groups can have at once, and the minimum and maximum per group."""
+        """Return numbers of helpers per group: the number that all groups can have at once, minimum, maximum."""
         available = len(helpers(self._task))
         least = max((least_helpers(self._task, group, self._holding) for group in self._groups), default=1)
         if not self._groups or least > available:
@@ -98,7 +98,7 @@ class _Groups:
         return min(most, max(least, available // len(self._groups))), least, most
 
     def find_demands(self, count: int) -> list[Demand] | None:
-        """Return the demand of each group for the closest helpers that suffice, or None if a group has no plan."""
+        """Return a demand for each group, for the closest helpers that suffice. Return None if a group has no plan."""
         demands: list[Demand] = []
         for group in self._groups:
             for chosen in self.allocation.choices(group, count):
@@ -106,7 +106,7 @@ class _Groups:
                     demands.append(self.allocation.demand(group, chosen))
                     break
             else:
-                # If the group has no plan with all useful helpers, it has no plan with fewer helpers.
+                # A group that has no plan with all useful helpers has no plan with fewer helpers.
                 together = self.allocation.considered(group, most_helpers(self._task))
                 self.hopeless = self.plan_group(Share(group, together)) is None
                 return None
@@ -174,7 +174,7 @@ class _Groups:
 
 @dataclass(frozen=True)
 class _Posed:
-    """The planning problem of a group, with a label for each object. `names` has the PDDL names of the whole task."""
+    """The planning problem of a group, with a label for each object. `names` maps labels to names in the whole task."""
 
     problem: PlanningProblem
     labels: Mapping[str, str]
@@ -199,7 +199,7 @@ class _Posed:
 
 
 def _at_start(part: Compilation, names_of_helpers: Sequence[str]) -> Iterator[Fact]:
-    """Yield the changeable initial facts about the helpers."""
+    """Yield the initial facts that mention a helper and that an operator may change."""
     changed = {fact[0] for operator in part.encoded.planning.operators for fact in (*operator.add, *operator.delete)}
     names = {part.words.name(helper) for helper in names_of_helpers}
     yield from (fact for fact in part.changing if fact[0] in changed and names & set(fact[1:]))

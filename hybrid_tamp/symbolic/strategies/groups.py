@@ -1,7 +1,7 @@
 """Groups of goal atoms that can be planned separately, and the helpers and tasks of the groups.
 
-Two goal atoms that share a token other than a place are in the same group. A helper is a token with basic actions that
-no goal atom names, e.g. a hand. The task of a group has the tokens of the group, some helpers, and places.
+Two goal atoms that share a token other than a place are in the same group. A helper, e.g. a hand, is a token that has
+basic actions and is in no goal atom. The task of a group has the tokens of the group, some helpers, and places.
 """
 
 from collections.abc import Collection, Iterable
@@ -32,7 +32,7 @@ class Signature:
     facts: tuple[tuple[str, tuple[str, ...]], ...]
 
     def less_than(self, other: "Signature") -> bool:
-        """Return whether the other helper has all facts of this helper and more."""
+        """Return whether the other helper has the same classes and block, all facts of this helper, and more facts."""
         alike = (self.classes, self.block) == (other.classes, other.block)
         return alike and set(self.facts) < set(other.facts)
 
@@ -43,7 +43,7 @@ class Group:
 
     Attributes:
         goal: Goal atoms of the group.
-        tokens: Names of the tokens in the atoms except places, in the order of the atoms.
+        tokens: Names of the tokens in the atoms, without places, in the order of the atoms.
         places: Names of the places in the atoms.
     """
 
@@ -79,13 +79,13 @@ def goal_tokens(task: Task) -> set[str]:
 
 
 def helpers(task: Task) -> list[Token]:
-    """Return the tokens with basic actions that no goal atom names."""
+    """Return the tokens that have basic actions and are in no goal atom."""
     named = goal_tokens(task)
     return [token for token in task.assigned if token.basic_actions and token.name not in named]
 
 
 def least_helpers(task: Task, group: Group, holding: Collection[Atom]) -> int:
-    """Return the least number of helpers with which a group can fill a block that achieves each missing goal atom."""
+    """Return the minimum number of helpers with which a group can fill a block for each missing goal atom."""
     sizes = [(literal.predicate.name, len(block.slots)) for block in task.domain.blocks for literal in block.exit]
     missing = [atom.predicate for atom in group.goal if atom not in holding]
     needed = [min((size for name, size in sizes if name == wanted), default=1) for wanted in missing]
@@ -93,12 +93,12 @@ def least_helpers(task: Task, group: Group, holding: Collection[Atom]) -> int:
 
 
 def most_helpers(task: Task) -> int:
-    """Return twice the largest number of helpers in one block, so that other helpers can relieve all of them."""
+    """Return twice the largest number of helpers in one block, so that each of them can be relieved."""
     return max(1, 2 * max(len(block.slots) - 1 for block in task.domain.blocks))
 
 
 def own_task(task: Task, group: Group, chosen: Iterable[str], places: Collection[str]) -> Task:
-    """Return the task of a group, with the chosen helpers and places only."""
+    """Return the task of a group. Its tokens are those of the group, the chosen helpers and the given places."""
     return task.restrict({*group.tokens, *chosen, *places}, goal=group.goal)
 
 

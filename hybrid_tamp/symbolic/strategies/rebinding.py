@@ -1,10 +1,10 @@
-"""Rebinding of interchangeable tokens to shorten the makespan, by local search.
+"""Local search that rebinds interchangeable tokens to shorten the makespan.
 
 A sequential planner has no reason to distribute work over several hands. An *episode* of a token lasts from the time
-when the token leaves RESTING until it rests again. Two tokens are interchangeable if they have equal classes,
-properties and shapes and no goal atom names them. The search rebinds one episode to another token, or swaps two tokens
-in the whole plan, as long as the makespan improves and time is left. Every candidate is checked action by action,
-because some conditions depend on the token's position, e.g. its workspace.
+when the token leaves RESTING until the token rests again. Two tokens are interchangeable if they have equal classes,
+properties and shapes, and if neither of them is in the goal. The search rebinds one episode to another token, or swaps
+two tokens in the whole plan, as long as the makespan improves and time is left. Every candidate is checked action by
+action, because some conditions depend on the position of a token, e.g. reachability.
 """
 
 import time
@@ -26,7 +26,7 @@ Use = tuple[int, int]
 
 @dataclass
 class Episode:
-    """The uses of a token, which is given by its PDDL name, between two rests."""
+    """The uses of a token between two rests. `token` is its PDDL name."""
 
     token: str
     uses: list[Use]
@@ -44,7 +44,7 @@ def interchangeable(task: Task) -> list[list[str]]:
 
 
 def rebind_tokens(compilation: Compilation, plan: TaskPlan, seconds: float, estimates: Estimates) -> TaskPlan:
-    """Return a shorter plan with rebound tokens, or the given plan if none is found.
+    """Return a shorter plan with rebound tokens, or the given plan if no shorter plan is found.
 
     Args:
         compilation: Compiled task.
@@ -100,7 +100,7 @@ def _episodes(compilation: Compilation, actions: Sequence[PlannedAction]) -> lis
 def _rebind(
     compilation: Compilation, actions: Sequence[PlannedAction], episode: Episode
 ) -> Iterator[list[PlannedAction]]:
-    """Yield an action sequence for each other token of the group, with the episode rebound to this token."""
+    """Yield an action sequence for each token to which the episode can be rebound."""
     groups = [list(map(compilation.words.name, group)) for group in interchangeable(compilation.task)]
     for other in (name for group in groups if episode.token in group for name in group if name != episode.token):
         changed = list(actions)

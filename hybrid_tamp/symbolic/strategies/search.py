@@ -44,7 +44,7 @@ class SearchResult:
     """The result of a search for a plan.
 
     Attributes:
-        answer: Answer of the engine. If there is a plan, the answer has the actions of the plan.
+        answer: Answer of the engine. If there is a plan, the answer contains the actions of the plan.
         plan: Plan that obeys the law of assignment, or None.
         refusal: Reason why the engine's plan was refused, or an empty string.
         way: Description of the strategy that found the plan.
@@ -94,7 +94,7 @@ class Search:
 
     @cached_property
     def compilation(self) -> Compilation:
-        """The compiled task. The compilations of its groups use the same PDDL names."""
+        """The compiled task. The compilations of goal groups use the same PDDL names."""
         with self.stage("compiling"):
             return compile_task(self.task)
 
@@ -105,7 +105,7 @@ class Search:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Measure the duration of a stage, without the stages nested in it."""
+        """Measure the duration of a stage, excluding nested stages."""
         self._count()
         self._open.append(name)
         try:

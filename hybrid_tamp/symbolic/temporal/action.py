@@ -111,7 +111,7 @@ class ActionMaker:
                 self.require(*self.words.stated(literal.predicate, word, arguments))
 
     def _take(self, slot: str) -> None:
-        """Move a token from its old slot to a slot of the block, and end its part in the old instance."""
+        """Move a token from its old slot to a slot of the block, and release its old instance."""
         variable, block, along = self.roles[slot], self.block, slot in self.along
         sources = self.words.sources(block, slot, along)
         constants = [self.words.slot(old, before) for old, before in sources]
@@ -161,7 +161,7 @@ class ActionMaker:
                 self.at_end((self.words("let-go"), variable), False)
 
     def _stop_reading(self, slot: str, sources: list[tuple[Block, str]]) -> None:
-        """Release the targets that the token's last instance read, if the token was the anchor."""
+        """If the token was the anchor of its last instance, release the targets that the instance read."""
         locked = self.words.conditions.locked
         for number in range(self.words.locks):
             readers = [old for old, before in sources if before == old.anchor and len(locked(old)) > number]
@@ -187,7 +187,7 @@ class ActionMaker:
         return self._declare(f"{slot}-read", self.vocabulary.type_of(TOKEN))
 
     def _void(self, slot: str, sources: list[tuple[Block, str]]) -> None:
-        """Clear the conditions that the token's last instance maintained and the new instance does not."""
+        """Clear the conditions that the last instance of the token maintained and that the block does not maintain."""
         maintained = {c.predicate: None for old, before in sources for c in self._kept(old, before)}
         anew = {literal.predicate for literal in self._kept(self.block, slot)}
         for predicate in maintained:

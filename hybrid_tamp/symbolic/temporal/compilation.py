@@ -37,7 +37,7 @@ def compile_durative(task: Task) -> TemporalCompilation:
     """Compile a task to durative actions.
 
     Raises:
-        InputError: If the goal has a negative atom, leaves a choice, or depends on an unknown class of a token.
+        InputError: If the goal has a negative atom, leaves a choice, or requires an `unknown` class of a token.
     """
     task = settle_goal(task)
     encoding = encode_durative(task.domain)
@@ -71,7 +71,7 @@ class _Writer:
         return ((word, *arguments), True) if predicate.static else self.words.stated(predicate, word, arguments)
 
     def goal(self) -> Iterator[tuple[Fact, Value]]:
-        """Yield the user's goal, and values that hold once all blocks without a hold have ended."""
+        """Yield the user's goal, and the requirement that blocks without a hold have ended (`completed`)."""
         yield from map(self.stated, self.task.goal)
         for token in self.task.assigned:
             bounded = [s for b in self.task.domain.blocks if not b.hold for s in b.slots]

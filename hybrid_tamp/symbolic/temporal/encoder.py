@@ -1,24 +1,24 @@
-"""Encoder of block declarations as durative actions, for any domain.
+"""Encoder, which converts the blocks of any domain to durative actions.
 
 An action takes all tokens of a block at once. Its parameters are the tokens and targets of the block. The action lasts
-until the exit conditions are expected to hold. Then the block holds its tokens until other actions take them. These
+until the exit conditions are expected to hold. Then the tokens stay in the block until other actions take them. These
 fluents enforce the law of assignment:
 
 | fluent | value |
 |---|---|
-| `place(token)` | slot of the token in its present or last hold |
-| `passes(slot, slot)` | whether the network has this edge |
+| `place(token)` | slot of the token; changes when an action ends |
+| `passes(slot, slot)` | whether the network has an edge between the two slots |
 | `partner(token)` | anchor of the token's instance, if the instance has several slots |
 | `let-go(anchor)` | whether the anchor has left its last instance, so that the other tokens may leave |
-| `crew(anchor)` | number of tokens whose partner is this anchor; must fill the other slots when an action ends |
-| `reads(token)` | token that the token's instance reads as a locked target |
+| `crew(anchor)` | number of tokens with this partner; must equal the number of the other slots when an action ends |
+| `reads(anchor)` | locked target that the anchor's instance reads |
 | `readers(token)` | number of instances that read the token; must be zero while a block changes the token |
-| `completed(token)` | whether the token's block has a hold; the goal requires this |
+| `completed(token)` | whether the token may stay in its block; must be true in the goal |
 
 A functional predicate becomes a fluent. Its functional argument is the fluent's value, and its other arguments are the
 fluent's parameters. A maintained predicate becomes a fluent of one token (`assignment.keeper`), because a token is in
-one instance at a time. If the token of a slot may come together with the anchor or separately, there is an action for
-each case.
+one instance at a time. If the token of a slot may come either with the anchor or separately, each case has its own
+action.
 
 The encoding is weaker than the law in two points. Tokens may leave an instance slightly later than its anchor. If a
 block has no hold, its tokens may stay in the block after its end.
@@ -138,7 +138,7 @@ class _Encoder:
     # -- origins of tokens -----------------------------------------------------------------------------
 
     def actions(self) -> Iterator[tuple[DurativeAction, Running]]:
-        """Yield one action per block and set of tokens that come from the same instance as the anchor."""
+        """Yield one action for each block and each set of slots whose tokens come from the anchor's last instance."""
         for block in self.domain.blocks:
             choices = [self._choices(block, slot.name) for slot in block.slots]
             for chosen in product(*choices):
@@ -146,5 +146,5 @@ class _Encoder:
                 yield ActionMaker(self.words, block, along).build()
 
     def _choices(self, block: Block, slot: str) -> list[bool]:
-        """Return the possible cases for the token of a slot: True if it comes with the anchor, False if separately."""
+        """Return the possible cases for the token of a slot. True means that the token comes with the anchor."""
         return [along for along in (False, True) if self.words.sources(block, slot, along)]

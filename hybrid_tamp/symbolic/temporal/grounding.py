@@ -2,7 +2,7 @@
 
 A fact holds as soon as any run achieves it (heuristic h-max of Haslum and Geffner, 2001). The duration of a run is
 estimated in the state after the runs that first achieve its entry conditions. This state depends on the source block
-of the anchor. A schedule has better estimates because it knows the whole plan.
+of the anchor. The scheduler has better estimates because the plan is known.
 """
 
 from collections.abc import Iterator, Mapping
@@ -97,7 +97,7 @@ class _Reaching:
         return sooner
 
     def _causes(self, block: Block, roles: Mapping[str, str], source: SlotName) -> list[_Cause] | None:
-        """Return the earliest causes of a run, or None if one of its conditions is not reached yet."""
+        """Return the earliest cause of each condition of a run, or None if a condition is not reached yet."""
         bound = self.task.bind(roles)
         atoms = [atom for literal in block.entry if (atom := literal.ground(bound)).positive]
         found = [self.atoms.get(atom) for atom in atoms]
@@ -110,7 +110,7 @@ class _Reaching:
         return certain if len(certain) == len(found) else None
 
     def _estimate(self, block: Block, roles: Mapping[str, str], causes: list[_Cause]) -> Estimate:
-        """Return the estimate of a run in the state after its causes. The last cause sets the pose of a token."""
+        """Return the estimate of a run in the state after its causes. Later causes override earlier causes."""
         poses = {key: value for cause in causes for key, value in cause.poses.items()}
         task = self.task.replaced(state=self.task.state.replace(poses)) if poses else self.task
         slots = {slot.name: roles[slot.name] for slot in block.slots}

@@ -11,7 +11,7 @@ from typing import Literal
 from hybrid_tamp.symbolic.pddl.operators import Fact, Typed
 
 Value = tuple[str, ...] | int | bool
-"""Value of a fluent: objects or variables, a number, or a truth value."""
+"""Value of a fluent: a tuple of objects or variables, a number, or a truth value."""
 
 When = Literal["start", "over all", "end", "throughout"]
 """Time of a condition. ``over all`` begins after the effects at the start. ``throughout`` includes the start."""
@@ -45,7 +45,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect that sets a fluent to a value or, with `add`, increases a number by the value."""
+    """An effect, which sets a fluent to a value. If `add` is True, the effect adds the value to the fluent."""
 
     when: Literal["start", "end"]
     fact: Fact
@@ -65,13 +65,13 @@ class DurativeAction:
 
     @property
     def facts(self) -> tuple[Fact, ...]:
-        """The fluents, with their arguments, in the conditions and effects."""
+        """The fluents in the conditions and effects, with arguments."""
         return (*(condition.fact for condition in self.conditions), *(effect.fact for effect in self.effects))
 
 
 @dataclass(frozen=True)
 class TemporalDomain:
-    """The part of a temporal problem that depends on the domain only, never on tokens."""
+    """The part of a temporal problem that does not depend on the tokens of a task."""
 
     name: str
     types: tuple[Typed, ...]
@@ -91,7 +91,7 @@ class TemporalProblem:
         objects: Pairs of (object, type).
         init: Pairs of (fluent, initial value). False values are left out.
         goal: Pairs of (fluent, value at the end).
-        comments: Pairs of (PDDL name, user's name) that differ.
+        comments: Pairs of (PDDL name, user's name), without pairs of equal names.
     """
 
     name: str

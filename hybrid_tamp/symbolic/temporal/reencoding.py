@@ -30,7 +30,7 @@ def reencode_durative(
 
 
 def _lasting(compilation: TemporalCompilation, plan: TaskPlan) -> TemporalProblem:
-    """Return the problem with the durations of the plan. If the plan repeats a run, its shortest duration is used."""
+    """Return the problem with the durations of the plan. If the plan repeats a run, the shortest duration is used."""
     lasts: dict[Fact, int] = {}
     for instance, action in _actions_of(compilation, plan):
         block = compilation.task.domain.block_by_name[instance.block]
@@ -142,14 +142,14 @@ class _Following:
         return any(len(old.slots) > 1 and slot == blocks[old.block].anchor for old, slot in before)
 
     def _changes(self, group: list[tuple[BlockInstance, str]]) -> bool:
-        """Return whether a group has a block that changes tokens, so that no other instance may read them."""
+        """Return whether a group has a block that changes a token and therefore requires a token without readers."""
         readers = self.compilation.encoding.names("readers")
         actions = [self.templates[name] for _, name in group]
         return any(c.fact[0] == readers for action in actions for c in action.conditions)
 
 
 def _actions_of(compilation: TemporalCompilation, plan: TaskPlan) -> Iterator[tuple[BlockInstance, str]]:
-    """Yield a pair of (instance, action name) for each instance, except for the initial instances."""
+    """Yield a pair of (instance, action name) for each instance except the initial instances."""
     blocks = compilation.task.domain.block_by_name
     names = {(r.block, r.along): name for name, r in compilation.encoding.running.items()}
     before: dict[str, BlockInstance] = {}

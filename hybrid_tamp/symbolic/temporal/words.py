@@ -38,7 +38,7 @@ class Words:
         return self._names.pddl(word)
 
     def reads(self, number: int) -> str:
-        """Return the fluent for the locked target with this number that a token's instance reads."""
+        """Return the fluent whose value is the locked target with this number."""
         return self("reads", f"{number}")
 
     def sources(self, block: Block, slot: str, along: bool) -> list[tuple[Block, str]]:
@@ -57,7 +57,7 @@ class Words:
                 and before != old.anchor
                 and domain.network.allows((name, old.anchor), (block.name, block.anchor))
             )
-            # If a condition says that the old anchor is the new one, the token cannot come separately.
+            # If a condition requires that the old anchor is the new anchor, the token cannot come separately.
             bound = self.conditions.unified(old, before, block, slot).get(old.anchor) == block.anchor
             if (along and together) or (not along and not (together and bound)):
                 found.append((old, before))
@@ -83,7 +83,7 @@ class Words:
         return Conditions(self.vocabulary)
 
     def key(self, predicate: Predicate) -> tuple[int, ...]:
-        """Return the indices of a predicate's arguments that are parameters, and not the value, of its fluent."""
+        """Return the indices of a predicate's arguments that are parameters of its fluent. Others are its value."""
         everything = tuple(range(len(predicate.parameters)))
         if predicate.maintained:
             kept = {
