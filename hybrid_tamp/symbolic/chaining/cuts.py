@@ -36,7 +36,7 @@ class Cuts:
     def is_uncut(self, series: Series) -> bool:
         """Return whether the series can be compiled as one block without a loss of plans."""
         inside = {link.block.name for link in series.links}
-        # Other tokens may pass through the same series.
+        # Other tokens may pass through the same series, so the series is one of the other blocks.
         others = [*(b for b in self.domain.blocks if b.name not in inside), series.block("the whole")]
         return (
             self._encodable(series)

@@ -72,7 +72,7 @@ class Conditions:
         return locked_targets(self.vocabulary.domain, block)
 
     def claimable(self, block: Block, slot: str) -> bool:
-        """Return whether a token in this slot may also fit the anchor slot of a block with several slots."""
+        """Return whether a token in this slot may also be the anchor of a block with several slots."""
         domain, mine = self.vocabulary.domain, block.slot(slot).object_class
         anchors = (other.slot(other.anchor).object_class for other in domain.blocks if other.others)
         return any(domain.relations.can_share_token(mine, anchor) for anchor in anchors)

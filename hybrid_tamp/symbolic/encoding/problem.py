@@ -19,7 +19,7 @@ from hybrid_tamp.symbolic.pddl.operators import Fact, PlanningProblem, ground
 
 @dataclass(frozen=True, eq=False)
 class Compilation:
-    """A task compiled to STRIPS. Slow parts are computed on first use.
+    """A task compiled to STRIPS. Slow attributes are computed on first use.
 
     Attributes:
         task: Task that is compiled, with a ground goal.

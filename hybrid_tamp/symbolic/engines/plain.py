@@ -34,7 +34,7 @@ def without_impossible(source: PlanningProblem) -> PlanningProblem:
     """Return the problem without the operators that can never be applied, e.g. operators on boxes without any box.
 
     The result also omits unused predicates, their facts and unused constants. Engines would remove these items
-    themselves, but their preprocessing takes time for every operator, and in some engines for every object.
+    themselves, but would spend time on every operator, and some engines on every object.
     """
     fixed = _Fixed(source)
     domain = source.domain

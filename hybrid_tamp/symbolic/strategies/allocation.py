@@ -94,7 +94,7 @@ class Allocation:
 
     @staticmethod
     def _match(demands: Sequence[tuple[Demand, FloatArray]], names: Sequence[str]) -> list[Share]:
-        """Return the shares of the demands that can be met together. Earlier demands have priority."""
+        """Return shares for demands that can be met together. Earlier demands have priority."""
         met: list[tuple[Demand, FloatArray]] = []
         columns: list[int] = []
         for each in demands:

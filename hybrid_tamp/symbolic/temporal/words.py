@@ -83,7 +83,7 @@ class Words:
         return Conditions(self.vocabulary)
 
     def key(self, predicate: Predicate) -> tuple[int, ...]:
-        """Return the indices of a predicate's arguments that are parameters of its fluent. Others are its value."""
+        """Return the indices of the arguments that are parameters of a predicate's fluent, not its value."""
         everything = tuple(range(len(predicate.parameters)))
         if predicate.maintained:
             kept = {
