@@ -1,4 +1,4 @@
-"""Read and write task files. Reading returns a checked `Task` or raises all faults with their places.
+"""Read and write task files. Reading returns a checked `Task`, or raises all faults of the file with their places.
 
 ::
 

@@ -1,4 +1,4 @@
-"""Copy a task file and the files named in it to another folder, and add motor primitives to a task."""
+"""Copy a task file to another folder together with its primitive and mesh files, and add primitives to a task."""
 
 import logging
 from collections.abc import Mapping
@@ -17,13 +17,13 @@ _logger = logging.getLogger(__name__)
 
 
 def portable(task: Task) -> tuple[str, dict[str, str]]:
-    """Return the text of a task file for another folder, and the files that belong beside it.
+    """Return the text of a task file for another folder, and the files that belong in the same folder.
 
-    The text is a copy of the task's own file, except for the names of primitive and mesh files. If the task has no
-    file, or the file now describes another scene or goal, the text is generated from the task.
+    The text is a copy of the task's file in which only the names of primitive and mesh files differ. The text is
+    generated from the task if the task has no file or the file now describes another scene or goal.
 
     Returns:
-        The text, and a mapping of the name of each primitive and mesh file to its content.
+        The text, and a mapping from the name of each primitive and mesh file to its content.
 
     Raises:
         InputError: a file cannot be read.
@@ -75,8 +75,8 @@ def teach_task(task: Task, primitives: Mapping[str, PrimitiveFile], folder: Path
 
     Args:
         task: the task.
-        primitives: maps each block to its new primitive.
-        folder: folder for the new task file and the files named in it.
+        primitives: maps each block to the block's new primitive.
+        folder: folder for the new task file and its primitive and mesh files.
         find_domain: function that finds the domain by the name in the file.
 
     Raises:

@@ -1,11 +1,11 @@
-"""Read a demonstration from a comma-separated table of time and position, or of time and pose.
+"""Read a demonstration from a comma-separated table of times and positions, or of times and poses.
 
 ::
 
     time [s], x [m], y [m], z [m]
     0.00, 0.250, -0.450, 0.300
 
-The first line names the columns, and units may follow in brackets. Poses also have the columns qx, qy, qz, qw.
+The first line names the columns. A unit in brackets may follow a name. Poses also have the columns qx, qy, qz, qw.
 """
 
 import math
@@ -32,7 +32,7 @@ _NAME = re.compile(r"^([a-z]*)\s*(\[[^]]*\])?$")
 
 @dataclass(frozen=True)
 class Cell:
-    """One entry of a table with its place."""
+    """An entry of a table, with the line and column of the entry."""
 
     text: str
     mark: Mark
@@ -67,7 +67,7 @@ def _check_header(cells: list[Cell], faults: Faults) -> int:
 
 
 def cells(line: str, number: int) -> Iterator[Cell]:
-    """Yield the entries of a line with their places."""
+    """Yield the entries of a line, each with its line and column."""
     column = 1
     for text in line.split(","):
         yield Cell(text.strip(), Mark(number, column + len(text) - len(text.lstrip())))
@@ -75,17 +75,17 @@ def cells(line: str, number: int) -> Iterator[Cell]:
 
 
 def numbered(text: str) -> list[tuple[int, list[Cell]]]:
-    """Return the lines that are not empty as pairs of (line number, entries)."""
+    """Return a pair of (line number, entries) for each line that is not empty."""
     return [(n, list(cells(line, n))) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
 
 
 def read_samples(rows: list[tuple[int, list[Cell]]], width: int, faults: Faults) -> tuple[FloatArray, list[int]]:
-    """Return the numbers in the lines after the first, shape ``(t, width)``, and their line numbers.
+    """Return the numbers below the header, shape ``(t, width)``, and the line number of each row.
 
     A fault is recorded if there are too few samples or the times in the first column do not increase.
 
     Raises:
-        InputError: a line has another number of columns, or a text that is not a number.
+        InputError: a line does not have `width` columns, or an entry is not a number.
     """
     samples = [values for _, cells in rows[1:] if (values := _sample(cells, width, faults)) is not None]
     faults.raise_if_any()

@@ -28,7 +28,7 @@ def available_domains() -> tuple[str, ...]:
 
 
 def installed_domain(name: str) -> Domain:
-    """Return an installed domain by its name. Only code of installed domains is run.
+    """Return the installed domain with this name. Only the code of installed domains is run.
 
     Raises:
         InputError: no installed domain has this name, or its module cannot be imported.
@@ -48,8 +48,8 @@ def installed_domain(name: str) -> Domain:
 def find_domain(name_or_path: str) -> Domain:
     """Return a domain by its installed name, by ``package.module:ATTRIBUTE`` or by the path of its Python file.
 
-    A file is imported only once and must define the attribute ``DOMAIN``. Because modules and files are executed, pass
-    only names that you trust and never names from somebody else's task file.
+    A file is imported only once and must define the attribute ``DOMAIN``. Modules and files are executed, so pass only
+    names that you trust. Never pass a name from somebody else's task file.
 
     Raises:
         InputError: no domain has this name, or its module cannot be imported.
@@ -74,7 +74,7 @@ def _entry(name: str) -> EntryPoint | None:
 
 
 def _loaded(load: Callable[[], Any], source: str) -> Any:
-    """Import the code of a domain. Any exception of the code is reported as a fault of the code."""
+    """Import a domain. An exception that the domain's code raises is reported as a fault of the domain."""
     try:
         return load()
     except InputError as error:
@@ -85,7 +85,7 @@ def _loaded(load: Callable[[], Any], source: str) -> Any:
 
 
 def _line_of(error: BaseException, source: str) -> str:
-    """Return the source with the line and column of an error, or only the source if the traceback lacks the line."""
+    """Return the source, followed by the line and column of an error if the traceback contains the line."""
     if isinstance(error, SyntaxError) and error.filename == source:
         return f"{source}:{error.lineno}:{error.offset or 1}"
     line, trace = 0, error.__traceback__
@@ -108,7 +108,7 @@ def _domain(found: Any, source: str, attribute: str | None = None) -> Domain:
 
 
 def _import_file(path: Path) -> ModuleType:
-    """Import a file and return its module. A file that was imported before gives the same module again."""
+    """Import a file and return its module. Return the earlier module if the file was imported before."""
     known = _module_of(path)
     if known is not None:
         return import_module(known)
@@ -133,7 +133,7 @@ def _module_of(path: Path) -> str | None:
         try:
             spec = find_spec(entry.module)
         except ImportError:
-            # Skip a broken entry point of another package, which does not concern this file.
+            # Skip a broken entry point, because the entry point belongs to another package.
             continue
         if spec is not None and spec.origin is not None and Path(spec.origin).resolve() == path:
             return entry.module
@@ -167,6 +167,6 @@ def find_task_file(text: str) -> Path:
     if str(Path(text).parent) in (".", "problems") and name in bundled:
         return Path(str(files(PROBLEMS).joinpath(f"{name}.yaml")))
     if os.path.exists(text):
-        # Return other paths too, e.g. folders, because their errors in reading are clearer.
+        # Also return paths of folders etc., because the error when such a path is read is clearer than the error below.
         return Path(text)
     raise InputError([Issue("", "neither a task file nor a bundled task has this name", shown(text), bundled)])

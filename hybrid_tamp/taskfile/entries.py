@@ -15,7 +15,7 @@ from hybrid_tamp.model.task import DEFAULT_PLANNER, Limits, MidLevel
 Text = Annotated[str, Strict(), Field(min_length=1)]
 Whole = Annotated[int, Strict()]
 Bounded = Annotated[Number, Field(ge=-1000, le=1000)]
-"""A coordinate, angle or component. The bounds prevent an overflow of the number's square."""
+"""A coordinate, angle or component. The bounds prevent an overflow when the number is squared."""
 
 
 def _has_length(quaternion: tuple[float, ...]) -> tuple[float, ...]:
@@ -39,7 +39,7 @@ class Pose(_Entry):
         "rad", "roll, pitch and yaw: rotations about the fixed world axes x, y, z, applied in this order", default=None
     )
     quaternion: Quaternion | None = quantity(
-        "1", "rotation as a quaternion x, y, z, w instead of rpy; the reader normalises the quaternion", default=None
+        "1", "rotation as a quaternion x, y, z, w, which is normalised after reading; excludes rpy", default=None
     )
 
     @model_validator(mode="after")

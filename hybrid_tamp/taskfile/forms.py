@@ -1,4 +1,4 @@
-"""Convert pydantic models to JSON Schema, and JSON Schema to words, for `schema` and `reference`."""
+"""Convert pydantic models to JSON Schema, and describe JSON Schema in words."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -28,7 +28,7 @@ def form_of(model: type[BaseModel], prefix: str = "") -> Form:
 
     Args:
         model: a pydantic model, e.g. an object class.
-        prefix: prefix of the names of the model's definitions. The prefix keeps the names of several models apart.
+        prefix: prefix of the names of the model's definitions, so that the names differ between models.
     """
     schema = model.model_json_schema(ref_template=f"#/$defs/{prefix}{{model}}")
     definitions = {f"{prefix}{name}": one for name, one in schema.pop("$defs", {}).items()}

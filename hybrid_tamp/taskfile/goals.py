@@ -11,7 +11,7 @@ _FORM = "an atom of the goal must be 'predicate: [tokens]'"
 
 
 def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> tuple[Atom, ...]:
-    """Read the atoms of the goal, record their faults and return the distinct atoms that have no faults."""
+    """Read the atoms of the goal, record their faults and return the faultless atoms without duplicates."""
     items = data.get("goal")
     if not isinstance(items, list):
         return ()
@@ -35,7 +35,7 @@ def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene
 def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[Atom, KeyPath] | None:
     """Return the atom and the path of its arguments, or None if the item is not an atom."""
     if isinstance(item, dict) and "not" in item:
-        remedy = "replace the negated atom by an atom that must hold, or remove it"
+        remedy = "remove the negated atom, or replace it by an atom that must hold"
         faults.at((*path, "not"), "a goal atom must not be negated", "'not'", remedy=remedy, key=True)
         return None
     if not isinstance(item, dict) or len(item) != 1:
@@ -70,7 +70,7 @@ def _predicate(atom: Atom, path: KeyPath, faults: Faults, domain: Domain | None)
 
 
 def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Record arguments that name no token, or a token whose classes the predicate does not accept."""
+    """Record a fault for each argument that is not a token, or whose classes the predicate does not accept."""
     typed = predicate is not None and len(predicate.parameters) == len(atom.arguments)
     parameters = predicate.parameters if predicate is not None and typed else [None] * len(atom.arguments)
     for index, (argument, parameter) in enumerate(zip(atom.arguments, parameters, strict=True)):
@@ -101,7 +101,7 @@ def _check_choice(atom: Atom, parameter: Parameter | None, path: KeyPath, faults
 
 
 def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Record a fault for a token that appears twice among the arguments of an atom."""
+    """Record a fault for each token that appears more than once among the arguments of an atom."""
     for index, argument in enumerate(atom.arguments):
         if argument in (scene.names or ()) and argument in atom.arguments[:index]:
             wanted = f"the arguments of {plain(atom.predicate)} must be different tokens"
@@ -110,7 +110,7 @@ def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) ->
 
 def _check_class(argument: str, atom: Atom, parameter: Parameter, path: KeyPath, faults: Faults, scene: Scene) -> None:
     sort, outline = parameter.sort, scene.outlines[argument]
-    # A token whose membership is unknown is accepted here. There is no plan until a probe confirms the membership.
+    # A token of unknown membership is accepted here, but a plan requires that a probe confirms the membership.
     if isinstance(sort, SymbolSort) or outline.is_member(sort) or outline.may_be_member(sort):
         return
     members = ", ".join(member.name for member in outline.classes)
@@ -137,4 +137,4 @@ def _check_company(
         owners = [f"each {each.name}" for each in predicate.parameters if each.name != predicate.value_of]
         wanted = f"{predicate.name} must give {' and '.join(owners) or 'the task'} only one {predicate.value_of}"
         came = f"{plain(other.text)} and {plain(atom.text)}{faults.on_line(atoms[other], 'the first')}"
-        faults.at(path, wanted, came, remedy="remove one")
+        faults.at(path, wanted, came, remedy="remove one of the atoms")

@@ -25,13 +25,13 @@ from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 FindDomain = Callable[[str], Domain]
 """Function that returns the domain with a name, or raises InputError for an unknown name."""
 CheckPlanner = Callable[[str], None]
-"""Function that raises InputError for the name of a planner that cannot be used."""
+"""Function that raises InputError if the planner with the given name cannot be used."""
 
 
 def load_task(
     source: Task | Path | str, find_domain: FindDomain = installed_domain, check_planner: CheckPlanner | None = None
 ) -> Task:
-    """Load a task file, or return the task if `source` is a task.
+    """Load a task file. If `source` is already a task, return this task.
 
     Args:
         source: a task, the path of a YAML file, or the name of a bundled task.
@@ -64,7 +64,7 @@ def read_task(
         data: mapping with the keys of a task file.
         faults: the places of the values, and the faults found so far.
         name: name of the task if the data have no name.
-        folder: folder at which relative paths in the data start.
+        folder: folder to which relative paths in the data refer.
         find_domain: see `load_task`.
         check_planner: see `load_task`.
 
@@ -99,7 +99,7 @@ def read_task(
     )
     check_bindings(task, data, faults)
     with faults.collecting(("goal",)):
-        # Raises InputError if the wildcards of the goal have no values or too many combinations of values.
+        # Raises InputError if a wildcard of the goal has no value, or if the wildcards have too many combinations.
         task.alternatives()
     faults.raise_if_any()
     return task

@@ -40,19 +40,19 @@ def make_task(
         tokens: maps the name of each token to a mapping with its ``classes`` (names or classes), ``properties``,
             ``shape`` and ``pose``. A pose has a ``position`` [m] and ``rpy`` [rad] or ``quaternion`` x, y, z, w.
             Arrays and tuples may be used as lists.
-        goal: the atoms that must hold at the end, each an `Atom` or ``{predicate: [tokens]}``.
+        goal: the atoms that must hold at the end. Each atom is an `Atom` or ``{predicate: [tokens]}``.
         agents: maps each agent to the names of its capability tokens.
         assignment: maps each token to the block in which it starts; the domain's resting block by default.
         primitives: maps each block or action to the file of a motor primitive.
         planner: name of the planning engine.
         objective: quantity to minimise, ``length`` or ``makespan``.
         limits: limits of the planner.
-        midlevel: settings for the optimisation of hyperparameters, with their bounds and the weights of measures.
+        midlevel: settings for the optimisation of hyperparameters, including bounds and weights of measures.
         seed: seed of all random numbers.
         name: name of the task.
 
     Raises:
-        InputError: the values have faults; each issue has the path of a faulty value, e.g. ``tokens.drum.pose``.
+        InputError: the values have faults; each issue names the path of a faulty value, e.g. ``tokens.drum.pose``.
     """
     found = installed_domain(domain) if isinstance(domain, str) else domain
     optional = {

@@ -22,16 +22,16 @@ SMALLEST, LARGEST = 0.001, 10.0
 MOST_SKEW = 0.05
 _WHAT = "a mesh file"
 _THINNEST = 1e-6
-"""Minimum volume of a solid, relative to the cube of its longest edge."""
+"""Minimum volume of a solid, relative to the cubed longest edge of its bounding box."""
 _DENT = 1e-3
-"""Maximum dent of a convex solid, relative to its longest edge. Rounded numbers in files cause small dents."""
+"""Maximum dent of a convex solid, relative to the longest edge of its bounding box. Rounding causes small dents."""
 _SAME = 1e-7
-"""Maximum distance of corners that are merged, relative to the body's longest edge."""
+"""Maximum distance between corners that are merged, relative to the longest edge of the body's bounding box."""
 
 
 @dataclass
 class _Surface:
-    """One object of a mesh file: its name or number, and three indices of vertices per triangle."""
+    """An object of a mesh file: its name or number, and the indices of the three vertices of each triangle."""
 
     name: str
     triangles: list[tuple[int, int, int]] = field(default_factory=list)
@@ -57,7 +57,7 @@ def _read_objects(text: str, source: str) -> tuple[FloatArray, list[_Surface]]:
             wanted = (
                 "a vertex must be 'v x y z' with three numbers"
                 if keyword == "v"
-                else "a face must be 'f i j k' with indices of vertices above"
+                else "a face must be 'f i j k' with indices of vertices that precede the face"
             )
             raise InputError([Issue(f"{source}:{number}", wanted, repr(line[:60]))]) from error
     found = np.array(vertices, dtype=float).reshape(-1, 3)
@@ -67,7 +67,7 @@ def _read_objects(text: str, source: str) -> tuple[FloatArray, list[_Surface]]:
 
 
 def _index(word: str, count: int) -> int:
-    """Return the index of the vertex in a face's corner, e.g. ``3``, ``3/1/2`` or ``-1`` for the last vertex."""
+    """Return the index of the vertex at a corner of a face, e.g. ``3``, ``3/1/2`` or ``-1`` for the last vertex."""
     number = int(word.split("/")[0])
     index = number - 1 if number > 0 else count + number
     if not 0 <= index < count or number == 0:
@@ -80,11 +80,11 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
 
     Args:
         path: path of the file.
-        written: entry of the shape in the task file.
+        written: the shape's entry in the task file.
 
     Raises:
-        InputError: the file is missing, not OBJ, empty, too large or in the wrong unit. An object is degenerate, not
-            watertight, not in one piece or not convex. Or the axes are far from the principal axes.
+        InputError: the file is missing, not OBJ, empty, too large or in the wrong unit. Or an object is degenerate,
+            not watertight, not in one piece or not convex. Or the axes are far from the principal axes.
     """
     source = str(path)
     if path.suffix.lower() != ".obj":
@@ -143,7 +143,7 @@ def _size(vertices: FloatArray, surfaces: list[_Surface]) -> float:
 
 
 def _solid(vertices: FloatArray, surface: _Surface, size: float, source: str) -> Hull:
-    """Return an object of the mesh as a convex solid with equal corners merged, or raise `InputError`."""
+    """Return an object of the mesh as a convex solid in which equal corners are merged, or raise `InputError`."""
     corners = vertices[np.array(surface.triangles)].reshape(-1, 3)
     _, first, names = np.unique(np.round(corners / (_SAME * size)), axis=0, return_index=True, return_inverse=True)
     solid = Hull(corners[first], names.reshape(-1, 3).astype(np.intp))
@@ -176,7 +176,7 @@ def _fault(solid: Hull) -> tuple[str, str] | None:
         return "watertight", said
     # A closed surface is convex if it has the topology of a sphere and no dent at any edge.
     if len(solid.vertices) - len(edges) // 2 + len(areas) != 2:
-        return "one solid without holes", "several pieces, or one with holes"
+        return "one solid without holes", "several pieces, or one piece with holes"
     volume = solid.integrals[0]
     if abs(volume) < _THINNEST * size**3:
         return "a solid", f"a volume of only {abs(volume):.3g} m^3 at a length of {size:.3g} m"
@@ -189,7 +189,7 @@ def _fault(solid: Hull) -> tuple[str, str] | None:
 
 
 def _partners(edges: NDArray[np.intp]) -> NDArray[np.intp] | None:
-    """Return the index of the opposite of each directed edge ``(e, 2)``, or None unless each has exactly one."""
+    """Return the index of each directed edge's reversed edge ``(e, 2)``, or None unless each has exactly one."""
     count = int(edges.max()) + 1
     keys, mirrored = edges @ [count, 1], edges @ [1, count]
     order = np.argsort(keys)

@@ -22,7 +22,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 
 MOST_BINDINGS = 10_000
-"""Maximum number of bindings of a block that are checked."""
+"""Maximum number of bindings that are checked for a block."""
 MOST_SHOWN = 5
 """Maximum number of bounds that a message shows."""
 
@@ -32,7 +32,7 @@ _WORDS: Mapping[Declared, str] = {"weights": "measure", "hyperparameters": "hype
 
 @dataclass(frozen=True)
 class _Constant:
-    """Initial value of a hyperparameter that the task file sets."""
+    """Initial value of a hyperparameter whose value is set in the task file."""
 
     value: float
 
@@ -52,7 +52,7 @@ def read_midlevel(data: dict[str, Any], faults: Faults, domain: Domain | None) -
 
 
 def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
-    """Record bounds of hyperparameters that no tokens can satisfy, e.g. a grasp beyond the end of every handle."""
+    """Record a fault if no tokens satisfy a hyperparameter's bounds, e.g. a grasp beyond the end of every handle."""
     for (block, name), (path, _) in _said(data, "hyperparameters", faults, task.domain).items():
         own = next(each for each in task.domain.block_by_name[block].hyperparameters if each.name == name)
         if own.within is None:
@@ -61,12 +61,12 @@ def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
         ranges = list(map(own.within, islice(bindings, MOST_BINDINGS)))
         if ranges and all(high < own.lower or low > own.upper for low, high in ranges):
             allowed = ", ".join(list(dict.fromkeys(f"{low:g} to {high:g}" for low, high in ranges))[:MOST_SHOWN])
-            wanted = f"{path[-1]} must be within the bounds of some tokens of the task, which are {allowed}"
+            wanted = f"{path[-1]} must be within the bounds of at least one token of the task: {allowed}"
             faults.at(path, wanted, f"{own.lower:g} to {own.upper:g}")
 
 
 def names_of(domain: Domain, kind: Declared) -> dict[str, list[tuple[Block, str]]]:
-    """Return a mapping of every ``BLOCK.name`` that a task file may use to its pairs of (block, name)."""
+    """Return a mapping from each valid ``BLOCK.name`` of a task file to its pairs of (block, name)."""
     found: dict[str, list[tuple[Block, str]]] = {}
     for block in domain.blocks:
         for each in block.performance if kind == "weights" else block.hyperparameters:
@@ -76,7 +76,7 @@ def names_of(domain: Domain, kind: Declared) -> dict[str, list[tuple[Block, str]
 
 
 _Said = dict[tuple[str, str], tuple[KeyPath, Any]]
-"""Maps each pair of (block, hyperparameter or measure) to the pair of (path in the file, value in the file)."""
+"""Maps (block, hyperparameter or measure) to (path in the file, value in the file)."""
 
 
 def _said(data: dict[str, Any], kind: Declared, faults: Faults, domain: Domain) -> _Said:
@@ -98,7 +98,7 @@ def _said(data: dict[str, Any], kind: Declared, faults: Faults, domain: Domain) 
 
 
 def _changed(block: Block, weights: _Said, ranges: _Said, faults: Faults) -> Block:
-    """Return the block with the weights and bounds of the file, or the same block if the file has none for it."""
+    """Return the block with the weights and bounds of the file, or the same block if nothing changes."""
     measures = tuple(
         replace(each, weight=float(weights[block.name, each.name][1])) if (block.name, each.name) in weights else each
         for each in block.performance

@@ -6,7 +6,7 @@ from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
 
 
 def check_name(name: str, faults: Faults, domain: Domain | None) -> None:
-    """Record a fault for a token's name that is empty, not printable, the wildcard or a symbol of the domain."""
+    """Record a fault if a token's name is empty, is not printable, or equals the wildcard or a symbol of the domain."""
     path = ("tokens", name)
     if not name:
         faults.at(path, "the name of a token must not be empty", shown(name), key=True, sound=True)
@@ -21,7 +21,7 @@ def check_name(name: str, faults: Faults, domain: Domain | None) -> None:
 
 
 def check_printable(name: str, path: KeyPath, faults: Faults, what: str, *, key: bool = True) -> None:
-    """Record a fault for a name with line ends, escapes or invisible characters, which would spoil printed tables."""
+    """Record a fault for a name with line ends, escapes or invisible characters, because they spoil printed tables."""
     odd = next((character for character in name if not character.isprintable()), None)
     if odd is not None:
         came = f"{shown(name)} with the character U+{ord(odd):04X}"

@@ -1,4 +1,4 @@
-"""The places of the values in a file and the faults of the values.
+"""The places and the faults of the values in a file.
 
 A path identifies a value, e.g. ``("tokens", "drum", "pose")``. A value with a fault is unsound. Readers skip unsound
 values, so that the same fault is not reported again.
@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 from hybrid_tamp.errors import InputError, Issue
 
 KeyPath = tuple[str | int, ...]
-"""Keys and indices on the path from the root of a file to a value."""
+"""Path from the root of a file to a value, as a tuple of keys and indices."""
 
 MOST_FAULTS = 100
 """Maximum number of faults that a message lists. Further faults are only counted."""
@@ -141,8 +141,8 @@ class Faults:
         issues = self.issues
         more = len(issues) - MOST_FAULTS
         if more > 0:
-            remedy = "correct the others first"
-            rest = Issue(issues[MOST_FAULTS].where, f"{more} more faults from here on", remedy=remedy)
+            remedy = "correct the faults above first"
+            rest = Issue(issues[MOST_FAULTS].where, f"{more} more faults follow from here", remedy=remedy)
             issues = (*issues[:MOST_FAULTS], rest)
         raise InputError(issues)
 

@@ -1,4 +1,4 @@
-"""Read a demonstration of a whole scene from a table of time and the poses of tokens.
+"""Read a demonstration of a whole scene from a table of times and token poses.
 
 ::
 
@@ -45,9 +45,9 @@ def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State, State]:
         task: the task with the tokens of the demonstration.
 
     Returns:
-        Tuple of (times, states, noise). The times [s] have the spacing of the control period and the shape ``(t,)``.
-        The states at these times have the batch shape ``(t,)`` and include velocities. The noise is a state without
-        batch that contains the standard deviation of each varying property.
+        Tuple of (times, states, noise). The times [s] are one control period apart and have the shape ``(t,)``. The
+        states at these times have the batch shape ``(t,)`` and include velocities. The noise is a single state that
+        contains the standard deviation of each varying property.
 
     Raises:
         InputError: the file has faults; the issues list all faults with their lines and columns.
@@ -84,12 +84,12 @@ def _columns(header: list[Cell], task: Task, faults: Faults) -> Columns:
             faults.add(cell.mark, "a column must not occur twice", shown(name))
         found[name] = index
     if len(names) == 1:
-        faults.add(Mark(), "the table must have columns of a token of the task", "only time", tuple(wanted))
+        faults.add(Mark(), "the table must have a column for a token of the task", "only time", tuple(wanted))
     return _complete(header, found, wanted, faults)
 
 
 def _available(task: Task) -> dict[str, tuple[str, str]]:
-    """Return a mapping of each possible column to its pair of (token, property)."""
+    """Return a mapping from each possible column to its pair of (token, property)."""
     found: dict[str, tuple[str, str]] = {}
     for token in task.assigned:
         for varying in token.varying:
@@ -160,13 +160,13 @@ def _deviation(values: FloatArray) -> float:
 
 
 def _rates(values: FloatArray, span: float) -> FloatArray:
-    """Return the rates of change [1/s] of values ``(t, c)``, estimated over a span [s] before or after each instant."""
+    """Return the rates of change [1/s] of values ``(t, c)``, over a span [s] before or after each instant."""
     count = max(2, min(round(span / CONTROL_PERIOD), len(values) - 1))
     offsets = np.arange(count + 1) - count / 2.0
     kernel = (offsets / (offsets @ offsets) / CONTROL_PERIOD)[::-1]
     slopes = np.stack([np.convolve(part, kernel, mode="valid") for part in values.T], axis=-1)
     rows = np.arange(len(values))
     before, after = slopes[np.maximum(rows - count, 0)], slopes[np.minimum(rows, len(slopes) - 1)]
-    # The slower rate is used, because a mean would miss a short rest between two movements.
+    # The slower rate is used, because the mean of both rates would miss a short rest between two movements.
     slower = np.linalg.norm(before, axis=-1) < np.linalg.norm(after, axis=-1)
     return np.asarray(np.where(slower[:, None], before, after))

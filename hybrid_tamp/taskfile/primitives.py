@@ -1,7 +1,7 @@
 """Read files of motor primitives and replace the primitives of a domain's blocks.
 
-A primitive file is JSON. The reader of task files reads it, so every fault has its line and column. No code in the file
-is ever run.
+A primitive file is JSON. It is parsed like a task file, so every fault has a line and a column. No code in the
+file is ever run.
 """
 
 import json
@@ -24,7 +24,7 @@ PRIMITIVE = "hybrid-tamp/primitive/1"
 _FILE = "a primitive file must be a JSON object that 'hybrid-tamp learn' wrote"
 Weight = Annotated[Number, Field(ge=-1e9, le=1e9)]
 Rate = Annotated[Number, Field(gt=0, le=1e4)]
-"""A rate with respect to normalised time."""
+"""A positive rate per unit of normalised time."""
 
 
 class PrimitiveFile(BaseModel):
@@ -48,7 +48,7 @@ class PrimitiveFile(BaseModel):
 
     @classmethod
     def of(cls, primitive: DMP, block: str, sources: Sequence[str], rms: float, unit: str) -> "PrimitiveFile":
-        """Return a file with a primitive, the names of its demonstrations and its error over them."""
+        """Return a file for a primitive, with the names of the demonstrations and the error over the demonstrations."""
         return cls.model_validate(
             {
                 "schema": PRIMITIVE,
@@ -104,7 +104,7 @@ def teach(data: dict[str, Any], faults: Faults, domain: Domain | None, folder: P
         data: the data of the task file.
         faults: the places and faults of the task file.
         domain: the domain, or None if the domain was not found.
-        folder: folder at which relative paths in the task file start.
+        folder: folder to which relative paths in the task file refer.
     """
     entries = data.get("primitives", {})
     if domain is None or not isinstance(entries, dict):

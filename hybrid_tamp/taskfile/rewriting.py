@@ -1,4 +1,4 @@
-"""Rewrite a task file with more classes for one token. Everything else is kept, including comments."""
+"""Add classes to one token of a task file. The rest of the file is kept, including comments."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -16,7 +16,7 @@ def with_members(
 
     Args:
         source: the task file, which must have no faults.
-        target: the new task file. Paths in the text are relative to its folder.
+        target: the new task file. Paths in the text are relative to the folder of this file.
         token: name of the token.
         joined: names of the classes that are added to the token.
         settled: names of the classes that are removed from the token's unknown classes.

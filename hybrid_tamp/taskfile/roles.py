@@ -12,7 +12,7 @@ from hybrid_tamp.taskfile.tokens import Scene
 
 
 def read_agents(data: dict[str, Any], faults: Faults, scene: Scene) -> dict[str, tuple[str, ...]]:
-    """Read the agents and record tokens that are unknown, have no capability class or belong to two agents."""
+    """Read the agents. Record a fault for a token that is unknown, has no capability class or belongs to two agents."""
     agents = data.get("agents", {})
     owners: dict[str, str] = {}
     for agent, names in agents.items() if isinstance(agents, dict) else ():
@@ -57,7 +57,7 @@ def read_assignment(data: dict[str, Any], faults: Faults, domain: Domain | None,
 
 
 def can_start(block: Block) -> bool:
-    """Return whether a token can start in the block, because the block has no other slots and no targets."""
+    """Return whether a token can start in the block, which requires one slot and no targets."""
     return len(block.slots) == 1 and not block.targets
 
 

@@ -1,4 +1,4 @@
-"""Save a task as a task file with its mesh and primitive files. Loading the file gives the same task."""
+"""Save a task as a task file, together with mesh and primitive files. The task can be loaded again from the file."""
 
 import os
 import tempfile
@@ -23,7 +23,7 @@ from hybrid_tamp.taskfile.yaml.dumping import dump, one_line, quoted
 from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 TOLERANCE = 1e-12
-"""Maximum difference of a number after loading. Loading normalises directions and quaternions again."""
+"""Largest accepted difference of a number after loading, which normalises directions and quaternions again."""
 
 
 def save_task(task: Task, path: Path | str) -> None:
@@ -32,7 +32,7 @@ def save_task(task: Task, path: Path | str) -> None:
     An existing file is replaced. Mesh files and primitive files are copied into the folder of the task file.
 
     Args:
-        task: the task. Only the name of its domain is written.
+        task: the task. Of the task's domain, only the name is written.
         path: path of the task file.
 
     Raises:
@@ -86,7 +86,7 @@ def task_text(
         free: function of (name, content) that returns whether a file with this name and content may be written.
 
     Returns:
-        The text, and a mapping of the name of each mesh and primitive file to its content.
+        The text, and a mapping from the name of each mesh and primitive file to its content.
 
     Raises:
         InputError: a mesh or primitive file cannot be read, or has changed since the task was made.
@@ -113,7 +113,7 @@ def task_text(
 
 
 def _beside(files: dict[str, str], free: Callable[[str, str], bool], name: str, content: str) -> str:
-    """Add a file under its name, or under a similar name if the name is taken, and return the name."""
+    """Add a file under its name, or under a similar name if its name is taken. Return the chosen name."""
     stem, ending = Path(name).stem, Path(name).suffix
     number = 1
     while files.get(name, content) != content or not free(name, content):
@@ -163,7 +163,7 @@ def _goal(task: Task) -> CommentedSeq:
 
 
 def _changed(value: Any, default: Any) -> dict[str, Any]:
-    """Return the attributes of a record that differ from the attributes of a default record."""
+    """Return each attribute of a record that differs from the same attribute of a default record."""
     found = {field.name: getattr(value, field.name) for field in fields(value)}
     return {key: _plain(each) for key, each in found.items() if each != getattr(default, key)}
 
@@ -183,7 +183,7 @@ def _check_same(task: Task, written: Path, path: Path) -> None:
     """Raise `InputError` unless the written file loads as the same task."""
     again = load_task(written, lambda _: task.domain).replaced(name=task.name)
     different = [
-        Issue(str(path), f"a task file cannot express this task, because the {what} after loading")
+        Issue(str(path), f"a task file cannot express this task; after loading, the {what}")
         for what in differences(task, again)
     ]
     if different:
@@ -191,7 +191,7 @@ def _check_same(task: Task, written: Path, path: Path) -> None:
 
 
 def differences(task: Task, other: Task) -> list[str]:
-    """Return phrases about the differences between two tasks of one domain. Numbers may differ by `TOLERANCE`."""
+    """Return a phrase for each difference between two tasks of one domain. Numbers may differ by `TOLERANCE`."""
     found = [
         f"{name} differs"
         for name in ("name", "goal", "agents", "assignment", "planner", "limits", "seed", "objective", "midlevel")

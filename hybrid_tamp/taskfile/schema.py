@@ -1,6 +1,6 @@
-"""The JSON Schema of task files (draft 2020-12), with which editors complete and check task files.
+"""The JSON Schema of task files (draft 2020-12). Editors use the schema to complete and check task files.
 
-The package contains the generic schema, which is derived from `entries`. ``hybrid-tamp schema`` adds the classes,
+The generic schema is derived from `entries` and is part of the package. ``hybrid-tamp schema`` adds the classes,
 properties, predicates and blocks of every installed domain. A condition on the key ``domain`` selects the domain.
 """
 

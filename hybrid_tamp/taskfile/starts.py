@@ -16,7 +16,7 @@ from hybrid_tamp.taskfile.wording import subject
 
 
 def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
-    """Record every token that starts below the floor, inside another token or in a pose that its classes refuse.
+    """Record each token that starts below the floor, inside another token or in a pose that its classes do not allow.
 
     Args:
         data: the plain data of the file.
@@ -54,7 +54,7 @@ def _check_floor(token: Token, body: Body, faults: Faults) -> None:
 
 
 def _check_overlaps(bodies: list[tuple[Token, Body]], faults: Faults) -> None:
-    # The later of two overlapping tokens has to move. Hands come last, so hands move rather than objects.
+    # Report the later of two overlapping tokens as the token to move. Hands come last, so that hands move first.
     ordered = sorted(bodies, key=lambda body: is_capability(body[0]))
 
     def may_share(earlier: int, later: int) -> bool:
@@ -79,6 +79,6 @@ def _metres(length: float) -> str:
 
 
 def _vector(way: FloatArray) -> str:
-    """Return a vector [m] as text. Rounding away from zero to 0.1 mm ensures that the move suffices."""
+    """Return a vector [m] as text. Components are rounded away from zero to 0.1 mm, so that the move suffices."""
     rounded = np.copysign(np.ceil(np.abs(way) * 1e4 - 1e-6) / 1e4, way)
     return f"[{', '.join(f'{component + 0.0:g}' for component in rounded)}]"

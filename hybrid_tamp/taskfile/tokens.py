@@ -48,7 +48,7 @@ def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None, fold
         data: the plain data of the file.
         faults: the faults found so far.
         domain: the domain. If None, only the names of tokens are read.
-        folder: folder at which relative paths of mesh files start.
+        folder: folder to which relative paths of mesh files refer.
     """
     entries = data.get("tokens")
     if not isinstance(entries, dict):
@@ -64,7 +64,7 @@ def read_scene(data: dict[str, Any], faults: Faults, domain: Domain | None, fold
 
 
 def known_classes(domain: Domain) -> Mapping[str, type[ObjectClass]]:
-    """Return a mapping of names to the domain's classes, including the root class."""
+    """Return a mapping from names to the domain's classes, including the root class."""
     return {TOKEN.name: TOKEN, **domain.class_by_name}
 
 
@@ -86,7 +86,7 @@ def _read_token(name: str, entry: dict[str, Any], faults: Faults, domain: Domain
 def _classes(
     entry: dict[str, Any], path: KeyPath, faults: Faults, domain: Domain
 ) -> tuple[type[ObjectClass], ...] | None:
-    """Return the classes of a token, or None if they have faults."""
+    """Return the classes of a token, or None if a class is wrong."""
     path = (*path, "classes")
     if "classes" not in entry or not faults.sound(path):
         return None
@@ -100,7 +100,7 @@ def _classes(
 def _named(
     names: list[str], path: KeyPath, others: tuple[type[ObjectClass], ...], faults: Faults, domain: Domain
 ) -> tuple[type[ObjectClass], ...] | None:
-    """Return the named classes, or None if a name is wrong or the classes and `others` cannot share a token."""
+    """Return the named classes, or None if a name is wrong or no token can have all these classes and `others`."""
     known = known_classes(domain)
     found: list[type[ObjectClass]] = [*others]
     for index, class_name in enumerate(names):
@@ -128,19 +128,19 @@ def _named(
 def _check_company(
     one: type[ObjectClass], others: list[type[ObjectClass]], path: KeyPath, faults: Faults, domain: Domain
 ) -> None:
-    """Record a fault for a class that cannot share a token with one of the other classes."""
+    """Record a fault if a class excludes one of the other classes of the token."""
     for other in others:
         if is_place(one) != is_place(other):
             place, thing = (one, other) if is_place(one) else (other, one)
             came = f"the place {place.name} and the thing {thing.name}"
-            faults.at(path, "a token must not be both a place and a thing", came, remedy="split it into two tokens")
+            faults.at(path, "a token must not be both a place and a thing", came, remedy="use two tokens")
         elif not domain.relations.can_share_token(one, other):
             wanted = f"no token can be a member of both {other.name} and {one.name}"
             faults.at(path, wanted, shown(one.name), remedy=f"the domain {domain.name} declares them disjoint")
 
 
 def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Token | None:
-    """Return the token with its properties and shape, or None if they have faults. Record the faults."""
+    """Return the token with its properties and shape. If they have faults, record the faults and return None."""
     properties, base = entry.get("properties", {}), (*path, "properties")
     if not isinstance(properties, dict) or not faults.sound(base):
         return None
@@ -163,7 +163,7 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
 
 
 def _shape(entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Shape | None:
-    """Return the shape in a token's entry. Mesh files are read."""
+    """Return the shape in a token's entry. The shape's mesh file is read."""
     written = _SHAPE.validate_python(entry.get("shape")) if faults.sound(path) else None
     if not isinstance(written, MeshFile):
         return written
@@ -182,7 +182,7 @@ def _complaints(token: Token) -> list[str]:
 
 
 def _read_pose(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Read the pose of a token. A pose is required for tokens with a position."""
+    """Read the pose of a token. The pose is required if the token has a position."""
     here = (*path, "pose")
     if not faults.sound(here):
         return

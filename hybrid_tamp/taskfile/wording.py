@@ -46,7 +46,7 @@ def add_validation_faults(
     why: Callable[[str], str] = lambda key: "",
     whole: str = _TASK_FILE,
 ) -> None:
-    """Record every error that pydantic found, at its place in the file.
+    """Record a fault for each error that pydantic found, at the place of the error in the file.
 
     Args:
         faults: the faults to which the errors are added.
@@ -69,7 +69,7 @@ def add_validation_faults(
             faults.at(path, f"{subject(path)} must be a known kind", shown(details["ctx"]["tag"]), tags)
         else:
             wanted = _wanted(details, way.unit)
-            # The message lists all choices and suggests a choice that is close to the given value.
+            # The message lists all choices and suggests the choice that is most similar to the given value.
             close = did_you_mean(str(details["input"]), way.choices) if details["type"] == "literal_error" else None
             came = faults.shown(path, details["input"])
             faults.at(path, f"{subject(path, whole)} {wanted}", came, (close,) if close else ())
@@ -115,7 +115,7 @@ class _Way:
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """Accepted values of the innermost field; empty if the field's type does not list them."""
+        """Accepted values of the innermost field; empty if the field's type is not a list of values."""
         return tuple(map(str, get_args(self.field.annotation))) if self.field else ()
 
     @property
@@ -138,13 +138,13 @@ class _Way:
 
 
 def _tags(member: Any) -> tuple[Any, ...]:
-    """Return the names of a union member in error locations: the kinds of a model, or else the name of the type."""
+    """Return the names of a union's member in error locations: the kinds of a model, or the name of another type."""
     kinds = member.model_fields.get("kind") if issubclass(member, BaseModel) else None
     return get_args(kinds.annotation) if kinds else (member.__name__,)
 
 
 def _members(annotation: Any) -> tuple[Any, ...]:
-    """Return the members of a union without None. For any other type, return the type itself."""
+    """Return the members of a union except None. If the type is not a union, return the type itself."""
     if get_origin(annotation) is Annotated:
         return _members(get_args(annotation)[0])
     if get_origin(annotation) in (None, list, dict, tuple):

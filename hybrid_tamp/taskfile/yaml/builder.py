@@ -1,4 +1,4 @@
-"""Build plain data from parser events. An explicit stack prevents Python's recursion limit from being reached."""
+"""Build plain data from parser events. A stack replaces recursion, because Python limits the depth of recursion."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -20,7 +20,7 @@ from hybrid_tamp.taskfile.yaml.scalars import Unresolvable, check_tag, resolve
 MAX_DEPTH = 50
 """Maximum nesting of lists and mappings."""
 MAX_NODES = 50_000
-"""Maximum number of keys and values in a file. This suffices for about 1000 tokens and takes seconds to parse."""
+"""Maximum number of keys and values in a file. A file of this size has about 1000 tokens and is parsed in seconds."""
 
 
 def mark_of_event(event: Event) -> Mark:
@@ -30,7 +30,7 @@ def mark_of_event(event: Event) -> Mark:
 
 @dataclass
 class _Frame:
-    """A list or mapping that is being filled. `key` is the key whose value comes next, or None."""
+    """A list or mapping that is being filled. `key` is the key of the next value, or None."""
 
     container: dict[str, Any] | list[Any]
     path: KeyPath
@@ -42,7 +42,7 @@ class Builder:
 
     Attributes:
         roots: list with the data of the document; empty if there is no document.
-        faults: the places of all values, and the faults after which the rest is still readable.
+        faults: the places of all values, and the faults that do not prevent reading the rest of the document.
     """
 
     def __init__(self, source: str) -> None:
@@ -98,7 +98,7 @@ class Builder:
         if frame.key in container:
             kind = "a second token named" if frame.path == ("tokens",) else "a second key"
             came = f"{kind} {shown(frame.key)}, first on line {self.faults.keys[path].line}"
-            self.faults.add(mark, "a key must occur only once", came, remedy="rename or remove one")
+            self.faults.add(mark, "a key must occur only once", came, remedy="rename or remove one of the keys")
         self.faults.keys.setdefault(path, mark)
         if isinstance(event, CollectionStartEvent):
             self._frames.append(_Frame(_empty(event), path))

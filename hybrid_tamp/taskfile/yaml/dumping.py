@@ -57,7 +57,7 @@ def quoted(data: Any) -> Any:
 
 
 def _like(data: Any, copy: Any) -> Any:
-    """Return `copy`, set to be written on one line if `data` is written on one line."""
+    """Return `copy`. If `data` is written on one line, the copy is also written on one line."""
     if isinstance(data, CommentedMap | CommentedSeq) and data.fa.flow_style():
         copy.fa.set_flow_style()
     return copy

@@ -1,4 +1,4 @@
-"""Read YAML 1.2 as plain data with the place of every value. Only the core schema and a bounded size are allowed."""
+"""Read YAML 1.2 as plain data with the place of every value. A file must use the core schema and be of limited size."""
 
 import os
 import re
@@ -75,7 +75,7 @@ def decode(raw: bytes, source: str, what: str = "a task file") -> str:
     """Decode UTF-8, with or without a byte order mark.
 
     Raises:
-        InputError: a byte is not UTF-8. The message gives its line and column.
+        InputError: a byte is not UTF-8. The message names the line and column of the byte.
     """
     try:
         return raw.decode("utf-8-sig")
@@ -96,7 +96,7 @@ def parse(text: str, source: str, wanted: str = _TASK_FILE) -> Document:
         wanted: message for a text that is not a mapping.
 
     Returns:
-        The data and the faults after which the rest is still readable, e.g. duplicate keys.
+        The data, and the faults that do not prevent reading the rest of the text, e.g. duplicate keys.
 
     Raises:
         InputError: the text is empty, not YAML, not a mapping, nested too deeply or too large.

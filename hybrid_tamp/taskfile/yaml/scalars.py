@@ -1,6 +1,6 @@
 """Resolve scalars by the core schema of YAML 1.2 (Sec. 10.3.2). For example, `no` is text and `010` is ten.
 
-The tables of the parser are not used, because they accept underscores, binary numbers and dates, unlike YAML 1.2.
+The parser's own tables are not used, because they accept underscores, binary numbers and dates (not YAML 1.2).
 """
 
 import re
@@ -25,7 +25,7 @@ _TYPES: dict[str, type | tuple[type, ...]] = {"null": type(None), "bool": bool, 
 
 @dataclass(eq=False)
 class Unresolvable(Exception):
-    """Exception for a scalar or tag that has no value. The attributes are the parts of an `Issue`."""
+    """Exception for a scalar or tag that cannot be resolved. The attributes are the parts of an `Issue`."""
 
     wanted: str
     came: str

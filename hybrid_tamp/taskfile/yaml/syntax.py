@@ -24,16 +24,16 @@ _WANTED = (
 
 
 def add_syntax_fault(faults: Faults, text: str, error: Exception, last: Mark) -> None:
-    """Record the reason why a text is not YAML, and all later tabs in indentations.
+    """Record why a text is not YAML. Also record all later tabs in indentations.
 
     Args:
         faults: the faults to which the new faults are added.
         text: the whole text.
         error: the error that the parser raised.
-        last: the place of the last event, used for errors without a place.
+        last: the place of the last event, which is reported if the error has no place.
     """
     if isinstance(error, ReaderError):
-        remedy = "remove it, or write it as an escape in double quotes"
+        remedy = "remove the character, or write an escape in double quotes"
         came = f"the control character U+{error.character:04X}"
         faults.add(mark_of(text, error.position), "a task file must be printable text", came, remedy=remedy)
         return
