@@ -50,7 +50,7 @@ def run(
 
 
 def _judge(result: "RunResult", as_json: bool) -> None:
-    """Print every failure and breach of the law of assignment and exit, or print that the goal was reached."""
+    """Print that the goal was reached. Otherwise, print every failure and every breach of the law, and exit."""
     failure = result.recording.failure
     if failure is not None:
         typer.echo(f"step {failure.step}, {failure.instance}: {failure.reason}", err=True)

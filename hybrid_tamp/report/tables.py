@@ -52,7 +52,7 @@ def plan_table(document: Json, resting: str) -> RenderableType:
 
 
 def allocations(step: Json, resting: str) -> list[str]:
-    """Return a line for each busy instance with its tokens, and a line for all resting tokens."""
+    """Return a line with the tokens of each busy instance, and a line with all resting tokens."""
     busy = [allocation(entry) for entry in step["blocks"] if entry["block"] != resting]
     idle = [token for entry in step["blocks"] if entry["block"] == resting for token in entry["slots"].values()]
     return [*busy, f"{resting}: {', '.join(sorted(idle))}"] if idle else busy
@@ -81,7 +81,7 @@ def network_text(network: Json) -> str:
         fills = f" for {', '.join(added['blocks'])}" if added["blocks"] else ""
         lines.append(f"brought in {added['token']} ({', '.join(added['classes'])}){fills}: {added['why']}")
     if len(expanded) > _NAMED:
-        lines.append(f"brought in {len(expanded) - _NAMED} more")
+        lines.append(f"brought in {len(expanded) - _NAMED} more tokens")
     return "\n".join(lines)
 
 

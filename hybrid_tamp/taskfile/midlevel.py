@@ -66,7 +66,7 @@ def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
 
 
 def names_of(domain: Domain, kind: Declared) -> dict[str, list[tuple[Block, str]]]:
-    """Return a mapping from each valid ``BLOCK.name`` of a task file to its pairs of (block, name)."""
+    """Return a mapping from each valid ``BLOCK.name`` to the pairs of (block, name) for which the key stands."""
     found: dict[str, list[tuple[Block, str]]] = {}
     for block in domain.blocks:
         for each in block.performance if kind == "weights" else block.hyperparameters:

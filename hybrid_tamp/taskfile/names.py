@@ -21,7 +21,7 @@ def check_name(name: str, faults: Faults, domain: Domain | None) -> None:
 
 
 def check_printable(name: str, path: KeyPath, faults: Faults, what: str, *, key: bool = True) -> None:
-    """Record a fault for a name with line ends, escapes or invisible characters, because they spoil printed tables."""
+    """Record a fault for a name with line ends, escapes or invisible characters, which spoil printed tables."""
     odd = next((character for character in name if not character.isprintable()), None)
     if odd is not None:
         came = f"{shown(name)} with the character U+{ord(odd):04X}"

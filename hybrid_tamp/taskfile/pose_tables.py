@@ -30,7 +30,7 @@ _COLUMNS_OF = {"position": ("x", "y", "z"), "orientation": ("qx", "qy", "qz", "q
 _RATE_OF = {"position": "velocity", "orientation": "angular_velocity"}
 _NAME = re.compile(r"^(.*?)\s*(\[[^]]*\])?$")
 _SPANS = (0.03, 0.15)
-"""Minimum and maximum span over which velocities are estimated [s]. Noisier poses get a longer span."""
+"""Shortest and longest time span for the estimation of velocities [s]. The span is longer if the poses are noisier."""
 _SPAN_PER_DEVIATION = 100.0
 """Ratio of the span to the standard deviation of the noise [s/m or s/rad]."""
 Columns = Mapping[tuple[str, str], list[int]]

@@ -41,7 +41,7 @@ class PrimitiveFile(BaseModel):
     alpha: Rate = Field(description="damping of the spring")
     beta: Rate = Field(description="ratio of stiffness to damping")
     alpha_phase: Rate = Field(description="decay rate of the phase")
-    soft_start: bool = Field(description="whether the attraction to the goal grows from zero")
+    soft_start: bool = Field(description="whether the attraction to the goal starts at zero and grows")
     sources: list[str] = Field(description="names of the demonstrations")
     rms: Annotated[Number, Field(ge=0)] = Field(description="root mean square error over the demonstrations [unit]")
     unit: Literal["m", "rad"] = Field(description="unit of rms")

@@ -163,7 +163,7 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
 
 
 def _shape(entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Shape | None:
-    """Return the shape in a token's entry. The shape's mesh file is read."""
+    """Return the shape in a token's entry, with the content of the shape's mesh file."""
     written = _SHAPE.validate_python(entry.get("shape")) if faults.sound(path) else None
     if not isinstance(written, MeshFile):
         return written

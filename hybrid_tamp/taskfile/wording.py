@@ -115,7 +115,7 @@ class _Way:
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """Accepted values of the innermost field; empty if the field's type is not a list of values."""
+        """Accepted values of the innermost field; empty if they cannot be listed."""
         return tuple(map(str, get_args(self.field.annotation))) if self.field else ()
 
     @property

@@ -98,7 +98,7 @@ def read_shown(
 
     Args:
         path: the folder of a run, or a file of token poses.
-        task: the imitator's task. By default, the demonstrator in a file has the same task.
+        task: the imitator's task. By default, a demonstrator who is recorded in a file has the same task.
         settings: settings that replace settings of the task file.
         actor: another task for the demonstrator, if `path` is a file.
 
