@@ -70,7 +70,7 @@ def _predicate(atom: Atom, path: KeyPath, faults: Faults, domain: Domain | None)
 
 
 def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Record a fault for each argument that is not a token, or whose classes the predicate does not accept."""
+    """Record a fault for each argument that is not a token or symbol that the predicate accepts."""
     typed = predicate is not None and len(predicate.parameters) == len(atom.arguments)
     parameters = predicate.parameters if predicate is not None and typed else [None] * len(atom.arguments)
     for index, (argument, parameter) in enumerate(zip(atom.arguments, parameters, strict=True)):

@@ -23,7 +23,7 @@ from hybrid_tamp.taskfile.wording import add_validation_faults
 from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 
 FindDomain = Callable[[str], Domain]
-"""Function that returns the domain with a name, or raises InputError for an unknown name."""
+"""Function that returns the domain with the given name, or raises InputError if the name is unknown."""
 CheckPlanner = Callable[[str], None]
 """Function that raises InputError if the planner with the given name cannot be used."""
 
