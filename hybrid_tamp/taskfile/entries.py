@@ -39,9 +39,7 @@ class Pose(_Entry):
         "rad", "roll, pitch and yaw: rotations about the fixed world axes x, y, z, applied in this order", default=None
     )
     quaternion: Quaternion | None = quantity(
-        "1",
-        "rotation as a quaternion x, y, z, w, normalised after reading; not allowed together with rpy",
-        default=None,
+        "1", "rotation as a quaternion x, y, z, w instead of rpy, normalised after reading", default=None
     )
 
     @model_validator(mode="after")
