@@ -78,7 +78,7 @@ class Captions:
         return np.asarray(canvas)
 
     def index_at(self, time: float) -> int:
-        """Return the index (from 0) of the step at an instant [s]. At a reassignment, return the later step."""
+        """Return the index (from 0) of the step at an instant [s]. At a reassignment, the later step is meant."""
         return max(0, sum(step.start <= time + TIME_TOLERANCE for step in self.steps) - 1)
 
     def _verdict(self, time: float) -> _Line | None:

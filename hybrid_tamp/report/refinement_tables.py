@@ -75,7 +75,7 @@ def _value(entry: Json) -> str:
 
 
 def _gain(best: Json, other: Json) -> str:
-    """Return the gain of `best` over `other`, or an empty text if either violates conditions."""
+    """Return the gain of `best` over `other`, or an empty text if one of the two violates conditions."""
     if best["value"] is None or other["value"] is None or (best["violation"], other["violation"]) != (0, 0):
         return ""
     # Values that differ only by rounding errors are treated as equal.

@@ -109,7 +109,7 @@ class Faults:
         return path not in self._above and not any(prefix in self._faulty for prefix in _prefixes(path))
 
     def mark(self, path: KeyPath, *, key: bool = False) -> Mark:
-        """Return the place of a value, or else the place of the nearest value that contains it."""
+        """Return the place of a value. If the place is unknown, return the place of the innermost enclosing value."""
         if path in self.values:
             return self.keys.get(path, self.values[path]) if key else self.values[path]
         while path:

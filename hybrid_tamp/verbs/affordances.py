@@ -23,7 +23,7 @@ def affordances(
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: settings that replace settings of the task file.
+        settings: settings that override the task file.
         view: the perspective: ``environment``, ``agent``, ``observer`` or ``team``.
         agent: name of an agent. If given, only affordances for this agent or a group with this agent are returned.
         questions: proposed changes. ``+CLASS`` adds a token of the class, and ``-TOKEN`` removes the token.

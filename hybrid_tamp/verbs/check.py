@@ -11,7 +11,7 @@ def check(source: Path | str, settings: Settings = Settings()) -> Task:  # noqa:
 
     Args:
         source: the path of a task file, or the name of a bundled task.
-        settings: settings that replace settings of the task file.
+        settings: settings that override the task file.
 
     Raises:
         InputError: the file has faults; each issue names the place of a fault.

@@ -27,7 +27,7 @@ def explain(
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: settings that replace settings of the task file.
+        settings: settings that override the task file.
         seconds: time limit of the search for single changes that make the task solvable [s].
         most: maximum number of single changes to find.
 

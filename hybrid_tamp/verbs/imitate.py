@@ -57,7 +57,7 @@ def imitate(
         shown: the demonstration, which is the folder of a run, a file of token poses, or a result of `read_shown`.
         source: the imitator's task, the path of its file, or the name of a bundled task.
         folder: folder for the files of the run.
-        settings: settings that replace settings of the task file.
+        settings: settings that override the task file.
         actor: the demonstrator's task, if the demonstration is a file of poses; by default the imitator's task.
         backend: name of the physics backend.
         force: whether to replace the files of another run.
@@ -99,7 +99,7 @@ def read_shown(
     Args:
         path: the folder of a run, or a file of token poses.
         task: the imitator's task. By default, a demonstrator who is recorded in a file has the same task.
-        settings: settings that replace settings of the task file.
+        settings: settings that override the task file.
         actor: another task for the demonstrator, if `path` is a file.
 
     Raises:

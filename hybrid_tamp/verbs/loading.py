@@ -1,4 +1,4 @@
-"""Load tasks with settings that replace settings of the task file."""
+"""Load tasks with settings that override the task file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ Record = TypeVar("Record", Task, Limits, MidLevel)
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings that replace the settings of a task file. A value of None keeps the file's setting.
+    """Settings that override a task file. A value of None keeps the file's setting.
 
     Attributes:
         domain: the domain: a name, ``package.module:ATTRIBUTE`` or a Python file.
@@ -48,7 +48,7 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: settings that replace settings of the task file.
+        settings: settings that override the task file.
         plans: whether the verb plans the task. If so, the file's planner is checked unless the settings name a planner.
 
     Raises:

@@ -35,7 +35,7 @@ def pddl(
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         folder: folder for the files.
-        settings: settings that replace settings of the task file.
+        settings: settings that override the task file.
         encoding: how blocks become planning actions.
         solve: whether to plan the task and write the plan as well.
         force: whether to replace the files of another run.

@@ -38,7 +38,7 @@ def plan(
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: settings that replace settings of the task file.
+        settings: settings that override the task file.
         folder: folder for plan.json, the PDDL files and the task file; by default no files are written.
         force: whether to replace the files of another run.
         optimise: whether to optimise the hyperparameters, and to replan if no hyperparameters satisfy the plan.

@@ -37,7 +37,7 @@ def probe(
         source: a task, the path of a task file, or the name of a bundled task. Trials also use the task's other tokens.
         token: name of the token.
         classes: names of the classes to test; by default all classes whose membership is unknown.
-        settings: settings that replace settings of the task file. The seed determines the start states.
+        settings: settings that override the task file. The seed determines the start states.
         starts: initial number of trials of each class. Every trial has a different start state.
         most_starts: maximum number of trials of each class, if fewer trials do not give a clear verdict.
         seconds: wall-clock time limit [s]; unlimited by default.

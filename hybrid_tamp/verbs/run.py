@@ -50,7 +50,7 @@ def run(
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         folder: folder for the files of the run.
-        settings: settings that replace settings of the task file.
+        settings: settings that override the task file.
         backend: name of the physics backend.
         video: file for a video. One picture per step is drawn even if no video is wanted.
         force: whether to replace the files of another run.
