@@ -95,7 +95,7 @@ NumberOrRange = Annotated[
     Annotated[Number, Tag(float.__name__)] | Annotated[RangeEntry, Tag(RangeEntry.__name__)],
     Discriminator(_form_of_range),
 ]
-"""A number or a range. The tags are the names of the types, because `wording` looks up the types by the tags."""
+"""A number or a range. Each tag is the name of a type, because `wording` finds the type by the tag."""
 
 
 class MidLevelEntry(_Entry):

@@ -160,7 +160,7 @@ def _deviation(values: FloatArray) -> float:
 
 
 def _rates(values: FloatArray, span: float) -> FloatArray:
-    """Return the rates of change [1/s] of values ``(t, c)``, over a span [s] before or after each instant."""
+    """Estimate the rates of change [1/s] of values ``(t, c)`` over a span [s] before or after each instant."""
     count = max(2, min(round(span / CONTROL_PERIOD), len(values) - 1))
     offsets = np.arange(count + 1) - count / 2.0
     kernel = (offsets / (offsets @ offsets) / CONTROL_PERIOD)[::-1]

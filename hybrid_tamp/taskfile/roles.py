@@ -57,7 +57,7 @@ def read_assignment(data: dict[str, Any], faults: Faults, domain: Domain | None,
 
 
 def can_start(block: Block) -> bool:
-    """Return whether a token can start in the block, which requires one slot and no targets."""
+    """Return whether a token can start in the block. The block must have one slot and no targets."""
     return len(block.slots) == 1 and not block.targets
 
 
