@@ -35,6 +35,7 @@ from hybrid_tamp.model.affordance import PlaceClass as PlaceClass
 from hybrid_tamp.model.affordance import VaryingProperty as VaryingProperty
 from hybrid_tamp.model.affordance import Vector3 as Vector3
 from hybrid_tamp.model.affordance import quantity as quantity
+from hybrid_tamp.model.block import FLOOR as FLOOR
 from hybrid_tamp.model.block import Block as Block
 from hybrid_tamp.model.block import Duration as Duration
 from hybrid_tamp.model.block import Measure as Measure

@@ -1,6 +1,18 @@
 """The block RESTING (paper, D6) of a token that no other block manipulates."""
 
-from hybrid_tamp.authoring import TOKEN, Binding, Block, Commands, Duration, FloatArray, Parameters, Policy, Slot, State
+from hybrid_tamp.authoring import (
+    FLOOR,
+    TOKEN,
+    Binding,
+    Block,
+    Commands,
+    Duration,
+    FloatArray,
+    Parameters,
+    Policy,
+    Slot,
+    State,
+)
 
 from .predicates import AT_REST
 from .roles import get_token
@@ -23,6 +35,8 @@ RESTING = Block(
     slots=(Slot("token", TOKEN),),
     anchor="token",
     entry=(AT_REST("token"),),
+    # Tokens may rest on each other.
+    allowed_contacts=(("token", FLOOR), ("token", "token")),
     duration=Duration(0.1, 3600.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
     policy=stay,

@@ -13,6 +13,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import (
     DMP,
+    FLOOR,
     Binding,
     Block,
     Duration,
@@ -174,6 +175,7 @@ def _together(action: str, mode: str, duration: Duration, policy: Callable[..., 
         writes={**{slot: MOTION for slot in slots}, "object": BODY},
         # A box moves straight up and down, so its feasibility facts do not change.
         keeps=FEASIBLE,
+        allowed_contacts=(*((slot, "object") for slot in slots), ("object", FLOOR)),
         hyperparameters=(squeezing(crew),),
         duration=duration,
         policy=partial(policy, crew, profile),

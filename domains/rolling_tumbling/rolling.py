@@ -9,6 +9,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import (
     ANY,
+    FLOOR,
     GRAVITY,
     Binding,
     Block,
@@ -160,6 +161,7 @@ ROLLING = Block(
     # Rolling keeps the axis level and the centre on its line, so the feasibility facts do not change.
     # Objects that tumble are boxes, which do not roll.
     keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, POSTURE, *FEASIBLE_TUMBLING),
+    allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     hyperparameters=(
         Hyperparameter("distance", "m", 0.0, 10.0, _initial_distance, "distance that the object rolls"),
         Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(0.4), "largest speed"),

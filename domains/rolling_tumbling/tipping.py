@@ -15,6 +15,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import (
     DMP,
+    FLOOR,
     GRAVITY,
     Binding,
     Block,
@@ -102,6 +103,7 @@ def _tipping(
         # facts do not change. Boxes do not roll, so the facts of rolling do not change either. Tumbling blocks do not
         # measure the hands' workspace yet.
         keeps=_KEPT,
+        allowed_contacts=(("first", "object"), ("second", "object"), ("object", FLOOR)),
         hyperparameters=(
             Hyperparameter("rate", "rad/s", 0.1, 1.0, lambda b, s: np.asarray(0.5), "mean angular speed of the turn"),
             squeeze,
@@ -153,6 +155,7 @@ TILTING = Block(
     writes={"hand": MOTION},
     # Tumbling blocks do not measure the hands' workspace yet.
     keeps=(IN_WORKSPACE,),
+    allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
     policy=partial(stay, slot="hand"),

@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from hybrid_tamp.authoring import (
+    FLOOR,
     AffordanceClass,
     Binding,
     Block,
@@ -157,6 +158,7 @@ def _carrying(
         writes={"hand": BODY, "tool": BODY},
         # These facts depend only on the initial place of the tool.
         keeps=(HANDLE_WITHIN_REACH, HOME),
+        allowed_contacts=(("hand", "tool"), ("tool", FLOOR)),
         hyperparameters=(chosen,),
         duration=duration,
         hold=True,

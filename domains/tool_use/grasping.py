@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import (
     FINGER_SPEED,
+    FLOOR,
     Binding,
     Block,
     Commands,
@@ -124,6 +125,7 @@ GRASPING = Block(
     entry=(*_GRASPABLE, AT_HANDLE("hand", "tool"), EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     exit=(HELD("tool", "hand"), ~EMPTY("hand"), AT_REST("hand")),
     writes={"hand": (*MOTION, "aperture")},
+    allowed_contacts=(("hand", "tool"), ("tool", FLOOR)),
     hyperparameters=(
         Hyperparameter(
             "grasp_location",
@@ -154,6 +156,7 @@ RELEASING = Block(
     # The exit requires STANDS, because the tool must not fall over when the hand opens.
     exit=(~HELD("tool", "hand"), EMPTY("hand"), STANDS("tool"), AT_REST("hand"), AT_REST("tool")),
     writes={"hand": (*MOTION, "aperture")},
+    allowed_contacts=(("hand", "tool"), ("tool", FLOOR)),
     duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05),
     policy=_release,
     system=gripping_system,

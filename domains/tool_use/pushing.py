@@ -9,6 +9,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import (
     ANY,
+    FLOOR,
     Binding,
     Block,
     Commands,
@@ -226,6 +227,7 @@ PUSHING = Block(
     writes={"hand": BODY, "tool": BODY, "object": BODY},
     # A push is straight, and the object keeps its heading. The other facts depend only on the tool's initial place.
     keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),
+    allowed_contacts=(("hand", "tool"), ("tool", "object"), ("object", FLOOR)),
     hyperparameters=(
         # With wider bounds, a search would spend most of its time on pushes that end far outside the region.
         Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "distance beyond the region's centre"),

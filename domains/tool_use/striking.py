@@ -9,6 +9,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import (
     CONTROL_PERIOD,
+    FLOOR,
     Binding,
     Block,
     Commands,
@@ -199,6 +200,7 @@ STRIKING = Block(
     writes={"hand": BODY, "tool": BODY, "object": ("velocity", "impulse")},
     # These facts depend only on the initial place of the tool.
     keeps=(HANDLE_WITHIN_REACH, HOME),
+    allowed_contacts=(("hand", "tool"), ("tool", "object"), ("object", FLOOR)),
     hyperparameters=(
         _offset(
             "swing_radius",

@@ -2,7 +2,7 @@
 
 import logging
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from copy import copy
 from dataclasses import replace
 
@@ -10,12 +10,13 @@ import numpy as np
 
 from hybrid_tamp.execution.running_instance import Running
 from hybrid_tamp.model.commands import CommandLayout, Key
+from hybrid_tamp.model.contacts import Contact, ContactRules
 from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
+from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.physics.protocol import FLOOR, Backend
+from hybrid_tamp.physics.protocol import Backend
 
 NOTEWORTHY = 0.1
 """A warning is logged if a command is limited in at least this share of an instance's control steps."""
@@ -87,18 +88,29 @@ class Logbook:
         self._commands.append(row)
         within = {token: one.instance.name for one in running for token in one.instance.slots.values()}
         self._cuts.update((within[key[0]], key) for key in cut if key[0] in within)
-        self._record_contacts(within)
         return self.time
 
-    def _record_contacts(self, within: Mapping[str, str]) -> None:
-        """Record the largest contact force between each pair of tokens in each pair of instances. Ignore the floor."""
+    def record_contacts(self, running: Iterable[Running], rules: ContactRules) -> Contact | None:
+        """Record the largest contact force of each pair of tokens in each pair of instances.
+
+        Args:
+            running: instances that ran during the last control period.
+            rules: the contacts that these instances allow.
+
+        Returns:
+            The contact of the last control period that is not allowed and has the largest force; None if there is none.
+        """
+        within = {token: one.instance.name for one in running for token in one.instance.slots.values()}
+        worst: Contact | None = None
         for one, other, force in self._backend.contact_forces():
-            if FLOOR in (one, other):
-                continue
             tokens, instances = (one, other), (within.get(one, ""), within.get(other, ""))
+            contact = Contact(tokens, instances, force, self.time, rules.allow(one, other))
             known = self._contacts.get((tokens, instances))
             if known is None or force > known.force:
-                self._contacts[tokens, instances] = Contact(tokens, instances, force, self.time)
+                self._contacts[tokens, instances] = contact
+            if not contact.allowed and (worst is None or force > worst.force):
+                worst = contact
+        return worst
 
     def record_end(self, running: Running, time: float, exits: tuple[AtomMargin, ...]) -> None:
         """Record the end of an instance with its actual times, its hyperparameters and its exit margins."""

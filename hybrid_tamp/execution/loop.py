@@ -16,6 +16,7 @@ import numpy as np
 
 from hybrid_tamp.execution.events import Event, Observer
 from hybrid_tamp.execution.logbook import Logbook
+from hybrid_tamp.execution.monitors import Monitors
 from hybrid_tamp.execution.running_instance import (
     RunError,
     Running,
@@ -201,6 +202,7 @@ class Run:
             chosen = running.hyperparameters
             self._observer(Event(self._time, "begin", instance, hyperparameters=chosen, margins=margins))
         self._backend.assign([running.instance for running in self._running.values()])
+        self._monitors = Monitors(self._task, self._running.values())
 
     def _end(self, running: Running) -> None:
         margins = tuple(running.measure_exits(self._state))
@@ -225,12 +227,13 @@ class Run:
             raise blame_state(after, self._running.values(), self._time)
         self._state = after
         self._time = self._log.record_step(after, row, cut, self._running.values())
+        self._monitors.check(self._log)
 
     def _record_failure(self, error: RunError) -> Recording:
         step = self._log.step_index
         for running in list(self._running.values()):
             self._end(running)
-        failure = Failure(step, error.instance, error.reason, error.margins)
+        failure = Failure(step, error.instance, error.reason, error.margins, error.contact)
         instance = next((i for i in self._plan.instances if i.name == error.instance), None)
         self._observer(Event(self._time, "failure", instance, margins=error.margins, reason=error.reason))
         _logger.warning("step %d failed: %s", step, error.reason)

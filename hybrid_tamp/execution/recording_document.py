@@ -7,9 +7,10 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveInt
 
+from hybrid_tamp.model.contacts import Contact
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
+from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
 from hybrid_tamp.model.state import StateLayout
 from hybrid_tamp.motion.arrays import FloatArray
 
@@ -48,14 +49,16 @@ class _Failure(BaseModel):
     instance: str
     reason: str
     margins: tuple[_Margin, ...] = ()
+    contact: Contact | None = None
 
     @classmethod
     def of(cls, failure: Failure) -> "_Failure":
-        margins = tuple(map(_Margin.of, failure.margins))
-        return cls(step=failure.step, instance=failure.instance, reason=failure.reason, margins=margins)
+        same = {name: getattr(failure, name) for name in ("step", "instance", "reason", "contact")}
+        return cls(margins=tuple(map(_Margin.of, failure.margins)), **same)
 
     def read(self) -> Failure:
-        return Failure(self.step, self.instance, self.reason, tuple(margin.read() for margin in self.margins))
+        margins = tuple(margin.read() for margin in self.margins)
+        return Failure(self.step, self.instance, self.reason, margins, self.contact)
 
 
 class RecordingDocument(BaseModel):

@@ -8,6 +8,7 @@ import numpy as np
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.commands import CommandError, CommandLayout
+from hybrid_tamp.model.contacts import Contact
 from hybrid_tamp.model.control import Commands, Parameters
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.predicate import Literal
@@ -24,13 +25,17 @@ class RunError(Exception):
         instance: name of the instance that failed; empty if no single instance failed.
         reason: reason for the failure.
         margins: margins of the conditions that do not hold.
+        contact: the contact that no block allowed, or None.
     """
 
-    def __init__(self, instance: str, reason: str, margins: Iterable[AtomMargin] = ()) -> None:
+    def __init__(
+        self, instance: str, reason: str, margins: Iterable[AtomMargin] = (), contact: Contact | None = None
+    ) -> None:
         super().__init__(reason)
         self.instance = instance
         self.reason = reason
         self.margins = tuple(margins)
+        self.contact = contact
 
 
 def measure_conditions(

@@ -22,6 +22,9 @@ from hybrid_tamp.model.predicate import ANY, Binding, Literal, Predicate, Symbol
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 
+FLOOR = "(floor)"
+"""Name of the floor in contacts. No token can have this name."""
+
 
 @dataclass(frozen=True)
 class Slot:
@@ -141,6 +144,8 @@ class Block:
         hold: whether an instance can continue after its exit conditions hold, in order to maintain these conditions.
         policy: function ``policy(binding, start, parameters)`` that returns a feedback law. None if there is no policy.
         system: function ``system(binding, start)`` that returns the continuous system of an instance.
+        allowed_contacts: pairs of roles, or of a role and `FLOOR`, whose tokens may touch while the block runs. A pair
+            of equal roles allows contact between the tokens of different instances.
         performance: performance measures of an instance. The weighted sum of the measures is maximised.
         taught: function ``taught(primitive)`` that returns a copy of the block with another motor primitive
             (`motion.dmp.DMP`). None if the block has no motor primitive.
@@ -162,6 +167,7 @@ class Block:
     hold: bool = False
     policy: PolicyMaker | None = None
     system: SystemMaker = _rest
+    allowed_contacts: tuple[tuple[str, str], ...] = ()
     performance: tuple[Measure, ...] = ()
     taught: Callable[[Any], "Block"] | None = None
     movement: Movement | None = None

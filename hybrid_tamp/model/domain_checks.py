@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from hybrid_tamp.errors import Issue
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
-from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.block import FLOOR, Block
 from hybrid_tamp.model.declarations import Declarations
 from hybrid_tamp.model.predicate import ANY, Literal, Parameter, SymbolSort
 from hybrid_tamp.model.token import conflicts
@@ -83,6 +83,9 @@ def _blocks(domain: Declarations) -> Iterator[Issue]:
             if not h.lower <= h.upper:
                 wanted = "the lower bound must not exceed the upper bound"
                 yield Issue(f"{block.name}.{h.name}", wanted, f"[{h.lower}, {h.upper}]")
+        for role in sorted({role for pair in block.allowed_contacts for role in pair} - {*names, FLOOR}):
+            wanted = "allowed_contacts must name slots, targets or FLOOR"
+            yield Issue(f"{block.name}.allowed_contacts", wanted, repr(role), (*names, FLOOR))
         yield from _measures(block)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hybrid_tamp.model.block import Movement
+from hybrid_tamp.model.contacts import Contact
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import Layout, State, StateLayout
@@ -35,34 +36,21 @@ class AtomMargin:
 
 @dataclass(frozen=True)
 class Failure:
-    """The instance whose failure stopped a run, the control period (`step`) of the failure, and the reason."""
+    """The reason why a run stopped before the end of its plan.
+
+    Attributes:
+        step: index of the step of the plan in which the run stopped.
+        instance: name of the instance that failed.
+        reason: description of the failure.
+        margins: margins of conditions at the failure.
+        contact: contact that no block allowed, or None.
+    """
 
     step: int
     instance: str
     reason: str
     margins: tuple[AtomMargin, ...] = ()
-
-
-@dataclass(frozen=True)
-class Contact:
-    """The largest contact force between two tokens while both tokens stay in their instances.
-
-    Attributes:
-        tokens: names of the two tokens.
-        instances: names of the instances that contained the tokens. Equal if both tokens were in the same instance.
-        force: largest normal force [N].
-        time: end of the control period with the largest force [s].
-    """
-
-    tokens: tuple[str, str]
-    instances: tuple[str, str]
-    force: float
-    time: float
-
-    @property
-    def between_instances(self) -> bool:
-        """Whether the tokens were in different instances. Contact between instances is not intended."""
-        return self.instances[0] != self.instances[1]
+    contact: Contact | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +70,7 @@ class Recording:
         timestep: control period [s].
         failure: reason why the run stopped early, or None.
         warnings: warnings for the user.
-        contacts: contacts between two tokens, excluding the floor. Empty if the backend does not measure contacts.
+        contacts: contacts between tokens, and of tokens with the floor. Empty if the backend does not measure contacts.
     """
 
     layout: StateLayout

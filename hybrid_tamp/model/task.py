@@ -20,17 +20,19 @@ DEFAULT_PLANNER = "fast-downward"
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits on planning a task.
+    """Limits on planning and running a task.
 
     Attributes:
         time: limit on the wall-clock time of the planner [s].
         memory: limit on the total memory of the planner and its child processes [MiB].
         refinements: largest number of repeated planner calls after rejected plans.
+        contact: largest force of a contact that no running block allows [N].
     """
 
     time: float = 60.0
     memory: float = 4096.0
     refinements: int = 3
+    contact: float = 20.0
 
 
 @dataclass(frozen=True)

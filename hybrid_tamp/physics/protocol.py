@@ -17,8 +17,8 @@ _Self = TypeVar("_Self")
 GROUP = "hybrid_tamp.physics"
 """Entry-point group for backends of other packages. Each entry point is a function that returns a backend."""
 
-FLOOR = "(floor)"
-"""Name of the floor in contacts. No token can have this name."""
+Pair = tuple[str, str]
+"""Names of two tokens, or of a token and `FLOOR`, sorted."""
 
 ContactForce = tuple[str, str, float]
 """Triple of (name, name, normal force [N]) for two bodies in contact. The names are sorted and may include `FLOOR`."""

@@ -77,6 +77,9 @@ class LimitsEntry(_Entry):
     refinements: Whole = quantity(
         "1", "maximum number of times to replan after a refused plan", default=Limits.refinements, ge=0, le=1000
     )
+    contact: Number = quantity(
+        "N", "largest force of a contact that no running block allows", default=Limits.contact, ge=0, le=1e6
+    )
 
 
 class RangeEntry(_Entry):

@@ -17,9 +17,10 @@ from predicted_runs import predict
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.execution import storage
 from hybrid_tamp.execution.storage import load_recording, save
+from hybrid_tamp.model.contacts import Contact
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.recording import AtomMargin, Contact, Failure, Recording
+from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
 from hybrid_tamp.model.state import StateLayout
 
 TIMESTEP = 1 / 240

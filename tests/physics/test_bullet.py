@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from hybrid_tamp.errors import InputError
+from hybrid_tamp.model.block import FLOOR
 from hybrid_tamp.model.commands import CommandError
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.physics.bullet.backend import BulletBackend
-from hybrid_tamp.physics.protocol import FLOOR
 
 LYING = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # the body's z axis along -y
 SLOPE = math.radians(15)

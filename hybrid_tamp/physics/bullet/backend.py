@@ -13,6 +13,7 @@ import pybullet
 from hybrid_tamp.geometry.meshes import MeshShape
 from hybrid_tamp.geometry.shapes import Compound
 from hybrid_tamp.model.affordance import BODY_STATE
+from hybrid_tamp.model.block import FLOOR
 from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.model.control import CONTROL_PERIOD, Commands
 from hybrid_tamp.model.plan import BlockInstance
@@ -20,10 +21,11 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
+from hybrid_tamp.physics.bullet.contact_windows import ContactWindows
 from hybrid_tamp.physics.bullet.engine import SUBSTEPS, Client, create_body, prepare_world
 from hybrid_tamp.physics.bullet.hands import Drive, Fingers
 from hybrid_tamp.physics.bullet.impacts import Impacts
-from hybrid_tamp.physics.protocol import FLOOR, ContactForce
+from hybrid_tamp.physics.protocol import ContactForce, Pair
 from hybrid_tamp.physics.scene import make_bodies
 
 _BODY = tuple(varying.name for varying in BODY_STATE)
@@ -43,7 +45,8 @@ class BulletBackend(Client):
         super().__init__()
         self._gravity = tuple(gravity)
         self._handles: dict[str, int] = {}
-        self._forces: dict[tuple[str, str], float] = {}
+        self._windows = ContactWindows()
+        self._within: dict[str, str] = {}
 
     def reset(self, task: Task, state: State) -> State:
         """Build the scene in a given state, shape ``(n,)``, and return this state.
@@ -60,7 +63,7 @@ class BulletBackend(Client):
         for token, handle in self._handles.items():
             self._place(handle, token, state)
         self._names = {handle: token for token, handle in self._handles.items()} | {floor: FLOOR}
-        self._forces = {}
+        self._windows, self._within = ContactWindows(), {}
         slices = state.layout.slices
         self._index = np.array(
             [i for b in scene for name in _BODY for i in range(state.layout.size)[slices[b.token, name]]],
@@ -79,7 +82,10 @@ class BulletBackend(Client):
         return self._state
 
     def assign(self, running: Sequence[BlockInstance]) -> None:
-        """Do nothing, because the simulation does not depend on the running instances."""
+        """Empty the contact windows of the tokens whose instance has changed; the simulation itself stays the same."""
+        within = {token: each.name for each in running for token in each.slots.values()}
+        before, self._within = self._within, within
+        self._windows.empty({token for token, name in within.items() if before.get(token) != name})
 
     def step(self, commands: Commands) -> State:
         """Apply constant commands to the hands for one control period and return the measured state, shape ``(n,)``.
@@ -102,8 +108,12 @@ class BulletBackend(Client):
         return state
 
     def contact_forces(self) -> list[ContactForce]:
-        """Return the largest total normal force [N] of every pair of tokens that touched in the last control period."""
-        return [(one, other, force) for (one, other), force in sorted(self._forces.items())]
+        """Return each pair of bodies in contact with its largest force during the last control period [N].
+
+        The force is the normal impulse over 10 ms, divided by 10 ms. The normal impulse of a pair is the sum over its
+        contact points.
+        """
+        return [(one, other, force) for (one, other), force in sorted(self._windows.largest.items())]
 
     @contextmanager
     def snapshot(self) -> Iterator[Callable[[], None]]:
@@ -113,11 +123,12 @@ class BulletBackend(Client):
         resets the scene and repeats all commands since the reset.
         """
         if any(isinstance(token.shape, Compound | MeshShape) for token in self._task.assigned):
-            start, rows = self._start, tuple(self._rows)
-            yield lambda: self._repeat(start, rows)
+            start, rows, kept = self._start, tuple(self._rows), (self._windows.copy(), self._within)
+            yield lambda: self._repeat(start, rows, *kept)
             return
         saved = pybullet.saveState(physicsClientId=self._client)
-        now, rows, impacts = (self._state, self._forces), tuple(self._rows), self._impacts.copy()
+        state, within, rows = self._state, self._within, tuple(self._rows)
+        windows, impacts = self._windows.copy(), self._impacts.copy()
         held = [fingers.held for fingers in self._fingers]
 
         def restore() -> None:
@@ -126,32 +137,35 @@ class BulletBackend(Client):
             pybullet.restoreState(saved, physicsClientId=self._client)
             for fingers, grasp in zip(self._fingers, held, strict=True):
                 fingers.hold(grasp)
-            (self._state, self._forces), self._rows, self._impacts = now, list(rows), impacts.copy()
+            self._state, self._within, self._rows = state, within, list(rows)
+            self._windows, self._impacts = windows.copy(), impacts.copy()
 
         yield restore
         pybullet.removeState(saved, physicsClientId=self._client)
 
-    def _repeat(self, start: State, rows: Sequence[FloatArray]) -> None:
+    def _repeat(
+        self, start: State, rows: Sequence[FloatArray], windows: ContactWindows, within: dict[str, str]
+    ) -> None:
         self.reset(self._task, start)
         for row in rows:
             self._advance(row)
+        self._windows, self._within = windows.copy(), within
 
     def _simulate(self, row: FloatArray) -> None:
         for drive in self._drives:
             drive.command(row)
-        self._forces = {}
+        self._windows.begin_period()
         for _ in range(SUBSTEPS):
             for drive in self._drives:
                 drive.apply()
             pybullet.stepSimulation(physicsClientId=self._client)
             sums = self._sum_contacts()
             self._impacts.record(sums)
-            for pair, force in sums.items():
-                self._forces[pair] = max(force, self._forces.get(pair, 0.0))
+            self._windows.record(sums)
 
-    def _sum_contacts(self) -> dict[tuple[str, str], float]:
+    def _sum_contacts(self) -> dict[Pair, float]:
         """Return the total normal force of each pair of tokens in the last substep [N]."""
-        sums: dict[tuple[str, str], float] = {}
+        sums: dict[Pair, float] = {}
         for point in pybullet.getContactPoints(physicsClientId=self._client):
             one, other = self._names[point[1]], self._names[point[2]]
             pair = (one, other) if one < other else (other, one)

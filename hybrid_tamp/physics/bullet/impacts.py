@@ -4,10 +4,10 @@ from collections import deque
 from collections.abc import Mapping
 from copy import deepcopy
 
+from hybrid_tamp.model.block import FLOOR
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.bullet.engine import SUBSTEP, SUBSTEPS
-from hybrid_tamp.physics.protocol import FLOOR
 
 IMPULSE = "impulse"
 """Name of the varying property that stores the largest impulse so far [N s]."""

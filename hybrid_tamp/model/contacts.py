@@ -1,0 +1,62 @@
+"""Contacts between tokens, and the rules that say which tokens may touch."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from hybrid_tamp.model.block import FLOOR, Block
+from hybrid_tamp.model.plan import BlockInstance
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The largest contact force between two tokens while both stayed in the same instances.
+
+    Attributes:
+        tokens: names of the two tokens, or of a token and `FLOOR`.
+        instances: instance of each token at that time. It is the same instance twice if the tokens shared an instance,
+            and empty for the floor.
+        force: normal impulse over 10 ms, divided by 10 ms [N].
+        time: end of the control period with that force [s].
+        allowed: whether a running block allowed the contact.
+    """
+
+    tokens: tuple[str, str]
+    instances: tuple[str, str]
+    force: float
+    time: float
+    allowed: bool = True
+
+    @property
+    def between_instances(self) -> bool:
+        """Whether two tokens in different instances touched; contacts with the floor do not count."""
+        return FLOOR not in self.tokens and self.instances[0] != self.instances[1]
+
+
+class ContactRules:
+    """The pairs of tokens that may touch while some instances run.
+
+    Each instance allows the pairs that its block declares. A pair of equal roles allows contact between the tokens of
+    this role in all instances of the block: tokens that rest may touch each other.
+    """
+
+    def __init__(self, blocks: Mapping[str, Block], running: Collection[BlockInstance]) -> None:
+        """Collect the pairs of the running instances.
+
+        Args:
+            blocks: maps each name to its block.
+            running: the running instances.
+        """
+        self._pairs: set[frozenset[str]] = set()
+        self._groups: dict[tuple[str, str], set[str]] = {}
+        for instance in running:
+            named = {FLOOR: FLOOR, **instance.roles}
+            for one, other in blocks[instance.block].allowed_contacts:
+                if one == other:
+                    self._groups.setdefault((instance.block, one), set()).add(named[one])
+                else:
+                    self._pairs.add(frozenset((named[one], named[other])))
+
+    def allow(self, one: str, other: str) -> bool:
+        """Return whether two tokens, or a token and `FLOOR`, may touch."""
+        pair = frozenset((one, other))
+        return pair in self._pairs or any(pair <= group for group in self._groups.values())

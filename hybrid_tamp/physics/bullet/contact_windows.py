@@ -1,0 +1,66 @@
+"""Contact forces as impulses over a sliding window of 10 ms.
+
+The largest force of a substep depends on the solver. The impulse over 10 ms does not: it is the reduced mass times the
+closing speed.
+"""
+
+from collections import deque
+from collections.abc import Collection, Mapping
+from copy import deepcopy
+
+from hybrid_tamp.physics.bullet.engine import SUBSTEP
+from hybrid_tamp.physics.protocol import Pair
+
+WINDOW = 0.01
+"""Length of the window [s]."""
+_WHOLE = int(WINDOW / SUBSTEP)
+"""Number of whole substeps in a window."""
+_REST = WINDOW / SUBSTEP - _WHOLE
+"""Share of one more substep in a window."""
+
+
+class ContactWindows:
+    """The recent contact forces of each pair of bodies.
+
+    A window that spans a reassignment would mix a contact that was allowed with one that is not. So the windows of a
+    token are emptied when its instance changes.
+    """
+
+    def __init__(self) -> None:
+        self._windows: dict[Pair, deque[float]] = {}
+        self._largest: dict[Pair, float] = {}
+
+    def copy(self) -> "ContactWindows":
+        """Return an independent copy."""
+        return deepcopy(self)
+
+    def begin_period(self) -> None:
+        """Forget the largest forces of the last control period."""
+        self._largest = {}
+
+    def record(self, forces: Mapping[Pair, float]) -> None:
+        """Record one substep.
+
+        Args:
+            forces: maps each pair of bodies in contact to its normal force [N].
+        """
+        for pair in self._windows.keys() - forces.keys():
+            self._windows[pair].append(0.0)
+            if not any(self._windows[pair]):
+                del self._windows[pair]
+        for pair, force in forces.items():
+            window = self._windows.setdefault(pair, deque(maxlen=_WHOLE + 1))
+            window.append(force)
+        for pair, window in self._windows.items():
+            oldest = _REST * window[0] if len(window) > _WHOLE else window[0]
+            force = (oldest + sum(list(window)[1:])) * (SUBSTEP / WINDOW)
+            self._largest[pair] = max(force, self._largest.get(pair, 0.0))
+
+    def empty(self, tokens: Collection[str]) -> None:
+        """Empty the windows of all pairs with one of these tokens."""
+        self._windows = {pair: window for pair, window in self._windows.items() if not set(tokens) & set(pair)}
+
+    @property
+    def largest(self) -> Mapping[Pair, float]:
+        """The largest force of each pair in the last control period [N]."""
+        return self._largest
