@@ -16,7 +16,7 @@ from ..common.roles import get_symbol, get_tokens
 from .bearing import places_of
 from .classes import Liftable
 from .lifting import BEARING, MODES
-from .metrics import metrics
+from .metrics import CONTROLLED, metrics
 from .places import PLACE, place_at
 from .predicates import AT_PLACE, FITS, ON_SIDE, PREDICATES, STANDS, UPRIGHT, WITHIN_REACH
 
@@ -64,5 +64,6 @@ DOMAIN = Domain(
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_edges(), [block.name for block in _BLOCKS]),
     metrics=metrics,
+    bounds=CONTROLLED,
     description="several hands together lift objects that are too heavy for fewer hands",
 )

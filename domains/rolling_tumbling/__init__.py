@@ -14,7 +14,7 @@ from ..common.predicates import AT_REST
 from ..common.reaching import reaching
 from ..common.resting import RESTING
 from .classes import Rollable, Tumblable
-from .metrics import metrics
+from .metrics import CONTROLLED, metrics
 from .predicates import BEHIND, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .probing_rolling import TRY_ROLLING
 from .probing_tumbling import TRY_TUMBLING
@@ -78,6 +78,7 @@ DOMAIN = Domain(
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_EDGES, [block.name for block in _BLOCKS]),
     metrics=metrics,
+    bounds=CONTROLLED,
     trials=(TRY_ROLLING, TRY_TUMBLING),
     description="hands roll and tumble heavy objects without letting them fall",
 )

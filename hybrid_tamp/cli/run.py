@@ -56,8 +56,11 @@ def _judge(result: "RunResult", as_json: bool) -> None:
         typer.echo(f"step {failure.step}, {failure.instance}: {failure.reason}", err=True)
     for breach in result.law:
         typer.echo(f"the recording breaks {breach.text}", err=True)
+    for metric in result.out_of_bounds:
+        typer.echo(metric.text, err=True)
     if not result.success or result.law:
-        typer.echo("The plan was executed but the goal was not reached.", err=True)
+        missed = "the goal was not reached" if not result.recording.success else "the run does not count as a success"
+        typer.echo(f"The plan was executed but {missed}.", err=True)
         raise typer.Exit(40)
     if not as_json:
         typer.echo(f"The goal was reached after {result.recording.duration:.2f} s of simulated time.")

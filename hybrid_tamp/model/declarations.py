@@ -1,7 +1,7 @@
 """The declarations of a domain, before `model.domain_checks` has checked them."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -26,6 +26,7 @@ class Declarations:
     network: ReassignmentNetwork
     resting: str = "RESTING"
     metrics: Metrics | None = None
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     description: str = ""
     sorts: tuple[SymbolSort, ...] = ()
     disjoint: tuple[tuple[type[ObjectClass], ...], ...] = ()

@@ -24,6 +24,7 @@ class Domain(Declarations):
         network: allowed reassignments between the slots of the blocks.
         resting: name of the block for tokens that no other block manipulates.
         metrics: function that returns further metrics of a finished run for ``result.json``. The function can be None.
+        bounds: maps metrics to pairs of (least, greatest) value. A run outside these bounds does not succeed.
         description: description in one line.
         sorts: additional symbol sorts, which no predicate or target mentions.
         disjoint: groups of pairwise disjoint classes. A token can be a member of at most one class of a group.

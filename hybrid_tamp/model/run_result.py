@@ -26,6 +26,28 @@ class ExecutedInstance:
 
 
 @dataclass(frozen=True)
+class OutOfBounds:
+    """A metric of a run that is outside the bounds of the domain.
+
+    Attributes:
+        metric: name of the instance and of the metric, with its unit.
+        value: value of the metric.
+        lower: least value of a successful run.
+        upper: greatest value of a successful run.
+    """
+
+    metric: str
+    value: float
+    lower: float
+    upper: float
+
+    @property
+    def text(self) -> str:
+        """The metric, its value and its bounds in one line."""
+        return f"{self.metric} must be between {self.lower:g} and {self.upper:g}, got {self.value:.4g}"
+
+
+@dataclass(frozen=True)
 class RunResult(Tabular):
     """The result of one run.
 
@@ -58,9 +80,19 @@ class RunResult(Tabular):
         return len(self.outcome.excluded)
 
     @property
+    def out_of_bounds(self) -> tuple[OutOfBounds, ...]:
+        """The metrics that are outside the bounds of the domain."""
+        return tuple(
+            OutOfBounds(metric, value, lower, upper)
+            for name, (lower, upper) in self.task.domain.bounds.items()
+            for metric, value in self.metrics.items()
+            if metric.endswith(f".{name}") and not lower <= value <= upper
+        )
+
+    @property
     def success(self) -> bool:
-        """Whether the plan ran to its end and the goal held at the end."""
-        return self.recording.success
+        """Whether the plan ran to its end, the goal held there, and every metric is within its bounds."""
+        return self.recording.success and not self.out_of_bounds
 
     @property
     def blocks(self) -> tuple[ExecutedInstance, ...]:
@@ -79,6 +111,7 @@ class RunResult(Tabular):
             ("blocks", [f"{i.start:.2f} to {i.end:.2f} s  {i.name}" for i in self.recording.instances]),
             ("performance", {f"{each.measure} of {each.instance}": each.measured for each in self.performance}),
             ("metrics", self.metrics),
+            ("out of bounds", [each.text for each in self.out_of_bounds]),
             ("law", self.law),
             ("replans", self.replans),
             ("backend", self.recording.backend),

@@ -107,6 +107,7 @@ _RESULT: Keys = (
     "blocks",
     "replans",
     "metrics",
+    Key("out_of_bounds", sources.out_of_bounds, default=list),
     Key("sim_seconds", "recording.duration"),
     "wall_seconds",
     *_of("task", "seed"),

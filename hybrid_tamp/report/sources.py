@@ -80,6 +80,11 @@ def breaches(result: RunResult) -> tuple[str, ...]:
     return tuple(breach.text for breach in result.law)
 
 
+def out_of_bounds(result: RunResult) -> tuple[str, ...]:
+    """Metrics outside the bounds of the domain, each with its value and its bounds."""
+    return tuple(each.text for each in result.out_of_bounds)
+
+
 def result_schema(result: RunResult) -> Literal["hybrid-tamp/result/1"]:
     """Name and version of the document."""
     return "hybrid-tamp/result/1"
