@@ -7,7 +7,8 @@ import numpy as np
 
 from hybrid_tamp.authoring import TOKEN, FloatArray, Kind, ObjectClass, Parameter, Predicate, State, Token, Value
 
-from .classes import Region
+from .classes import Region, StaticEndEffector
+from .vectors import depth_in_workspace
 
 REST_SPEED = 0.02
 """Largest speed at which a token counts as at rest [m/s]."""
@@ -81,3 +82,13 @@ def inside(movable: type[ObjectClass]) -> Predicate:
         description="{object} is inside {region}",
         denial="{object} is not inside {region}",
     )
+
+
+IN_WORKSPACE = length_predicate(
+    "in_workspace",
+    (Parameter("hand", StaticEndEffector),),
+    lambda state, hand: depth_in_workspace(hand, state[hand, "position"]),
+    reads={"hand": ("position",)},
+    description="{hand} is within its workspace",
+    denial="{hand} is not within its workspace",
+)

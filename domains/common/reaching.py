@@ -29,7 +29,7 @@ from hybrid_tamp.authoring import (
 )
 
 from .classes import StaticEndEffector
-from .predicates import AT_REST
+from .predicates import AT_REST, IN_WORKSPACE
 from .primitives import demonstrated_reach
 from .roles import MOTION, get_token
 from .servos import hand_servo, hand_system
@@ -117,6 +117,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         targets=goal.targets,
         entry=goal.entry,
         exit=(*goal.arrived, AT_REST("hand")),
+        invariants=(IN_WORKSPACE("hand"),),
         writes={"hand": MOTION},
         keeps=goal.keeps,
         hyperparameters=(chosen,),

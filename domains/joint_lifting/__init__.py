@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from hybrid_tamp.authoring import Binding, Domain, FloatArray, ReassignmentNetwork, State, Target
 
 from ..common.classes import StaticEndEffector
-from ..common.predicates import AT_REST
+from ..common.predicates import AT_REST, IN_WORKSPACE
 from ..common.reaching import ReachGoal, reaching
 from ..common.resting import RESTING
 from ..common.roles import get_symbol, get_tokens
@@ -60,7 +60,7 @@ DOMAIN = Domain(
     name="joint_lifting",
     classes=(StaticEndEffector, Liftable),
     disjoint=((StaticEndEffector, Liftable),),
-    predicates=(AT_REST, *PREDICATES),
+    predicates=(AT_REST, IN_WORKSPACE, *PREDICATES),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_edges(), [block.name for block in _BLOCKS]),
     metrics=metrics,

@@ -30,7 +30,7 @@ from hybrid_tamp.authoring import (
 )
 
 from ..common.classes import StaticEndEffector
-from ..common.predicates import AT_REST, REST_SPEED
+from ..common.predicates import AT_REST, IN_WORKSPACE, REST_SPEED
 from ..common.primitives import profile_of, straight_profile
 from ..common.roles import BODY, MOTION
 from ..common.timetable import round_up
@@ -172,6 +172,7 @@ def _together(action: str, mode: str, duration: Duration, policy: Callable[..., 
         anchor="object",
         entry=(*_at_places(crew), *_able(crew)),
         exit=(AT_REST("object"), *(AT_REST(slot) for slot in slots)),
+        invariants=tuple(map(IN_WORKSPACE, slots)),
         writes={**{slot: MOTION for slot in slots}, "object": BODY},
         # A box moves straight up and down, so its feasibility facts do not change.
         keeps=FEASIBLE,

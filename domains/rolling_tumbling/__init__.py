@@ -10,12 +10,12 @@ new objects can be rolled and tumbled.
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
 
 from ..common.classes import Region, StaticEndEffector
-from ..common.predicates import AT_REST
+from ..common.predicates import AT_REST, IN_WORKSPACE
 from ..common.reaching import reaching
 from ..common.resting import RESTING
 from .classes import Rollable, Tumblable
 from .metrics import CONTROLLED, metrics
-from .predicates import BEHIND, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .probing_rolling import TRY_ROLLING
 from .probing_tumbling import TRY_TUMBLING
 from .reaching_around import REACH_AWAY, REACH_BESIDE

@@ -88,11 +88,3 @@ WITHIN_WORKSPACE = length_predicate(
     description="{hand} can push {object} to {region} without leaving the workspace of the hand",
     denial="{hand} cannot push {object} to {region} without leaving the workspace of the hand",
 )
-IN_WORKSPACE = length_predicate(
-    "in_workspace",
-    (_HAND,),
-    lambda state, hand: depth_in_workspace(hand, state[hand, "position"]),
-    reads={"hand": ("position",)},
-    description="{hand} is within its workspace",
-    denial="{hand} is not within its workspace",
-)

@@ -29,7 +29,7 @@ from hybrid_tamp.authoring import (
 )
 
 from ..common.classes import StaticEndEffector
-from ..common.predicates import AT_REST, REST_SPEED
+from ..common.predicates import AT_REST, IN_WORKSPACE, REST_SPEED
 from ..common.primitives import profile_of, straight_profile
 from ..common.roles import MOTION, get_symbol, get_token, get_tokens
 from ..common.servos import hand_system, position_servo
@@ -37,7 +37,6 @@ from ..common.timetable import round_up
 from .classes import Tumblable
 from .detours import Curve, corners_away, corners_to_face, curve_through, off_the_face
 from .faces import FACE, POSTURES
-from .predicates import IN_WORKSPACE
 from .tumbling_geometry import place_at
 from .tumbling_predicates import (
     ALIGNED,
@@ -143,9 +142,8 @@ def _reaching(
         targets=targets,
         entry=entry,
         exit=(*arrived, AT_REST("hand")),
+        invariants=(IN_WORKSPACE("hand"),),
         writes={"hand": MOTION},
-        # Tumbling blocks do not measure the hands' workspace yet.
-        keeps=(IN_WORKSPACE,),
         hyperparameters=(_SPEED,),
         duration=Duration(shortest, 15.0, partial(_expected, profile=profile)),
         hold=True,

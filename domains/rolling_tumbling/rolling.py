@@ -29,14 +29,14 @@ from hybrid_tamp.authoring import (
 )
 
 from ..common.classes import Region, StaticEndEffector
-from ..common.predicates import AT_REST
+from ..common.predicates import AT_REST, IN_WORKSPACE
 from ..common.reaching import ReachGoal
 from ..common.roles import BODY, MOTION, get_tokens
 from ..common.servos import force_on, position_servo
 from ..common.vectors import HORIZONTAL, UP, dot
 from .classes import Rollable
 from .geometry import STANDOFF, standby, touching, way, working_height
-from .predicates import BEHIND, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .tumbling_predicates import FEASIBLE_TUMBLING, POSTURE
 
 _APPROACH_GAIN = 4.0
@@ -157,6 +157,7 @@ ROLLING = Block(
     targets=(Target("region", Region),),
     entry=(*_FEASIBLE, BEHIND("hand", "object", "region"), AT_REST("object")),
     exit=(~INSIDE("object", ANY), INSIDE("object", "region"), AT_REST("object"), AT_REST("hand"), IN_WORKSPACE("hand")),
+    invariants=(IN_WORKSPACE("hand"),),
     writes={"hand": MOTION, "object": BODY},
     # Rolling keeps the axis level and the centre on its line, so the feasibility facts do not change.
     # Objects that tumble are boxes, which do not roll.

@@ -32,7 +32,7 @@ from hybrid_tamp.authoring import (
 )
 
 from ..common.classes import StaticEndEffector
-from ..common.predicates import AT_REST, REST_SPEED
+from ..common.predicates import AT_REST, IN_WORKSPACE, REST_SPEED
 from ..common.primitives import profile_of
 from ..common.resting import stay
 from ..common.roles import BODY, MOTION, get_symbol, get_token
@@ -40,7 +40,7 @@ from ..common.servos import hand_system
 from ..common.timetable import round_up
 from .classes import Tumblable
 from .faces import FACE, POSTURES
-from .predicates import IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .standing import FLAT_TOLERANCE
 from .tumbling_geometry import half_extent, nominal_tilt
 from .tumbling_predicates import (
@@ -64,7 +64,7 @@ _AT_FACES = (AT_FACE("first", "object", "near"), AT_FACE("second", "object", "fa
 _ABLE = tuple(
     feasible(hand, "object") for hand in ("first", "second") for feasible in (STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
 )
-_KEPT = (*FEASIBLE_TUMBLING, IN_WORKSPACE, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
+_KEPT = (*FEASIBLE_TUMBLING, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
 
 
 def _opposed(binding: Binding, state: State) -> FloatArray:
@@ -98,10 +98,10 @@ def _tipping(
         targets=(Target("near", FACE), Target("far", FACE), Target("before", POSTURES), Target("outcome", POSTURES)),
         entry=(relation("near", "far", "before", "outcome"), POSTURE("object", "before"), *_AT_FACES, *_ABLE),
         exit=(POSTURE("object", "outcome"), *_AT_FACES, *map(AT_REST, ("object", "first", "second"))),
+        invariants=(IN_WORKSPACE("first"), IN_WORKSPACE("second")),
         writes={"first": MOTION, "second": MOTION, "object": BODY},
         # A box turns only about the axis of the hands and moves by little more than its own size, so its feasibility
-        # facts do not change. Boxes do not roll, so the facts of rolling do not change either. Tumbling blocks do not
-        # measure the hands' workspace yet.
+        # facts do not change. Boxes do not roll, so the facts of rolling do not change either.
         keeps=_KEPT,
         allowed_contacts=(("first", "object"), ("second", "object"), ("object", FLOOR)),
         hyperparameters=(
@@ -152,9 +152,8 @@ TILTING = Block(
         STRONG_ENOUGH("hand", "object"),
     ),
     exit=(AT_FACE("hand", "object", "face"), AT_REST("hand")),
+    invariants=(IN_WORKSPACE("hand"),),
     writes={"hand": MOTION},
-    # Tumbling blocks do not measure the hands' workspace yet.
-    keeps=(IN_WORKSPACE,),
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,

@@ -8,7 +8,7 @@ RESTING (D6).
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
 
 from ..common.classes import Region, StaticEndEffector
-from ..common.predicates import AT_REST
+from ..common.predicates import AT_REST, IN_WORKSPACE
 from ..common.reaching import reaching
 from ..common.resting import RESTING
 from .carrying import CARRYING
@@ -54,7 +54,7 @@ DOMAIN = Domain(
     name="tool_use",
     classes=(StaticEndEffector, DexterousHand, Graspable, Striker, Pusher, Strikable, Pushable, Region),
     disjoint=((StaticEndEffector, Graspable, Strikable), (StaticEndEffector, Graspable, Pushable)),
-    predicates=(AT_REST, *CHANGING, *FEASIBLE),
+    predicates=(AT_REST, IN_WORKSPACE, *CHANGING, *FEASIBLE),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_EDGES, [block.name for block in _BLOCKS]),
     metrics=metrics,

@@ -28,7 +28,7 @@ from hybrid_tamp.authoring import (
 )
 
 from ..common.classes import Region
-from ..common.predicates import AT_REST
+from ..common.predicates import AT_REST, IN_WORKSPACE
 from ..common.primitives import reach_over, straight_profile
 from ..common.reaching import time_of_reach
 from ..common.roles import BODY, get_token, get_tokens
@@ -155,6 +155,7 @@ def _carrying(
         targets=targets,
         entry=(HELD("tool", "hand"), *entry),
         exit=(*arrived, HELD("tool", "hand"), AT_REST("hand"), AT_REST("tool")),
+        invariants=(HELD("tool", "hand"), IN_WORKSPACE("hand")),
         writes={"hand": BODY, "tool": BODY},
         # These facts depend only on the initial place of the tool.
         keeps=(HANDLE_WITHIN_REACH, HOME),

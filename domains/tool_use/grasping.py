@@ -20,7 +20,7 @@ from hybrid_tamp.authoring import (
     Target,
 )
 
-from ..common.predicates import AT_REST
+from ..common.predicates import AT_REST, IN_WORKSPACE
 from ..common.primitives import move_straight
 from ..common.reaching import ReachGoal
 from ..common.roles import MOTION, get_token, get_tokens
@@ -124,6 +124,7 @@ GRASPING = Block(
     anchor="hand",
     entry=(*_GRASPABLE, AT_HANDLE("hand", "tool"), EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     exit=(HELD("tool", "hand"), ~EMPTY("hand"), AT_REST("hand")),
+    invariants=(IN_WORKSPACE("hand"),),
     writes={"hand": (*MOTION, "aperture")},
     allowed_contacts=(("hand", "tool"), ("tool", FLOOR)),
     hyperparameters=(
@@ -155,6 +156,7 @@ RELEASING = Block(
     entry=(HELD("tool", "hand"), STANDS("tool")),
     # The exit requires STANDS, because the tool must not fall over when the hand opens.
     exit=(~HELD("tool", "hand"), EMPTY("hand"), STANDS("tool"), AT_REST("hand"), AT_REST("tool")),
+    invariants=(IN_WORKSPACE("hand"),),
     writes={"hand": (*MOTION, "aperture")},
     allowed_contacts=(("hand", "tool"), ("tool", FLOOR)),
     duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05),

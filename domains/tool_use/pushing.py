@@ -31,7 +31,7 @@ from hybrid_tamp.authoring import (
 )
 
 from ..common.classes import Region
-from ..common.predicates import AT_REST
+from ..common.predicates import AT_REST, IN_WORKSPACE
 from ..common.primitives import straight_profile
 from ..common.roles import BODY, get_tokens
 from ..common.timetable import Timetable
@@ -224,6 +224,7 @@ PUSHING = Block(
         AT_REST("hand"),
         AT_REST("tool"),
     ),
+    invariants=(HELD("tool", "hand"), IN_WORKSPACE("hand")),
     writes={"hand": BODY, "tool": BODY, "object": BODY},
     # A push is straight, and the object keeps its heading. The other facts depend only on the tool's initial place.
     keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),

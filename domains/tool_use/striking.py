@@ -28,7 +28,7 @@ from hybrid_tamp.authoring import (
     rotate,
 )
 
-from ..common.predicates import AT_REST
+from ..common.predicates import AT_REST, IN_WORKSPACE
 from ..common.primitives import straight_profile
 from ..common.roles import BODY, get_tokens
 from ..common.servos import DAMPING_RATIO, turn_between, turning_rate
@@ -197,6 +197,7 @@ STRIKING = Block(
         AT_REST("hand"),
         AT_REST("tool"),
     ),
+    invariants=(HELD("tool", "hand"), IN_WORKSPACE("hand")),
     writes={"hand": BODY, "tool": BODY, "object": ("velocity", "impulse")},
     # These facts depend only on the initial place of the tool.
     keeps=(HANDLE_WITHIN_REACH, HOME),

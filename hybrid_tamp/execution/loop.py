@@ -227,7 +227,7 @@ class Run:
             raise blame_state(after, self._running.values(), self._time)
         self._state = after
         self._time = self._log.record_step(after, row, cut, self._running.values())
-        self._monitors.check(self._log)
+        self._monitors.check(self._log, after)
 
     def _record_failure(self, error: RunError) -> Recording:
         step = self._log.step_index

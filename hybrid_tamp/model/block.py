@@ -137,6 +137,7 @@ class Block:
         targets: roles of tokens and symbols that the block reads, but that are in no slot of the block.
         entry: conditions over roles that must hold when tokens enter the slots.
         exit: conditions over roles that must hold when the tokens leave. The exit conditions are also the effects.
+        invariants: conditions over roles that must hold as long as an instance runs.
         writes: maps each slot to the varying properties that the continuous system changes.
         keeps: predicates that read a written property, but whose atoms the block does not change.
         hyperparameters: policy parameters whose values are optimised.
@@ -161,6 +162,7 @@ class Block:
     targets: tuple[Target, ...] = ()
     entry: tuple[Literal, ...] = ()
     exit: tuple[Literal, ...] = ()
+    invariants: tuple[Literal, ...] = ()
     writes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     keeps: tuple[Predicate, ...] = ()
     hyperparameters: tuple[Hyperparameter, ...] = ()

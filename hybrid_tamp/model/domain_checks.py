@@ -124,7 +124,7 @@ def _edges(domain: Declarations) -> Iterator[Issue]:
 def _conditions(domain: Declarations) -> Iterator[Issue]:
     known = set(map(id, domain.predicates))
     for block in domain.blocks:
-        for literal in (*block.entry, *block.exit):
+        for literal in (*block.entry, *block.exit, *block.invariants):
             where = f"{block.name}: {literal.text}"
             if id(literal.predicate) not in known:
                 names = tuple(sorted(predicate.name for predicate in domain.predicates))
@@ -135,6 +135,10 @@ def _conditions(domain: Declarations) -> Iterator[Issue]:
                 wanted = "a negative entry condition must use a static predicate"
                 remedy = "declare a predicate with the opposite meaning and use that predicate instead"
                 yield Issue(f"{block.name}: {literal.text}", wanted, remedy=remedy)
+        for literal in block.invariants:
+            if literal.predicate.static or ANY in literal.arguments:
+                wanted = "an invariant must be a condition on a predicate that changes, without a wildcard"
+                yield Issue(f"{block.name}: {literal.text}", wanted, remedy="make it an entry condition")
         for literal in block.exit:
             yield from _exit(block, literal)
 
@@ -200,7 +204,7 @@ def _frame(domain: Declarations) -> Iterator[Issue]:
                     if not read or isinstance(parameter.sort, SymbolSort):
                         continue
                     shared = domain.relations.can_share_token(parameter.sort, slot_class)
-                    if shared and not _handled(block.exit, predicate, index, slot_name):
+                    if shared and not _handled((*block.exit, *block.invariants), predicate, index, slot_name):
                         yield Issue(
                             f"{block.name}.{slot_name}",
                             f"the block must declare its effect on {predicate.name}({parameter.name}), "

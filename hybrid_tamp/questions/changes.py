@@ -210,6 +210,7 @@ def grant(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collectio
             old,
             entry=literals(old.entry),
             exit=literals(old.exit),
+            invariants=literals(old.invariants),
             keeps=tuple(changed.get(each, each) for each in old.keeps),
             duration=replace(old.duration, expected=lambda *_: old.duration.minimum),
             hyperparameters=(),

@@ -100,6 +100,9 @@ class Series:
             ),
             entry=self.entry,
             exit=self.exit,
+            invariants=tuple(
+                dict.fromkeys(rename_roles(each, link.roles) for link in self.links for each in link.block.invariants)
+            ),
             writes={
                 role: _united(link.block.writes.get(own, ()) for link in self.links for own in _called(link, role))
                 for role in sorted(self.slots)

@@ -45,6 +45,7 @@ class ActionMaker:
         block = self.block
         self._distinct()
         self._entry()
+        self._keep()
         for slot in block.slots:
             self._take(slot.name)
         self._lock()
@@ -109,6 +110,11 @@ class ActionMaker:
                 self.require((word, *arguments))
             else:
                 self.require(*self.words.stated(literal.predicate, word, arguments))
+
+    def _keep(self) -> None:
+        for literal in self.block.invariants:
+            word = self.vocabulary.predicate(literal.predicate.name, literal.positive)
+            self.require(*self.words.stated(literal.predicate, word, self._arguments(literal)), "over all")
 
     def _take(self, slot: str) -> None:
         """Move a token from its old slot to a slot of the block, and release its old instance."""
