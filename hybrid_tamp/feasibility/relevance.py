@@ -26,7 +26,9 @@ Pattern = tuple[str, tuple[Classes, ...]]
 def restrict_domain(task: Task, blocks: Collection[Block], tokens: Iterable[Token]) -> Domain:
     """Return the domain with the given blocks and with the classes and predicates of the blocks, tokens and goal."""
     domain = task.domain
-    mentioned = {literal.predicate.name for block in blocks for literal in (*block.entry, *block.exit, *block.invariants)}
+    mentioned = {
+        literal.predicate.name for block in blocks for literal in (*block.entry, *block.exit, *block.invariants)
+    }
     mentioned |= {atom.predicate for atom in task.goal}
     predicates = tuple(predicate for predicate in domain.predicates if predicate.name in mentioned)
     sorts = {sort for block in blocks for sort in block.roles.values()}

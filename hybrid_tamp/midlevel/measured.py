@@ -44,9 +44,9 @@ def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout
 
 def merge_rollouts(runs: Sequence[Rollout]) -> Rollout:
     """Merge rollouts with one candidate each into the rollout of a population. Missing values are NaN."""
-    margins = [{(c.where, c.atom): c.margin for c in run.conditions} for run in runs]
+    margins = [{(c.where, c.atom, c.throughout): c.margin for c in run.conditions} for run in runs]
     longest = max(runs, key=lambda run: len(run.conditions))
-    conditions = [replace(c, margin=_concatenate(margins, (c.where, c.atom))) for c in longest.conditions]
+    conditions = [replace(c, margin=_concatenate(margins, (c.where, c.atom, c.throughout))) for c in longest.conditions]
     figures = {key: _concatenate([run.figures for run in runs], key) for key in _keys(run.figures for run in runs)}
     begun, ended = ([{n: at[side] for n, at in run.intervals.items()} for run in runs] for side in (0, 1))
     failed = [{name: where.astype(float) for name, where in run.failed.items()} for run in runs]
@@ -80,14 +80,29 @@ def _conditions(task: Task, recording: Recording, instance: BlockInstance) -> It
         for literal in literals:
             margin = np.array([float(literal.margin(state, binding))])
             yield Condition(instance.name, literal.ground(binding), literal.predicate, margin)
+    run = _run_until_exit(recording, instance)
+    for literal in block.invariants:
+        margin = np.array([np.min(literal.margin(run, binding), initial=np.inf)])
+        yield Condition(instance.name, literal.ground(binding), literal.predicate, margin, throughout=True)
+
+
+def _rows_until_exit(recording: Recording, instance: BlockInstance) -> tuple[int, int]:
+    """Return the first and the last row of an instance, up to the time at which its exit conditions hold."""
+    end = instance.end if instance.reached is None else min(instance.reached, instance.end)
+    first, last = (round(time / recording.timestep) for time in (instance.start, end))
+    return first, last
+
+
+def _run_until_exit(recording: Recording, instance: BlockInstance) -> State:
+    first, last = _rows_until_exit(recording, instance)
+    return State(recording.layout, recording.states[first + 1 : last + 1])
 
 
 def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, FloatArray]]:
     """Yield pairs of (measure, figure), measured from the start of an instance until its exit conditions hold."""
     block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
-    end = instance.end if instance.reached is None else min(instance.reached, instance.end)
-    first, last = (round(time / recording.timestep) for time in (instance.start, end))
-    run = State(recording.layout, recording.states[first + 1 : last + 1])
+    first, last = _rows_until_exit(recording, instance)
+    run = _run_until_exit(recording, instance)
     commands = {
         (token, action): recording.commanded(token, action)[first:last]
         for token, action, _ in recording.commands_layout

@@ -72,6 +72,10 @@ class InstanceModel:
         """Return the margins of the measured entry conditions. Shape ``(..., e)``."""
         return self._margins(self.block.measured_entries, state)
 
+    def invariants(self, state: State) -> FloatArray:
+        """Return the margins of the invariants. Shape ``(..., i)``."""
+        return self._margins(self.block.invariants, state)
+
     def _margins(self, literals: Sequence[Literal], state: State) -> FloatArray:
         batch = state.values.shape[:-1]
         margins = [np.broadcast_to(literal.margin(state, self.binding), batch) for literal in literals]
@@ -90,6 +94,7 @@ class Stretch:
         after: final state of the instance's tokens, or the initial state if the rollout failed. Shape ``(n, m)``.
         steps: number of control periods. Shape ``(n,)``.
         exits: final margins of the exit conditions, each in the unit of its predicate. Shape ``(n, e)``.
+        invariants: least margins of the invariants, each in its own unit. Shape ``(n, i)``.
         figures: values of the performance measures. Shape ``(n, p)``.
         finite: whether all computed values are finite. Shape ``(n,)``.
     """
@@ -97,6 +102,7 @@ class Stretch:
     after: FloatArray
     steps: IntArray
     exits: FloatArray
+    invariants: FloatArray
     figures: FloatArray
     finite: BoolArray
 
@@ -122,6 +128,7 @@ class Population:
         self.steps = np.zeros(count, dtype=np.int64)
         self.finite = np.ones(count, dtype=bool)
         self.exits = np.full((count, len(model.block.measured_exits)), np.nan)
+        self.invariants = np.full((count, len(model.block.invariants)), np.inf)
         self.figures = np.array([[-np.inf if m.peak else 0.0 for m in self.measures]] * count).reshape(count, -1)
         self.done = 0  # control steps so far
         self._restrict(np.arange(count))
@@ -157,6 +164,7 @@ class Population:
         last = np.where(reached.any(axis=0), reached.argmax(axis=0), count - 1)
         over = np.asarray(reached.any(axis=0) | ~finite | still | ends)
         self._measure(run, commanded, np.arange(count)[:, None] <= last)
+        self._keep_least(run, np.arange(count)[:, None] <= last)
         retired = over & self.pending[self.rows]
         index, local = self.rows[retired], np.flatnonzero(retired)
         self.after[index] = np.where(finite[local, None], chunk[last[local], local], self.start[index])
@@ -187,6 +195,12 @@ class Population:
                 rate = np.where(counted, measure.rate(binding, run, commands), 0.0)
                 self.figures[self.rows, column] = mine + rate.sum(axis=0) * CONTROL_PERIOD
 
+    def _keep_least(self, run: State, counted: BoolArray) -> None:
+        """Update the least margins of the invariants by the counted states of a chunk ``(t, n)``."""
+        counted = counted & self.pending[self.rows]
+        least = np.where(counted[..., None], self.model.invariants(run), np.inf).min(axis=0)
+        self.invariants[self.rows] = np.minimum(self.invariants[self.rows], least)
+
     def stretch(self) -> Stretch:
         """Return the results of all candidates."""
         before, after = self.model.state(self.start), self.model.state(self.after)
@@ -194,7 +208,7 @@ class Population:
             if measure.end is not None:
                 self.figures[:, column] = measure.end(self.model.binding, before, after, self.chosen)
         finite = self.finite & np.isfinite(self.figures).all(axis=1) & np.isfinite(self.exits).all(axis=1)
-        return Stretch(self.after, self.steps, self.exits, self.figures, finite)
+        return Stretch(self.after, self.steps, self.exits, self.invariants, self.figures, finite)
 
 
 def _steady(commanded: Sequence[Commands]) -> BoolArray:

@@ -42,12 +42,14 @@ class Condition:
         atom: the ground condition.
         predicate: predicate of the condition. A margin of ``-predicate.scale`` is a violation of 1.
         margin: signed margins, in the unit of the predicate. Not finite for failed rollouts. Shape ``(n,)``.
+        throughout: whether the condition is an invariant. Its margin is then the least margin until the exit.
     """
 
     where: str
     atom: Atom
     predicate: Predicate
     margin: FloatArray
+    throughout: bool = False
 
     @property
     def violation(self) -> FloatArray:
@@ -195,6 +197,7 @@ class _Chain:
         if running.stretch is None:
             running.stretch = stretch = simulation.run(running.start, running.chosen)
             self._note(name, simulation.block.measured_exits, simulation, stretch.exits)
+            self._note(name, simulation.block.invariants, simulation, stretch.invariants, throughout=True)
             for column, measure in enumerate(simulation.block.performance):
                 self.figures[name, measure.name] = stretch.figures[:, column]
             bad = ~stretch.finite & ~self.broken
@@ -216,10 +219,18 @@ class _Chain:
         held = simulation.held
         self.now[:, simulation.columns[held]] = rows[:, held]
 
-    def _note(self, where: str, literals: tuple[Literal, ...], simulation: Simulation, margins: FloatArray) -> None:
+    def _note(
+        self,
+        where: str,
+        literals: tuple[Literal, ...],
+        simulation: Simulation,
+        margins: FloatArray,
+        *,
+        throughout: bool = False,
+    ) -> None:
         for column, literal in enumerate(literals):
             atom = literal.ground(simulation.binding)
-            self.conditions.append(Condition(where, atom, literal.predicate, margins[:, column]))
+            self.conditions.append(Condition(where, atom, literal.predicate, margins[:, column], throughout))
 
     def finish(self, ending: tuple[str, ...] | None = None) -> Rollout:
         """Return the outcome of the population at the end of the plan, or at the exit of the given instances."""

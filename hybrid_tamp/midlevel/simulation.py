@@ -74,7 +74,8 @@ class Simulation(InstanceModel):
         The rollout takes the minimum duration if the exit conditions hold, else the maximum duration.
         """
         least = int(np.ceil(self.shortest / CONTROL_PERIOD - 1e-6))
-        exits = self.exits(self.state(start))
+        exits, invariants = self.exits(self.state(start)), self.invariants(self.state(start))
         steps = np.where((exits >= 0).all(axis=1), least, self.longest)
         figures = np.zeros((len(start), len(self.block.performance)))
-        return Stretch(start, steps.astype(np.int64), exits, figures, np.asarray(np.isfinite(exits).all(axis=1)))
+        finite = np.asarray(np.isfinite(exits).all(axis=1))
+        return Stretch(start, steps.astype(np.int64), exits, invariants, figures, finite)

@@ -101,7 +101,7 @@ def _summarise(
     rollout, chosen = candidates.rollout, candidates.chosen
     values = dict(zip(objective.keys, candidates.point.tolist(), strict=True))
     short = rollout.worst(chosen)
-    margins = {(c.where, c.atom): float(c.margin[chosen]) for c in rollout.conditions}
+    margins = {(c.where, c.atom): float(c.margin[chosen]) for c in rollout.conditions if not c.throughout}
     return RefinedPlan(
         plan=objective.plan.set_hyperparameters(values),
         hyperparameters=tuned,
