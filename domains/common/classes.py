@@ -1,6 +1,6 @@
 """Object classes and property declarations that several domains share."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator
@@ -12,10 +12,13 @@ from hybrid_tamp.authoring import (
     Cylinder,
     PlaceClass,
     Shape,
+    State,
     Token,
     Vector3,
     quantity,
 )
+
+from .vectors import depth_in_workspace
 
 
 def _all_positive(vector: Vector3) -> Vector3:
@@ -100,6 +103,12 @@ class StaticEndEffector(CapabilityClass):
         if any(low >= high for low, high in zip(lower, upper, strict=True)):
             return f"workspace_lower must be less than workspace_upper in x, y and z; got {lower} m and {upper} m"
         return None
+
+    @staticmethod
+    def consistent_start(token: Token, state: State, tokens: Iterable[Token]) -> str | None:
+        """Return an error message if the hand starts outside its workspace, otherwise None."""
+        depth = float(depth_in_workspace(token, state[token, "position"]))
+        return None if depth >= 0 else f"the hand must start within its workspace, but it is {-depth:.4g} m outside"
 
 
 class Region(PlaceClass):
