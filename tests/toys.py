@@ -8,7 +8,7 @@ import numpy as np
 
 from hybrid_tamp.geometry.shapes import Box, Cylinder, Sphere
 from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, BasicAction, CapabilityClass, PlaceClass, quantity
-from hybrid_tamp.model.block import Block, Duration, Slot, Target
+from hybrid_tamp.model.block import FLOOR, Block, Duration, Slot, Target
 from hybrid_tamp.model.control import Commands, ContinuousSystem, Hyperparameter, Parameters
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork
@@ -114,16 +114,18 @@ RESTING = Block(
     slots=(Slot("token", TOKEN),),
     anchor="token",
     entry=(AT_REST("token"),),
+    allowed_contacts=(("token", FLOOR), ("token", "token")),
     duration=Duration(0.1, 3600.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
 )
 
 
 def domain(moving: Block = MOVING) -> Domain:
+    more = {literal.predicate: None for literal in moving.invariants}
     return Domain(
         name="toy",
         classes=(Pusher, Twister, Thing, Spot),
-        predicates=(NEAR, AT_REST),
+        predicates=(NEAR, AT_REST, *more),
         blocks=(moving, RESTING),
         network=ReassignmentNetwork(
             [

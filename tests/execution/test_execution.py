@@ -16,10 +16,12 @@ from hybrid_tamp.errors import DomainError
 from hybrid_tamp.execution.events import Event, EventLog
 from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.execution.loop import PATIENCE, SETTLING
-from hybrid_tamp.model.block import Duration
+from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.block import FLOOR, Duration
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.predicate import Atom, Parameter, Predicate
+from hybrid_tamp.model.task import Limits
 from hybrid_tamp.physics.analytic import AnalyticBackend
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.report.measures import CONTACT, run_measures
@@ -57,21 +59,84 @@ def test_a_lawful_plan_becomes_a_lawful_run(toys: Any, backend_name: str) -> Non
     assert [margin.atom.text for margin in recording.goal] == ["near(pusher, spot)"]
 
 
-def test_contacts_are_recorded_with_the_instances_of_the_time(toys: Any) -> None:
-    world = toys.world.pusher().spot().thing("post", toys.box(0.05, 0.1, 0.4), {"mass": 20.0}, position=(0.2, 0, 0.4))
+def pushing_at_a_post(toys: Any, **changes: Any) -> tuple[Any, TaskPlan]:
+    world = toys.world.block(**changes) if changes else toys.world
+    world = world.pusher().spot().thing("post", toys.box(0.05, 0.1, 0.4), {"mass": 20.0}, position=(0.2, 0, 0.4))
     plan = toys.one_move()
-    plan = replace(plan, instances=(*plan.instances, toys.rest("RESTING-post", 0.0, 1.2, "post")))
+    return world.task(), replace(plan, instances=(*plan.instances, toys.rest("RESTING-post", 0.0, 1.2, "post")))
+
+
+def test_contacts_are_recorded_with_the_instances_of_the_time(toys: Any) -> None:
+    task, plan = pushing_at_a_post(toys)
+    task = task.replaced(limits=Limits(contact=1e4))
     with open_backend("pybullet") as backend:
-        recording = execute(world.task(), plan, backend)
-    [contact] = recording.contacts
+        recording = execute(task, plan, backend)
+    floor, contact = sorted(recording.contacts, key=lambda each: each.tokens)
+    assert (floor.tokens, floor.instances, floor.allowed) == ((FLOOR, "post"), ("", "RESTING-post"), True)
+    assert not floor.between_instances
     assert contact.tokens == ("post", "pusher")
     assert contact.instances == ("RESTING-post", "MOVING-1")
     assert contact.between_instances
     assert contact.force > 5.0
     assert run_measures(plan, recording)[CONTACT] == contact.force
-    predicted = run(world.task(), plan)
+    predicted = run(task, plan)
     assert predicted.contacts == ()
     assert CONTACT not in run_measures(plan, predicted)
+
+
+def test_a_contact_that_no_block_allows_fails_the_run(toys: Any) -> None:
+    task, plan = pushing_at_a_post(toys)
+    with open_backend("pybullet") as backend:
+        recording = execute(task, plan, backend)
+    assert recording.failure is not None
+    assert recording.failure.instance == "MOVING-1"
+    contact = recording.failure.contact
+    assert contact is not None
+    assert (contact.tokens, contact.allowed) == (("post", "pusher"), False)
+    assert contact.force > task.limits.contact
+    assert recording.failure.reason == (
+        f"post and pusher touched with {contact.force:.1f} N at {contact.time:.3f} s; "
+        "no running block allows more than 20 N between them"
+    )
+    assert recording.duration == contact.time
+
+
+def test_the_limit_of_a_contact_is_a_setting_of_the_task(toys: Any) -> None:
+    task, plan = pushing_at_a_post(toys)
+    with open_backend("pybullet") as backend:
+        recording = execute(task.replaced(limits=Limits(contact=1e4)), plan, backend)
+    assert recording.failure is None or recording.failure.contact is None
+    assert any(c.tokens == ("post", "pusher") and not c.allowed and c.force > 20.0 for c in recording.contacts)
+
+
+def test_a_block_may_allow_a_contact(toys: Any) -> None:
+    allowing = toys.world.block(allowed_contacts=(("pusher", FLOOR),))
+    for allowed, world in ((False, toys.world), (True, allowing)):
+        task = world.pusher().spot(height=0.0).task()
+        with open_backend("pybullet") as backend:
+            recording = execute(task, toys.one_move(), backend)
+        assert recording.failure is not None  # The floor keeps it from the spot.
+        assert (recording.failure.contact is None) == allowed
+
+
+def test_an_invariant_that_is_violated_fails_the_run(toys: Any) -> None:
+    near_start = Predicate(
+        "near_start",
+        (Parameter("pusher", TOKEN),),
+        lambda state, pusher: 0.1 - np.abs(state[pusher, "position"][..., 0]),
+        unit="m",
+        scale=0.01,
+        reads={"pusher": ("position",)},
+        denial="{pusher} is far from its start",
+    )
+    task = toys.one_move_task(invariants=(near_start("pusher"),))
+    recording = run(task, toys.one_move())
+    assert recording.failure is not None
+    assert recording.failure.instance == "MOVING-1"
+    assert recording.failure.reason.startswith("pusher is far from its start at ")
+    [margin] = recording.failure.margins
+    # Half the scale is the tolerance; a control period adds little.
+    assert -0.012 < margin.measured < -0.005
 
 
 def test_a_block_ends_when_its_exit_is_measured_not_when_it_was_planned(toys: Any) -> None:

@@ -11,7 +11,9 @@ from scenes import rolling_task
 import hybrid_tamp
 from hybrid_tamp.midlevel.measured import measure_run
 from hybrid_tamp.midlevel.rollout import Rollouts
+from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.block import Measure
+from hybrid_tamp.model.predicate import Parameter, Predicate
 from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.dmp import DMP
@@ -45,6 +47,24 @@ def _rolling(**changes: object) -> Task:
 @pytest.fixture(scope="module")
 def task() -> Task:
     return _rolling()
+
+
+def test_an_invariant_counts_with_its_least_margin() -> None:
+    def height(state, hand):  # type: ignore[no-untyped-def]
+        return 0.503 - state[hand, "position"][..., 2]
+
+    low = Predicate("low", (Parameter("hand", TOKEN),), height, unit="m", scale=0.01, reads={"hand": ("position",)})
+    task = rolling_task()
+    reaching = replace(task.domain.block_by_name["REACHING:behind"], invariants=(low("hand"),))
+    others = [replace(b, keeps=(*b.keeps, low)) for b in task.domain.blocks if b.name != reaching.name]
+    task = task.replaced(domain=task.domain.with_blocks([*others, reaching], [low]))
+    plan = reach_and_roll(task)
+    run, rollout = predict(task, plan), Rollouts(task, plan)({})
+    [highest] = [c for c in rollout.conditions if c.throughout and c.atom.predicate == "low"]
+    # A reach is higher in its middle than at both ends.
+    assert highest.where == "REACHING-1"
+    assert highest.margin[0] == pytest.approx(0.503 - run.trajectory["hand 0", "position"][:, 2].max(), abs=1e-6)
+    assert rollout.violation[0] == pytest.approx(max(0.0, -highest.margin[0]) / 0.01)
 
 
 def test_a_single_rollout_is_the_executors_run(task: Task) -> None:

@@ -55,6 +55,12 @@ def test_the_temporal_domain_does_not_depend_on_the_tokens() -> None:
     assert ":requirements :strips :typing :fluents :durative-actions" in temporal_domain_text(one.problem.domain)
 
 
+def test_invariants_hold_over_all_of_an_action() -> None:
+    text = temporal_domain_text(compile_durative(TWO_DRUMS).problem.domain)
+    rolling = text[text.index("(:durative-action run-rolling") :].split("(:durative-action")[1]
+    assert "(over all (in_workspace ?hand))" in rolling
+
+
 def test_the_temporal_problem_does_not_depend_on_the_order_of_sets() -> None:
     """Python gives strings different hashes in every process."""
     code = (
