@@ -198,21 +198,19 @@ class Run:
         for instance in instances:
             running = Running(self._task, instance, self._time, self._state)
             self._running[instance.name] = running
-            margins = tuple(self._entries(instance))
-            chosen = running.hyperparameters
-            self._observer(Event(self._time, "begin", instance, hyperparameters=chosen, margins=margins))
+            margins, values = tuple(self._entries(instance)), running.hyperparameters
+            self._observer(Event(self._time, "begin", instance, hyperparameters=values, margins=margins))
         self._backend.assign([running.instance for running in self._running.values()])
         self._monitors = Monitors(self._task, self._running.values())
 
     def _end(self, running: Running) -> None:
-        margins = tuple(running.measure_exits(self._state))
+        margins, values = tuple(running.measure_exits(self._state)), running.hyperparameters
         self._log.record_end(running, self._time, margins)
-        chosen = running.hyperparameters
-        self._observer(Event(self._time, "end", running.instance, hyperparameters=chosen, margins=margins))
+        self._observer(Event(self._time, "end", running.instance, hyperparameters=values, margins=margins))
 
     def _entries(self, instance: BlockInstance) -> list[AtomMargin]:
-        block = self._task.domain.block_by_name[instance.block]
-        return measure_conditions(self._task, block.measured_entries, instance, self._state)
+        entries = self._task.domain.block_by_name[instance.block].measured_entries
+        return measure_conditions(self._task, entries, instance, self._state)
 
     def _step(self) -> None:
         """Apply the policies' commands for one control period and record the measured state.
@@ -234,8 +232,8 @@ class Run:
         for running in list(self._running.values()):
             self._end(running)
         failure = Failure(step, error.instance, error.reason, error.margins, error.contact)
-        instance = next((i for i in self._plan.instances if i.name == error.instance), None)
-        self._observer(Event(self._time, "failure", instance, margins=error.margins, reason=error.reason))
+        failed = next((i for i in self._plan.instances if i.name == error.instance), None)
+        self._observer(Event(self._time, "failure", failed, margins=error.margins, reason=error.reason))
         _logger.warning("step %d failed: %s", step, error.reason)
         return self._log.make_recording(self._measure_goal(), failure)
 
