@@ -194,11 +194,13 @@ def differences(task: Task, other: Task) -> list[str]:
     """Return a phrase for each difference between two tasks of one domain. Numbers may differ by `TOLERANCE`."""
     found = [
         f"{name} differs"
-        for name in ("name", "goal", "agents", "assignment", "planner", "limits", "seed", "objective", "midlevel")
+        for name in ("name", "goal", "agents", "planner", "limits", "seed", "objective", "midlevel")
         if getattr(task, name) != getattr(other, name)
     ]
     if [token.name for token in task.tokens] != [token.name for token in other.tokens]:
         return [*found, "tokens differ"]
+    if any(task.start_block(one.name) is not other.start_block(one.name) for one in task.assigned):
+        found.append("assignment differs")
     for one, same in zip(task.tokens, other.tokens, strict=True):
         if (one.classes, one.unknown) != (same.classes, same.unknown):
             found.append(f"classes of token {one.name} differ")

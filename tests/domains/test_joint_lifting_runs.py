@@ -1,4 +1,4 @@
-"""Joint lifting in PyBullet, whole runs judged by law, measures and contacts; campaigns are in scripts/trials."""
+"""Joint lifting in PyBullet, whole runs judged by law, measures and contacts; campaigns are in scripts/campaign."""
 
 from pathlib import Path
 

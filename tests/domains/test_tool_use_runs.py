@@ -1,4 +1,4 @@
-"""Tool use in PyBullet: one run of each kind; campaigns are in scripts/trials."""
+"""Tool use in PyBullet: one run of each kind; campaigns are in scripts/campaign."""
 
 from collections.abc import Mapping
 from dataclasses import replace

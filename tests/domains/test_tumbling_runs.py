@@ -1,4 +1,4 @@
-"""Tumbling in PyBullet: one run of each kind, judged by law, measures and contacts; campaigns are in scripts/trials."""
+"""Tumbling in PyBullet: one run of each kind, judged by law, measures, contacts. Campaigns: scripts/campaign."""
 
 from pathlib import Path
 

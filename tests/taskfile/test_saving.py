@@ -75,6 +75,12 @@ def test_a_name_longer_than_a_simple_key_of_yaml_is_saved(name: str, toy: Domain
     assert differences(task, load_task(tmp_path / "t.yaml", lambda _: toy)) == []
 
 
+def test_a_task_without_an_assignment_starts_in_the_resting_block(toy: Domain, tmp_path: Path) -> None:
+    task = make_task(toy, TOKENS, [WITHIN]).replaced(assignment={})
+    save_task(task, tmp_path / "t.yaml")
+    assert load_task(tmp_path / "t.yaml", lambda _: toy).assignment == {"hand": "RESTING", "drum": "RESTING"}
+
+
 names = st.text(st.characters(codec="utf-8"), min_size=1, max_size=4) | st.sampled_from(
     [
         "no",
