@@ -6,7 +6,7 @@ from pydantic import BaseModel
 
 from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, MeshFile, Placement, Sphere
 from hybrid_tamp.model.affordance import AffordanceClass, CapabilityClass, ObjectClass, is_place
-from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.block import FLOOR, Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Literal, Predicate
 from hybrid_tamp.taskfile.entries import LimitsEntry, MidLevelEntry, Pose, RangeEntry, TaskFile, TokenEntry
@@ -116,6 +116,8 @@ def _block(block: Block) -> str:
         *(f"- target `{target.name}`: {target.sort.name}" for target in block.targets),
         f"- entry: {_conditions(block.entry)}",
         f"- exit: {_conditions(block.exit)}",
+        f"- invariants: {_conditions(block.invariants)}" if block.invariants else "",
+        f"- may touch: {_contacts(block)}" if block.allowed_contacts else "",
         f"- duration: {block.duration.minimum:g} s to {block.duration.maximum:g} s{after}",
         *(
             f"- hyperparameter `{h.name}`: {h.lower:g} to {h.upper:g} [{h.unit}]. {h.description}".rstrip()
@@ -129,6 +131,14 @@ def _block(block: Block) -> str:
 
 def _anchor(block: Block, slot: str) -> str:
     return " (anchor)" if slot == block.anchor and len(block.slots) > 1 else ""
+
+
+def _contacts(block: Block) -> str:
+    names = {FLOOR: "the floor"} | {role: f"`{role}`" for role in block.roles}
+    return ", ".join(
+        f"{names[one]} and {f'{names[one]} of another instance' if one == other else names[other]}"
+        for one, other in block.allowed_contacts
+    )
 
 
 def _conditions(literals: Iterable[Literal]) -> str:
