@@ -25,6 +25,7 @@
   )
   (:predicates
     (at_rest ?token - token)
+    (in_workspace ?hand - static-end-effector)
     (stands ?object - liftable)
     (raised ?object - liftable)
     (at_place ?hand - static-end-effector ?object - liftable ?place - place)

@@ -30,6 +30,7 @@
     (strikable ?thing - token)
     (pushable ?thing - token)
     (at_rest ?token - token)
+    (in_workspace ?hand - static-end-effector)
     (inside ?object - token ?region - region)
     (at_handle ?hand - n-2-virtual-fingered-hand ?tool - graspable)
     (empty ?hand - n-2-virtual-fingered-hand)

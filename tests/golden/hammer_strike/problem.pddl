@@ -24,6 +24,7 @@
     (in-resting block)
     (in-resting hammer)
     (in-resting hand)
+    (in_workspace hand)
     (inside block no-region-of-inside)
     (liftable hand hammer)
     (next none-reading n1)

@@ -30,6 +30,8 @@
     (in-resting crate)
     (in-resting left-hand)
     (in-resting right-hand)
+    (in_workspace left-hand)
+    (in_workspace right-hand)
     (next n1 n2)
     (next none-reading n1)
     (on_side left-hand crate left)

@@ -32,6 +32,8 @@
     (in-resting box)
     (in-resting left-hand)
     (in-resting right-hand)
+    (in_workspace left-hand)
+    (in_workspace right-hand)
     (next n1 n2)
     (next none-reading n1)
     (on_side left-hand box left)

@@ -38,6 +38,7 @@
     (in-resting hand)
     (in-resting paddle)
     (in-resting stick)
+    (in_workspace hand)
     (inside brick no-region-of-inside)
     (liftable hand hammer)
     (liftable hand paddle)

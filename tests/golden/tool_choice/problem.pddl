@@ -31,6 +31,7 @@
     (in-resting hammer)
     (in-resting hand)
     (in-resting mallet)
+    (in_workspace hand)
     (inside block no-region-of-inside)
     (liftable hand hammer)
     (liftable hand mallet)
