@@ -11,15 +11,16 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
+from random_tasks.corners import Corner
 
 
-def random_rolling(seed: int) -> Task:
+def random_rolling(seed: int, rng: np.random.Generator | Corner | None = None) -> Task:
     """Return a task in which one hand rolls a random cylinder to a region.
 
     Radius U(0.06, 0.15) m, length U(0.2, 0.4) m, mass U(2, 12) kg, friction U(0.4, 0.9), distance U(0.3, 1.0) m, any
     heading. The hand starts anywhere around the cylinder, 0.3 to 0.6 m from its surface.
     """
-    rng = np.random.default_rng(seed)
+    rng = rng or np.random.default_rng(seed)
     radius, length = rng.uniform(0.06, 0.15), rng.uniform(0.2, 0.4)
     mass, friction, distance = rng.uniform(2.0, 12.0), rng.uniform(0.4, 0.9), rng.uniform(0.3, 1.0)
     yaw, side, away = rng.uniform(-np.pi, np.pi), rng.uniform(-np.pi, np.pi), rng.uniform(0.3, 0.6)

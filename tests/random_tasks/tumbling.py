@@ -25,7 +25,9 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_from_rpy, rotate
 from hybrid_tamp.physics.protocol import Backend
+from random_tasks.corners import Corner
 
+Draws = np.random.Generator | Corner
 HANDS = ((-0.5, 0.0, 0.55), (0.5, 0.0, 0.55), (-0.5, 0.0, 0.1), (0.6, 0.0, 0.8))
 """Initial positions of the hands [m], each on its side and clear of the paths of the others."""
 _ROW = 1.0
@@ -40,7 +42,7 @@ _PUSH_BRAKE = 3.0
 """Factor of the usual damping of the hand, so that it does not throw the box."""
 
 
-def random_box(rng: np.random.Generator, name: str) -> Token:
+def random_box(rng: Draws, name: str) -> Token:
     """Return a box: x U(0.22, 0.38) m, y U(0.2, 0.35) m, z U(0.75, 1.6) x, U(8, 20) kg, friction U(0.4, 0.9)."""
     length = rng.uniform(0.22, 0.38)
     edges = (length, rng.uniform(0.2, 0.35), length * rng.uniform(0.75, 1.6))
@@ -52,7 +54,7 @@ def random_box(rng: np.random.Generator, name: str) -> Token:
     return Token.make(name, [Tumblable], properties)
 
 
-def random_tumbling(seed: int, hands: int = 2, boxes: int = 1, onto: str = "right") -> Task:
+def random_tumbling(seed: int, hands: int = 2, boxes: int = 1, onto: str = "right", rng: Draws | None = None) -> Task:
     """Return a task to tumble boxes onto a face; they stand 1 m apart, up to 3 cm and 3 degrees off their places.
 
     Args:
@@ -60,8 +62,9 @@ def random_tumbling(seed: int, hands: int = 2, boxes: int = 1, onto: str = "righ
         hands: number of hands; several boxes have a pair each.
         boxes: number of boxes.
         onto: face on which each box must lie in the end.
+        rng: draws the sizes and places; by default the generator of the seed.
     """
-    rng = np.random.default_rng(seed)
+    rng = rng or np.random.default_rng(seed)
     things = [random_box(rng, f"box {number + 1}") for number in range(boxes)]
     given: dict[tuple[str, str], ArrayLike] = {}
     for row, thing in enumerate(things):

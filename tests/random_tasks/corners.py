@@ -1,0 +1,28 @@
+"""Corners of the ranges of random tasks: a stand-in for a random generator that draws bounds instead of values."""
+
+import numpy as np
+
+from hybrid_tamp.motion.arrays import FloatArray
+
+
+class Corner:
+    """A generator whose first draws are the bounds of their ranges, one bit of an index each.
+
+    Later draws, and draws of several values at once, are the middle of their ranges.
+    """
+
+    def __init__(self, index: int, count: int) -> None:
+        """Make the generator of a corner.
+
+        Args:
+            index: number of the corner, from 0 to ``2 ** count - 1``.
+            count: number of draws at bounds.
+        """
+        self._bits = [bool(index >> place & 1) for place in reversed(range(count))]
+
+    def uniform(self, low: float, high: float, size: int | None = None) -> float | FloatArray:
+        """Return a bound of the range, or its middle, shape ``(size,)`` if a size is given."""
+        if size is None and self._bits:
+            return high if self._bits.pop() else low
+        middle = (low + high) / 2.0
+        return middle if size is None else np.full(size, middle)
