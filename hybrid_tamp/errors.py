@@ -104,7 +104,8 @@ class LimitReached(HybridTampError):
 
     exit_status = 20
 
-    def __init__(self, message: str, *, limit: str) -> None:
+    def __init__(self, message: str, *, limit: str = "time") -> None:
+        # The default lets processes exchange the error by pickle, which restores `limit` afterwards.
         super().__init__(message)
         self.limit = limit
 

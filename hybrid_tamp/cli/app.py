@@ -2,6 +2,7 @@
 
 import logging
 import sys
+import time
 from importlib import metadata
 from typing import Annotated
 
@@ -39,11 +40,13 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _options(
+    context: typer.Context,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log progress to standard error")] = False,
     version: Annotated[
         bool, typer.Option("--version", help="print the version", is_eager=True, callback=_version)
     ] = False,
 ) -> None:
+    context.obj = time.monotonic()  # The time limit counts from here, before a verb imports its modules.
     level = logging.INFO if verbose else logging.WARNING
     logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s", stream=sys.stderr)
 

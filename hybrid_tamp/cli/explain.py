@@ -11,11 +11,14 @@ _STATUS = {"solved": 0, "unsolvable": 10, "unknown": 11, "limit": 20}
 
 
 def explain(
+    context: typer.Context,
     task: options.Task,
     as_json: options.Json = False,
     domain: options.Domain = None,
     planner: options.Planner = None,
-    seconds: Annotated[float, typer.Option("--seconds", min=0, help="time limit of the search for changes [s]")] = 20.0,
+    trials: Annotated[
+        int, typer.Option("--trials", min=0, max=10**6, metavar="N", help="largest number of changed tasks to plan")
+    ] = 20,
     most: Annotated[int, typer.Option("--most", min=1, help="maximum number of changes to find")] = 5,
     time_limit: options.Time = None,
     memory_limit: options.Memory = None,
@@ -29,8 +32,10 @@ def explain(
     from hybrid_tamp.verbs.explain import explain as explain_task
     from hybrid_tamp.verbs.loading import Settings
 
-    settings = Settings(domain, planner, time_limit=time_limit, memory_limit=memory_limit)
-    result = explain_task(task, settings, seconds=seconds, most=most)
+    settings = Settings(domain, planner, time_limit=time_limit, memory_limit=memory_limit, began=context.obj)
+    result = explain_task(task, settings, trials=trials, most=most)
     say(document(result), as_json, lambda: explanation_table(result))
+    if result.explanation is not None and result.explanation.stopped is not None:
+        typer.echo(f"{result.explanation.stopped}; only a part of the changes was tried", err=True)
     if result.status != "solved":
         raise typer.Exit(_STATUS[result.status])

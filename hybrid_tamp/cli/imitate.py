@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 
 def imitate(
-    shown: Annotated[Path, typer.Argument(metavar="DIR|FILE", help="folder of a run, or CSV file of token poses")],
+    context: typer.Context,
+    shown: Annotated[
+        Path, typer.Argument(metavar="DIR|FILE", help="the folder of a run, or a CSV file of poses of tokens")
+    ],
     task: options.Task,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for the files of the run")] = None,
     as_json: options.Json = False,
@@ -38,7 +41,7 @@ def imitate(
             shown,
             task,
             output or Path(stack.enter_context(TemporaryDirectory())) / "run",
-            Settings(domain),
+            Settings(domain, began=context.obj),
             actor=actor,
             backend=backend,
             force=force,

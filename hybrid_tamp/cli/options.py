@@ -16,7 +16,7 @@ Objective = Annotated[
     typer.Option("--objective", help="quantity to minimise: the number of actions or the time"),
 ]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, max=2**32 - 1, help="seed of all random numbers")]
-Time = Annotated[float | None, typer.Option("--time-limit", min=0.001, help="time limit of the planner [s]")]
+Time = Annotated[float | None, typer.Option("--time-limit", min=0.001, help="time limit of the whole command [s]")]
 Memory = Annotated[float | None, typer.Option("--memory-limit", min=1, help="memory limit of the planner [MiB]")]
 Optimiser = Annotated[
     Literal["cma", "grid"] | None,

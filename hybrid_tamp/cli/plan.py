@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 
 def plan(
+    context: typer.Context,
     task: options.Task,
     as_json: options.Json = False,
     domain: options.Domain = None,
@@ -40,13 +41,15 @@ def plan(
         from hybrid_tamp.verbs.plan import plan as plan_task
 
         limits = (time_limit, memory_limit)
-        settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine)
+        settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine, context.obj)
         with progress_bar(optimise) as tell:
             outcome = plan_task(
                 task, settings, folder=output, force=force, optimise=optimise, planner=process, progress=tell
             )
     _show(outcome, as_json)
     if outcome.error is not None:
+        if outcome.explanation is None or outcome.explanation.stopped is not None:
+            typer.echo(str(outcome.error), err=True)
         raise typer.Exit(outcome.error.exit_status)
 
 

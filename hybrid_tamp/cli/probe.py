@@ -10,6 +10,7 @@ from hybrid_tamp.cli.console import say
 
 
 def probe(
+    context: typer.Context,
     task: options.Task,
     token: Annotated[str, typer.Option("--token", metavar="NAME", help="token to probe")],
     classes: Annotated[
@@ -26,7 +27,7 @@ def probe(
     domain: options.Domain = None,
     force: options.Force = False,
     seed: options.Seed = None,
-    time_limit: Annotated[float | None, typer.Option("--time-limit", min=0.001, help="time limit [s]")] = None,
+    time_limit: options.Time = None,
 ) -> None:
     """Predict the classes of a token from its shape and confirm the classes by trials in physics."""
     from hybrid_tamp.report.documents import document
@@ -36,11 +37,9 @@ def probe(
     from hybrid_tamp.verbs.probe import probe as probe_token
     from hybrid_tamp.verbs.probe import save_members
 
-    settings = Settings(domain, seed=seed)
+    settings = Settings(domain, seed=seed, time_limit=time_limit, began=context.obj)
     with progress_bar() as tell:
-        result = probe_token(
-            task, token, classes or (), settings, starts=starts, most_starts=most_starts, seconds=time_limit, tell=tell
-        )
+        result = probe_token(task, token, classes or (), settings, starts=starts, most_starts=most_starts, tell=tell)
     lines = "\n".join(membership_lines(result))
     say(document(result), as_json, lambda: resting_text(result), lambda: membership_table(result), lambda: lines)
     if write is not None:

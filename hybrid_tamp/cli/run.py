@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 
 def run(
+    context: typer.Context,
     task: options.Task,
     output: Annotated[Path, typer.Option("-o", "--output", help="folder for the files of the run")],
     as_json: options.Json = False,
@@ -38,7 +39,7 @@ def run(
         from hybrid_tamp.verbs.run import run as run_task
 
         limits = (time_limit, memory_limit)
-        settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine)
+        settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine, context.obj)
         with progress_bar() as tell:
             result = run_task(
                 task, output, settings, backend=backend, video=video, force=force, planner=process, progress=tell

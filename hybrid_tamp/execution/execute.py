@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from hybrid_tamp.execution.events import Observer
 from hybrid_tamp.execution.loop import Progress, Run
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.recording import AtomMargin, Recording
@@ -19,6 +20,7 @@ def execute(
     backend: Backend,
     progress: Progress | None = None,
     observer: Observer | None = None,
+    deadline: Deadline = NEVER,
 ) -> Recording:
     """Run a plan and return its recording.
 
@@ -28,21 +30,23 @@ def execute(
         backend: physics backend, which is reset to the task's initial state.
         progress: callback for the simulated time, called ten times per simulated second.
         observer: callback for the events of the run.
+        deadline: deadline of the command.
 
     Returns:
         The recording up to the end of the plan or the first failure.
 
     Raises:
+        LimitReached: the deadline passes.
         InputError: the backend cannot simulate the task.
         DomainError: a policy commands an unknown action, or a token outside the slots of its block.
     """
-    run = Run(task, plan, backend, observer)
+    run = Run(task, plan, backend, observer, deadline)
     run.advance(progress=progress)
     return run.make_recording()
 
 
 def execute_variants(
-    task: Task, plans: Sequence[TaskPlan], backend: Backend, until: str | None = None
+    task: Task, plans: Sequence[TaskPlan], backend: Backend, until: str | None = None, deadline: Deadline = NEVER
 ) -> Iterator[Recording]:
     """Run plans that differ only in their hyperparameters. Each recording equals the result of `execute` bit for bit.
 
@@ -53,16 +57,19 @@ def execute_variants(
         task: task that the plans solve.
         plans: plans that differ only in their hyperparameters, at least one.
         backend: physics backend, which is reset to the task's initial state.
-        until: name of an instance. Each run stops when this instance ends. Instances that still run are not recorded.
+        until: name of an instance. Every run stops when this instance ends. Instances that are still running are not
+            recorded.
+        deadline: deadline of the command.
 
     Yields:
         The recording of each plan, in the order of `plans`.
 
     Raises:
+        LimitReached: the deadline passes.
         InputError: the backend cannot simulate the task.
         DomainError: a policy commands an unknown action, or a token outside the slots of its block.
     """
-    trunk = Run(task, plans[0], backend)
+    trunk = Run(task, plans[0], backend, deadline=deadline)
     trunk.advance(before=_find_changed(plans), until=until)
     with backend.snapshot() as go_back:
         for plan in plans:

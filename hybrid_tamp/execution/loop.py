@@ -21,11 +21,14 @@ from hybrid_tamp.execution.running_instance import (
     RunError,
     Running,
     blame_state,
+    blame_waiting,
     command_instances,
     describe_shortfall,
     measure_conditions,
+    measure_goal,
 )
 from hybrid_tamp.model.commands import CommandLayout
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
 from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
@@ -47,10 +50,10 @@ _logger = logging.getLogger(__name__)
 class Run:
     """One execution of a plan."""
 
-    def __init__(self, task: Task, plan: TaskPlan, backend: Backend, observer: Observer | None = None) -> None:
-        self._task = task
-        self._plan = plan
-        self._backend = backend
+    def __init__(
+        self, task: Task, plan: TaskPlan, backend: Backend, observer: Observer | None = None, deadline: Deadline = NEVER
+    ) -> None:
+        self._task, self._plan, self._backend, self._deadline = task, plan, backend, deadline
         self._observer: Observer = observer or (lambda event: None)
         self._layout = CommandLayout.of(task)
         self._log = Logbook(task, self._layout, backend)
@@ -71,6 +74,9 @@ class Run:
             before: names of instances. The run stops at the first control step at which one of them might begin.
             until: name of an instance. The run stops when this instance has ended.
             progress: callback for the simulated time.
+
+        Raises:
+            LimitReached: the deadline passes.
         """
         try:
             if not self._log.started:
@@ -79,6 +85,7 @@ class Run:
                 self._carry_out_events()
                 if self._over or (until is not None and self._log.has_ended(until)):
                     return
+                self._deadline.check()
                 self._step()
                 if progress is not None and self._log.steps % _PROGRESS_STEPS == 0:
                     progress(self._time, self._plan.makespan)
@@ -145,9 +152,9 @@ class Run:
             return False
         if not self._are_ready(event.ending):
             return False
-        if len(self._awaited(event)) > len(event.ending):
-            return False
-        return all(margin.holds for instance in event.starting for margin in self._entries(instance))
+        return len(self._awaited(event)) == len(event.ending) and all(
+            margin.holds for instance in event.starting for margin in self._entries(instance)
+        )
 
     def _carry_out(self, index: int, event: Reassignment) -> None:
         names = tuple(instance.name for instance in event.starting)
@@ -177,11 +184,7 @@ class Run:
             return
         missing = [(name, m) for name in event.ending for m in self._running[name].measure_exits(self._state)]
         missing += [(instance.name, m) for instance in event.starting for m in self._entries(instance)]
-        missing = [(name, margin) for name, margin in missing if not margin.holds]
-        said = "; ".join(f"{name}: {describe_shortfall(margin)}" for name, margin in missing) or "a target still moves"
-        first = missing[0][0] if missing else event.ending[0]
-        reason = f"the reassignment due at {due - PATIENCE:.3f} s cannot happen: {said}"
-        raise RunError(first, reason, (margin for _, margin in missing))
+        raise blame_waiting([(name, m) for name, m in missing if not m.holds], due - PATIENCE, event.ending[0])
 
     def _awaited(self, event: Reassignment) -> list[str]:
         """Return the ending instances and all instances that still change a target of a starting instance (law 5)."""
@@ -196,10 +199,10 @@ class Run:
 
     def _begin(self, instances: tuple[BlockInstance, ...]) -> None:
         for instance in instances:
-            running = Running(self._task, instance, self._time, self._state)
-            self._running[instance.name] = running
-            margins, values = tuple(self._entries(instance)), running.hyperparameters
-            self._observer(Event(self._time, "begin", instance, hyperparameters=values, margins=margins))
+            running = self._running[instance.name] = Running(self._task, instance, self._time, self._state)
+            margins = tuple(self._entries(instance))
+            chosen = running.hyperparameters
+            self._observer(Event(self._time, "begin", instance, hyperparameters=chosen, margins=margins))
         self._backend.assign([running.instance for running in self._running.values()])
         self._monitors = Monitors(self._task, self._running.values())
 
@@ -235,16 +238,11 @@ class Run:
         failed = next((i for i in self._plan.instances if i.name == error.instance), None)
         self._observer(Event(self._time, "failure", failed, margins=error.margins, reason=error.reason))
         _logger.warning("step %d failed: %s", step, error.reason)
-        return self._log.make_recording(self._measure_goal(), failure)
+        return self._log.make_recording(measure_goal(self._task, self._state), failure)
 
     def _record_end(self) -> Recording:
-        goal = self._measure_goal()
+        goal = measure_goal(self._task, self._state)
         self._observer(Event(self._time, "goal", margins=goal))
-        for margin in goal:
-            if not margin.holds:
-                _logger.warning("the run did not reach the goal: %s", describe_shortfall(margin))
+        for margin in (each for each in goal if not each.holds):
+            _logger.warning("the run did not reach the goal: %s", describe_shortfall(margin))
         return self._log.make_recording(goal, None)
-
-    def _measure_goal(self) -> tuple[AtomMargin, ...]:
-        margins = [(atom, self._task.margin(atom, self._state)) for atom in self._task.goal]
-        return tuple(AtomMargin(atom, None if np.isnan(margin) else margin) for atom, margin in margins)

@@ -7,6 +7,7 @@ import numpy as np
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.commands import CommandError, CommandLayout
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.run_result import ReplayResult, StateDifference
@@ -15,15 +16,17 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
 
 
-def replay(task: Task, recording: Recording, backend: Backend) -> ReplayResult:
-    """Simulate the recorded commands from the recorded initial state, and compare the result with the recorded states.
+def replay(task: Task, recording: Recording, backend: Backend, deadline: Deadline = NEVER) -> ReplayResult:
+    """Simulate the recorded commands from the recorded initial state, and compare the states.
 
     Args:
         task: task of the recorded run.
         recording: recording to repeat.
-        backend: backend with the name and the time step of the recorded run.
+        backend: backend with the same name and time step as that of the recorded run.
+        deadline: deadline of the command.
 
     Raises:
+        LimitReached: the deadline passes.
         InputError: the recording was made with another task or backend, or the backend cannot simulate the task.
     """
     layout = CommandLayout.of(task)
@@ -39,6 +42,7 @@ def replay(task: Task, recording: Recording, backend: Backend) -> ReplayResult:
         if running != assigned:
             backend.assign(running)
             assigned = running
+        deadline.check()
         try:
             state = backend.step(layout.commands(recording.commands[index]))
         except CommandError as error:

@@ -1,7 +1,7 @@
 """Running block instances: policies, commands, measured conditions and time bounds."""
 
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 
@@ -217,3 +217,22 @@ def blame_state(state: State, running: Collection[Running], time: float) -> RunE
                     said = f"the {name} of {token} is not finite after {time:.3f} s"
                     return RunError(each.instance.name, said)
     return RunError("", f"the state is not finite after {time:.3f} s")
+
+
+def blame_waiting(missing: Sequence[tuple[str, AtomMargin]], due: float, ending: str) -> RunError:
+    """Return the failure of a run that waits too long for a reassignment.
+
+    Args:
+        missing: pairs of (instance, condition) for each condition that does not hold.
+        due: time at which the reassignment was due [s].
+        ending: instance to blame if all conditions hold.
+    """
+    said = "; ".join(f"{name}: {describe_shortfall(margin)}" for name, margin in missing) or "all conditions hold"
+    reason = f"the reassignment due at {due:.3f} s cannot happen: {said}"
+    return RunError(missing[0][0] if missing else ending, reason, (margin for _, margin in missing))
+
+
+def measure_goal(task: Task, state: State) -> tuple[AtomMargin, ...]:
+    """Return the margins of the goal atoms of a task in a state of shape ``(n,)``."""
+    margins = [(atom, task.margin(atom, state)) for atom in task.goal]
+    return tuple(AtomMargin(atom, None if np.isnan(margin) else margin) for atom, margin in margins)

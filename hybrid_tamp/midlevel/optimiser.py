@@ -6,7 +6,6 @@ tied candidates, the candidate with the smallest Euclidean distance to the defau
 are equal, the earliest candidate wins. So a hyperparameter changes only if the change improves the score.
 """
 
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -28,26 +27,21 @@ Progress = Callable[[Milestone], None]
 
 @dataclass(frozen=True)
 class Budget:
-    """The limits of a search. The search ends at the first limit that it reaches.
+    """The limit of a search.
 
     Attributes:
         evaluations: maximum number of candidates, which is never exceeded.
-        seconds: time in seconds after which no further batch begins. A search that reaches this limit is not
-            reproducible.
 
     Raises:
-        InputError: if a limit is not positive.
+        InputError: if the limit is not positive.
     """
 
     evaluations: int
-    seconds: float = float("inf")
 
     def __post_init__(self) -> None:
-        """Check that both limits are positive."""
+        """Check that the limit is positive."""
         if not self.evaluations >= 1:
             raise InputError([Issue("budget.evaluations", "must be at least 1 evaluation", str(self.evaluations))])
-        if not self.seconds > 0.0:
-            raise InputError([Issue("budget.seconds", "must be more than 0 s", str(self.seconds))])
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +53,8 @@ class Optimum:
         violation: violation V of the best candidate. Positive if no candidate met all conditions.
         value: value J of the best candidate.
         evaluations: number of evaluated candidates.
-        history: one milestone per batch.
-        stopped: reason why the search ended: ``converged``, ``evaluations``, ``seconds`` or ``all sampled``.
+        history: milestones after each batch.
+        stopped: reason why the search ended: ``converged``, ``evaluations`` or ``all sampled``.
     """
 
     point: FloatArray
@@ -85,7 +79,7 @@ class Search:
     Attributes:
         k: number of searched variables.
         start: default point in the unit cube. Shape ``(k,)``.
-        budget: the limits of the search.
+        budget: the limit of the search.
         evaluations: number of candidates evaluated so far.
     """
 
@@ -95,7 +89,6 @@ class Search:
         self._varying = space.only(space.varying)
         self.budget = budget
         self._progress = progress
-        self._begin = time.monotonic()
         self._points: list[FloatArray] = []
         self._scores: list[Scores] = []
         self._history: list[Milestone] = []
@@ -105,10 +98,8 @@ class Search:
 
     @property
     def spent(self) -> str:
-        """Name of the limit that is reached, ``evaluations`` or ``seconds``, or an empty string."""
-        if self.evaluations >= self.budget.evaluations:
-            return "evaluations"
-        return "seconds" if time.monotonic() - self._begin >= self.budget.seconds else ""
+        """Name of the limit ``evaluations`` if it is reached, or an empty string."""
+        return "evaluations" if self.evaluations >= self.budget.evaluations else ""
 
     def gain(self, batches: int) -> float:
         """Return the gain of the last batches as a fraction of the total gain.
@@ -190,8 +181,8 @@ class Optimiser(ABC):
         Args:
             evaluate: function that returns the scores of a batch of points.
             space: the variables and their bounds. Constant variables keep their values.
-            budget: the limits of the search.
-            rng: only source of randomness. Equal states of the generator lead to bit-identical optima.
+            budget: the limit of the search.
+            rng: only source of randomness. The same generator state gives a bit-identical optimum.
             progress: callback for each milestone.
 
         Raises:

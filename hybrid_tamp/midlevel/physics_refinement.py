@@ -50,14 +50,14 @@ def refine_in_physics(
     """Search near a point. Candidates are scored by runs in physics.
 
     Args:
-        settings: optimiser and budgets. Physics gets a share of the evaluations and the full time budget again.
+        settings: optimiser and budget. The number of runs in physics is a share of the budget of evaluations.
         searched: result of the search on the forward models.
         point: optimum on the forward models. Shape ``(d,)``.
         measured: objective that scores runs in physics. Repeated runs give bit-identical scores, so there is no noise.
     """
     began, midlevel = time.monotonic(), settings.midlevel
     part = narrow_space(replace(searched.objective, until=None), point, searched.screening.relevant)
-    budget = Budget(int(np.clip(midlevel.evaluations // _SHARE, _LEAST, _MOST)), midlevel.seconds)
+    budget = Budget(int(np.clip(midlevel.evaluations // _SHARE, _LEAST, _MOST)))
 
     def tell(milestone: Milestone) -> None:
         settings.tell(min(1.0, milestone.evaluations / budget.evaluations), milestone)

@@ -4,7 +4,6 @@ Screening finds the variables that have an effect. All other variables keep thei
 smaller. The search starts at the default point or, if better, at the result of optimising each action separately.
 """
 
-import time
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
@@ -43,16 +42,14 @@ class SearchSettings:
     """Settings of all searches for one plan.
 
     Attributes:
-        midlevel: optimiser and budgets of the task.
+        midlevel: optimiser and budget of the task.
         rng: only source of randomness.
-        began: start time of the optimisation, from `time.monotonic`, in seconds.
         tell: progress callback.
         compare: whether to also optimise each action separately.
     """
 
     midlevel: MidLevel
     rng: np.random.Generator
-    began: float
     tell: Progress
     compare: bool
 
@@ -144,16 +141,14 @@ def _optimise(
     midlevel = settings.midlevel
     part = objective.space.starting_at(start).only(names)
     left = max(1, midlevel.evaluations - spent)
-    seconds = max(0.1, midlevel.seconds - (time.monotonic() - settings.began))
     optimise = find_optimiser(midlevel.optimiser, batch=_BATCHES.get(midlevel.optimiser), quick=True)
 
     def tell(milestone: Milestone) -> None:
-        share = max(milestone.evaluations / left, (time.monotonic() - settings.began) / midlevel.seconds)
-        settings.tell(min(share, 1.0), milestone)
+        settings.tell(min(milestone.evaluations / left, 1.0), milestone)
 
     evaluate = Evaluator(objective, part)
     try:
-        optimum = optimise(evaluate, part, Budget(left, seconds), settings.rng, tell)
+        optimum = optimise(evaluate, part, Budget(left), settings.rng, tell)
     except NothingFinite as error:
         raise _blame_block(evaluate, error) from error
     return evaluate, replace(optimum, point=part.embed(optimum.point[None])[0])

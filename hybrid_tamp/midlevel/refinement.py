@@ -16,6 +16,7 @@ from hybrid_tamp.midlevel.physics_refinement import refine_in_physics
 from hybrid_tamp.midlevel.plan_search import Progress, Searched, SearchSettings, search_plan
 from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.midlevel.summary import Candidates, summarise, summarise_defaults
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.refined import RefinedPlan
 from hybrid_tamp.model.task import Task
@@ -28,6 +29,7 @@ def refine(
     roll_out: RollOut | None = None,
     compare: bool = True,
     measured: RollOut | None = None,
+    deadline: Deadline = NEVER,
 ) -> RefinedPlan:
     """Optimise the hyperparameters of a plan with the settings of its task.
 
@@ -38,12 +40,14 @@ def refine(
         roll_out: function that rolls out candidates. By default, the blocks' forward models are used.
         compare: whether to also optimise each action separately, for comparison.
         measured: function that runs candidates in physics, for tasks with ``refine: physics``.
+        deadline: deadline of the command.
 
     Raises:
+        LimitReached: if the deadline passes.
         NotFinite: if every rollout failed.
     """
     began, last = time.monotonic(), find_last_measured(task, plan)
-    objective = Objective(task, plan, roll_out or Rollouts(task, plan))
+    objective = Objective(task, plan, roll_out or Rollouts(task, plan, deadline))
     if last is None or not objective.space.varying:
         defaults = Candidates.of(objective, objective.space.default)
         if not objective.space.varying or defaults.violation == 0:
@@ -52,7 +56,7 @@ def refine(
         objective = replace(objective, reserves={})  # Without a value to maximise, reserves have no use.
     tell = progress or (lambda share, best: None)
     rng = np.random.default_rng(task.seed)
-    settings = SearchSettings(task.midlevel, rng, began, tell, compare and last is not None)
+    settings = SearchSettings(task.midlevel, rng, tell, compare and last is not None)
     searched = search_plan(settings, replace(objective, until=last))
     candidates = _compare(searched)
     if last is not None and searched.optimum.violation == 0 and candidates.violation > 0:

@@ -6,7 +6,7 @@ reassignment continue until all these instances have reached their exits. If a c
 added to the violation, and the rollout continues.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from hybrid_tamp.midlevel.population import IntArray, Stretch
 from hybrid_tamp.midlevel.simulation import Simulation
 from hybrid_tamp.model.control import CONTROL_PERIOD
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom, Literal, Predicate
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
@@ -103,14 +104,24 @@ class Rollout:
 class Rollouts:
     """Rollout function for one plan on forward models. Results that all candidates share are computed once."""
 
-    def __init__(self, task: Task, plan: TaskPlan) -> None:
+    def __init__(self, task: Task, plan: TaskPlan, deadline: Deadline = NEVER) -> None:
         self.task = task
         self.plan = plan
         self._events = reassignments(task, plan)
-        self._simulations = {instance.name: Simulation(task, instance) for instance in plan.instances}
+        self._simulations = {instance.name: Simulation(task, instance, deadline) for instance in plan.instances}
 
     def __call__(self, chosen: Chosen, count: int = 1, until: str | None = None) -> Rollout:
-        """Roll out a population (see `objective.RollOut`)."""
+        """Roll out a population.
+
+        Args:
+            chosen: maps (instance, hyperparameter) to values of shape ``(n,)``. Other hyperparameters keep their value
+                in the plan or, without one, their initial value.
+            count: size n of the population.
+            until: name of the instance after whose exit the rollout may stop. None rolls out the whole plan.
+
+        Raises:
+            LimitReached: the deadline passes.
+        """
         chain = _Chain(self.task, self._simulations, chosen, count)
         chain.begin(initial(self.plan), np.zeros(count, dtype=np.int64))
         times: list[IntArray] = []
@@ -162,8 +173,7 @@ class _Chain:
             self.running[instance.name] = _Running(time, start, self._hyperparameters(instance, state))
 
     def _hyperparameters(self, instance: BlockInstance, state: State) -> dict[str, FloatArray]:
-        found = {}
-        simulation = self.simulations[instance.name]
+        found, simulation = {}, self.simulations[instance.name]
         for h in simulation.block.hyperparameters:
             value = self.chosen.get((instance.name, h.name), instance.hyperparameters.get(h.name))
             value = h.initial_value(simulation.binding, state) if value is None else value
@@ -212,24 +222,16 @@ class _Chain:
         assert running.stretch is not None, "an instance must reach its exit before it ends"
         until = time - running.begun
         self._place(simulation, simulation.hold(running.start, running.chosen, running.stretch, until))
-        begun, ended = (np.asarray(steps * CONTROL_PERIOD, dtype=np.float64) for steps in (running.begun, time))
-        self.intervals[name] = (begun, ended)
+        self.intervals[name] = (np.asarray(running.begun * CONTROL_PERIOD), np.asarray(time * CONTROL_PERIOD))
 
     def _place(self, simulation: Simulation, rows: FloatArray) -> None:
-        held = simulation.held
-        self.now[:, simulation.columns[held]] = rows[:, held]
+        self.now[:, simulation.columns[simulation.held]] = rows[:, simulation.held]
 
     def _note(
-        self,
-        where: str,
-        literals: tuple[Literal, ...],
-        simulation: Simulation,
-        margins: FloatArray,
-        *,
-        throughout: bool = False,
+        self, where: str, literals: Iterable[Literal], of: Simulation, margins: FloatArray, *, throughout: bool = False
     ) -> None:
         for column, literal in enumerate(literals):
-            atom = literal.ground(simulation.binding)
+            atom = literal.ground(of.binding)
             self.conditions.append(Condition(where, atom, literal.predicate, margins[:, column], throughout))
 
     def finish(self, ending: tuple[str, ...] | None = None) -> Rollout:
@@ -240,8 +242,7 @@ class _Chain:
         for atom in () if ending else self.task.goal:
             predicate = self.task.domain.predicate_by_name[atom.predicate]
             margin = Literal(predicate, atom.arguments, atom.positive).margin(final, self.task.token_by_name)
-            margins = np.array(np.broadcast_to(margin, (self.count,)))
-            self.conditions.append(Condition(GOAL, atom, predicate, margins))
+            self.conditions.append(Condition(GOAL, atom, predicate, np.array(np.broadcast_to(margin, (self.count,)))))
         value = np.zeros(self.count)
         for name, simulation in self.simulations.items():
             for measure in simulation.block.performance:

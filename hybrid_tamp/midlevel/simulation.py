@@ -6,6 +6,7 @@ import numpy as np
 
 from hybrid_tamp.midlevel.population import CHUNK, STILL, InstanceModel, IntArray, Population, Stretch
 from hybrid_tamp.model.control import CONTROL_PERIOD
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
@@ -14,8 +15,9 @@ from hybrid_tamp.motion.arrays import FloatArray
 class Simulation(InstanceModel):
     """Model of one block instance that computes and caches rollouts."""
 
-    def __init__(self, task: Task, instance: BlockInstance) -> None:
+    def __init__(self, task: Task, instance: BlockInstance, deadline: Deadline = NEVER) -> None:
         super().__init__(task, instance)
+        self._deadline = deadline
         self._known: dict[bytes, Stretch] = {}
 
     def run(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> Stretch:
@@ -54,6 +56,8 @@ class Simulation(InstanceModel):
             with np.errstate(all="ignore"):
                 after = model.step(elapsed, self.state(state))[0].values
             held = np.where((step < more)[:, None], after, held)
+            if step % CHUNK == CHUNK - 1:
+                self._deadline.check()
             if step % CHUNK == CHUNK - 1 and np.abs(after - state).max() < STILL / CHUNK:
                 break
             state = after
@@ -65,6 +69,7 @@ class Simulation(InstanceModel):
         population = Population(self, start, chosen)
         with np.errstate(all="ignore"):
             while population.pending.any():
+                self._deadline.check()
                 population.advance()
             return population.stretch()
 

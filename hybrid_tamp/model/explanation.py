@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.change import Change, ChangeKind
 from hybrid_tamp.model.network import SlotName, slot_text
@@ -95,6 +96,7 @@ class Explanation(Tabular):
         suggestions: single changes that make the task solvable.
         complete: whether all single changes were examined or the requested number of suggestions was found.
         together: changes that make the task solvable only in combination. Empty if a single change suffices.
+        stopped: limit that ended the search for changes, or None.
     """
 
     kind: str
@@ -103,6 +105,7 @@ class Explanation(Tabular):
     suggestions: tuple[Suggestion, ...] = ()
     complete: bool = False
     together: tuple[Change, ...] = ()
+    stopped: LimitReached | None = None
 
     @property
     def rows(self) -> Rows:

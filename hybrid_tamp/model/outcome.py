@@ -59,6 +59,11 @@ class PlanningFailure:
     kind: str
     detail: str = ""
 
+    @classmethod
+    def of(cls, reached: LimitReached) -> "PlanningFailure":
+        """Return the failure for a limit that was reached."""
+        return cls(reached.limit, str(reached))
+
     @property
     def message(self) -> str:
         """Description of the failure in one or two sentences."""
@@ -101,8 +106,8 @@ class PlanOutcome(Tabular):
         task: task that was planned. Its goal can have a choice.
         planner: figures of the planner.
         network: network that was used for planning.
-        plan: plan of the task, or None.
-        failure: reason why there is no plan, or None.
+        plan: plan of the task, or None. If a limit ended the planning, this is the best plan so far.
+        failure: reason why there is no plan, or why the plan is not final; None if the plan is final.
         chosen: task with the ground goal that the plan achieves, or None if there is no plan.
         explanation: explanation of why the task has no plan, or None.
         refinement: plan with optimised hyperparameters, or None.
@@ -156,7 +161,7 @@ class PlanOutcome(Tabular):
 
     @property
     def error(self) -> HybridTampError | None:
-        """Exception that describes why there is no plan, or None if there is a plan."""
+        """Exception that describes the failure, or None if there is none."""
         if self.failure is None:
             return None
         if self.status == "limit":
@@ -173,8 +178,8 @@ class PlanOutcome(Tabular):
 
         Raises:
             NoPlan: if no plan exists or no plan was found.
-            LimitReached: if the planner reached a time or memory limit.
+            LimitReached: if a time or memory limit was reached.
         """
-        if self.plan is None:
+        if self.plan is None or self.failure is not None:
             raise self.error or NoPlan("no plan", proven=False, kind="not_found")
         return self.plan

@@ -22,14 +22,16 @@ DEFAULT_PLANNER = "fast-downward"
 class Limits:
     """Limits on planning and running a task.
 
+    Counts limit what a command finds. The time and the memory only end the command.
+
     Attributes:
-        time: limit on the wall-clock time of the planner [s].
+        time: limit on the wall-clock time of a whole command [s].
         memory: limit on the total memory of the planner and its child processes [MiB].
         refinements: largest number of repeated planner calls after rejected plans.
         contact: largest force of a contact that no running block allows [N].
     """
 
-    time: float = 60.0
+    time: float = 600.0
     memory: float = 4096.0
     refinements: int = 3
     contact: float = 20.0
@@ -57,7 +59,6 @@ class MidLevel:
     Attributes:
         optimiser: ``cma`` (CMA-ES) or ``grid`` (direct sampling on a grid, as in the paper).
         evaluations: largest number of rollouts.
-        seconds: largest time for the optimisation [s].
         refine: ``physics`` for further optimisation in the physics backend, or ``none``.
         weights: maps ``BLOCK.measure`` to the weight in the value of a plan. The domain already contains the weights.
         hyperparameters: maps ``BLOCK.name`` to a value or to narrower bounds. The domain already contains the settings.
@@ -65,7 +66,6 @@ class MidLevel:
 
     optimiser: str = "cma"
     evaluations: int = 2000
-    seconds: float = 20.0
     refine: str = "none"
     weights: Mapping[str, float] = field(default_factory=dict)
     hyperparameters: Mapping[str, float | Range] = field(default_factory=dict)

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.outcome import CLASS_UNKNOWN, PlannerFigures, PlanningFailure, PlanOutcome
 from hybrid_tamp.model.planned_network import AddedToken, PlannedNetwork
@@ -24,17 +25,18 @@ _WITHOUT = {
     "not_found": "the planner found no plan in the network without this object",
     "plan_refused": "the plan found in the network without this object breaks the law of assignment",
 }
-_TOO_LONG = "the planner found no plan in the network without this object within half of the remaining time"
 
 
-def plan_task(task: Task, planner: Planner) -> PlanOutcome:
+def plan_task(task: Task, planner: Planner, deadline: Deadline | None = None) -> PlanOutcome:
     """Plan a task on its reduced network, and add other objects to the network until a plan is found.
 
-    The outcome is 'unsolvable' only if the network contains every token and block that a plan could use.
+    The outcome is 'unsolvable' only if the network contains every token and block that a plan could use. If a limit
+    ends the planning, the outcome is a failure that may contain the best plan so far.
 
     Args:
         task: the task to plan.
         planner: a running planner process.
+        deadline: deadline of the command. By default, the time limit of the task counts from now.
 
     Raises:
         InputError: if the planning engine is unknown or not installed, or if the goal cannot be compiled.
@@ -42,20 +44,21 @@ def plan_task(task: Task, planner: Planner) -> PlanOutcome:
     if task.unsettled:
         figures, network = PlannerFigures(task.planner, 0.0), PlannedNetwork.of(task, task)
         return PlanOutcome(task, figures, network, failure=PlanningFailure(CLASS_UNKNOWN))
-    tailored = _TailoredNetwork(task)
+    tailored = _TailoredNetwork(task, deadline or Deadline.after(task.limits.time))
     try:
         while tailored.can_widen:
             why = tailored.unreachable
-            planned = None if why else _attempt(tailored, planner, share=0.5)
-            if planned is not None and planned.status not in _WITHOUT:
-                break
-            tailored.widen(why or (_WITHOUT[planned.status] if planned else _TOO_LONG))
+            if not why:
+                planned = _attempt(tailored, planner, relax=True)
+                if planned.status not in _WITHOUT:
+                    break
+                why = _WITHOUT[planned.status]
+            tailored.widen(why)
         else:
             planned = _attempt(tailored, planner)
     except LimitReached as limit:
         figures = PlannerFigures(task.planner, tailored.elapsed)
-        return PlanOutcome(task, figures, tailored.network, failure=PlanningFailure(limit.limit, str(limit)))
-    assert planned is not None, "an attempt with all of the remaining time must return a result or raise an error"
+        return PlanOutcome(task, figures, tailored.network, failure=PlanningFailure.of(limit))
     return _outcome(tailored, planned)
 
 
@@ -64,13 +67,15 @@ class _TailoredNetwork:
 
     Attributes:
         task: the whole task.
+        deadline: deadline of the command.
         reduction: the task reduced to the current network.
         added: objects added to the network so far, in order.
         stages: maps each stage of planning to its total time in seconds.
     """
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: Task, deadline: Deadline) -> None:
         self.task = task
+        self.deadline = deadline
         self._began = time.monotonic()
         self._widening = Widening(task)
         self._step = 1
@@ -112,36 +117,20 @@ class _TailoredNetwork:
             _LOG.info("added %s to the network: %s", name, why)
         self._step *= 2
 
-    def out_of_time(self) -> LimitReached:
-        """Return the error to raise if the time limit of the task is reached."""
-        together = " for all attempts together" if self.added else ""
-        message = f"the planner reached its time limit of {self.task.limits.time:g} s{together}"
-        return LimitReached(message, limit="time")
-
     def count(self, stages: Mapping[str, float]) -> None:
         """Add times in seconds to the totals of the stages."""
         for name, seconds in stages.items():
             self.stages[name] += seconds
 
 
-def _attempt(tailored: _TailoredNetwork, planner: Planner, share: float = 1.0) -> SearchResult | None:
-    """Plan on the network within a share of the remaining time. Return None if the share is used up but time remains.
+def _attempt(tailored: _TailoredNetwork, planner: Planner, *, relax: bool = False) -> SearchResult:
+    """Plan on the current network, which the delete relaxation examines first if `relax` is true.
 
     Raises:
-        LimitReached: if no time remains, or if the planner exceeds its memory limit.
+        LimitReached: if a limit is reached before any plan is found.
     """
-    left = share * (tailored.task.limits.time - tailored.elapsed)
-    if left <= 0:
-        raise tailored.out_of_time()
-    try:
-        limits = replace(tailored.task.limits, time=left)
-        planned = find_plan(tailored.reduction.task.replaced(limits=limits), planner)
-    except LimitReached as reached:
-        if reached.limit != "time":
-            raise
-        if share < 1:
-            return None
-        raise tailored.out_of_time() from reached
+    tailored.deadline.check()
+    planned = find_plan(tailored.reduction.task, planner, tailored.deadline, relax=relax)
     tailored.count(planned.stages)
     return _extend(tailored, planned)
 
@@ -169,6 +158,7 @@ def _outcome(tailored: _TailoredNetwork, planned: SearchResult) -> PlanOutcome:
     figures = PlannerFigures(planned.answer.engine, tailored.elapsed, planned.way, stages=dict(tailored.stages))
     outcome = PlanOutcome(tailored.task, figures, tailored.network)
     if planned.plan is not None:
-        return replace(outcome, plan=planned.plan, chosen=planned.task)
+        stopped = None if planned.stopped is None else PlanningFailure.of(planned.stopped)
+        return replace(outcome, plan=planned.plan, chosen=planned.task, failure=stopped)
     detail = planned.refusal or ("" if planned.status == "unsolvable" else planned.answer.message)
     return replace(outcome, failure=PlanningFailure(planned.status, detail))

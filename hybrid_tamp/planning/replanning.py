@@ -7,8 +7,9 @@ planner runs again. ``task.limits.refinements`` limits the number of repetitions
 from collections.abc import Callable
 from dataclasses import replace
 
-from hybrid_tamp.errors import InputError
+from hybrid_tamp.errors import InputError, LimitReached
 from hybrid_tamp.midlevel.refinement import refine
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.forbidding import forbid
 from hybrid_tamp.model.outcome import NOT_REFINED, Exclusion, PlanningFailure, PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
@@ -29,6 +30,7 @@ def plan_and_refine(
     progress: Progress | None = None,
     backend: str = "pybullet",
     processes: int | None = None,
+    deadline: Deadline = NEVER,
 ) -> PlanOutcome:
     """Plan a task, optimise the whole plan, and replan without the failing bindings until a plan succeeds.
 
@@ -38,6 +40,7 @@ def plan_and_refine(
         progress: callback for the finished share of each optimisation and its best value so far.
         backend: name of the physics backend for tasks with ``refine: physics``.
         processes: number of physics processes, by default one per processor. The result does not depend on the number.
+        deadline: deadline of the command. If it passes, the outcome is a failure with the plan that was found before.
 
     Raises:
         InputError: if the planner or the backend is unknown.
@@ -47,9 +50,12 @@ def plan_and_refine(
     current = task
     while True:
         outcome = replace(find_plan(current), excluded=excluded)
-        if outcome.plan is None:
+        if outcome.plan is None or outcome.failure is not None:
             return _give_up(outcome) if excluded and outcome.status != "limit" else outcome
-        refined = _optimise(outcome, outcome.plan, progress, backend, processes or count_processors())
+        try:
+            refined = _optimise(outcome, outcome.plan, progress, backend, processes or count_processors(), deadline)
+        except LimitReached as limit:
+            return replace(outcome, failure=PlanningFailure.of(limit))
         if refined.shortfall is None:
             return replace(outcome, plan=refined.plan, refinement=refined)
         failing = _failing_instance(current, outcome.plan, refined.shortfall)
@@ -65,7 +71,12 @@ def plan_and_refine(
 
 
 def _optimise(
-    outcome: PlanOutcome, plan: TaskPlan, progress: Progress | None, backend: str, processes: int
+    outcome: PlanOutcome,
+    plan: TaskPlan,
+    progress: Progress | None,
+    backend: str,
+    processes: int,
+    deadline: Deadline,
 ) -> RefinedPlan:
     def tell(share: float, best: Milestone) -> None:
         if progress is not None:
@@ -73,7 +84,8 @@ def _optimise(
             progress(share, f"optimising: {said}")
 
     task = outcome.chosen or outcome.task
-    return refine(task, plan, tell, measured=PhysicsRollouts(task, plan, backend, processes))
+    measured = PhysicsRollouts(task, plan, backend, processes, deadline)
+    return refine(task, plan, tell, measured=measured, deadline=deadline)
 
 
 def _failing_instance(task: Task, plan: TaskPlan, shortfall: Shortfall) -> BlockInstance:

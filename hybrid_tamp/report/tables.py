@@ -16,7 +16,7 @@ _NAMED = 8
 """Maximum number of names that are printed in a list. The document has all names."""
 
 _NO_SINGLE_CHANGE = "No single change of a token, class, edge, fact or property makes the task solvable."
-_NONE_FOUND = "No single change was found within the time limit; search longer with 'hybrid-tamp explain --seconds N'."
+_NONE_FOUND = "No single change was found; try more changes with 'hybrid-tamp explain --trials N'."
 
 
 def new_table(title: str, *headings: str, framed: bool = True) -> Table:

@@ -11,6 +11,7 @@ import numpy as np
 from PIL import Image
 
 from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -35,18 +36,28 @@ def frame_times(recording: Recording, frame_rate: int = FRAME_RATE) -> FloatArra
 
 
 def _pictures(
-    task: Task, recording: Recording, render: Render, instants: Iterable[tuple[float, float]]
+    task: Task, recording: Recording, render: Render, instants: Iterable[tuple[float, float]], deadline: Deadline
 ) -> Iterator[Picture]:
-    """Yield a captioned picture for each pair of (instant of the picture, instant of the caption) [s]."""
+    """Yield a captioned picture for each pair of (instant of the picture, instant of the caption) [s].
+
+    Raises:
+        LimitReached: the deadline passes.
+    """
     captions: Captions | None = None
     for time, captioned in instants:
+        deadline.check()
         picture = render(recording.at(time))
         captions = captions or Captions(task, recording, picture.shape[1])
         yield captions.under(picture, captioned)
 
 
 def write_video(
-    path: Path, task: Task, recording: Recording, render: Render, progress: Progress = lambda done, of: None
+    path: Path,
+    task: Task,
+    recording: Recording,
+    render: Render,
+    progress: Progress = lambda done, of: None,
+    deadline: Deadline = NEVER,
 ) -> int:
     """Write an mp4 video and return its number of frames.
 
@@ -56,13 +67,15 @@ def write_video(
         recording: the recording of the run.
         render: function that draws a state.
         progress: function that is called after every frame.
+        deadline: deadline of the command.
 
     Raises:
         InputError: the file cannot be written.
+        LimitReached: the deadline passes. No video is left.
     """
     times: list[float] = frame_times(recording).tolist()
     with _renamed(path) as temporary:
-        pictures = _pictures(task, recording, render, zip(times, times, strict=True))
+        pictures = _pictures(task, recording, render, zip(times, times, strict=True), deadline)
         first = next(pictures)
         with closing(_encoder(temporary, first)) as encoder:
             encoder.send(None)
@@ -72,17 +85,20 @@ def write_video(
     return len(times)
 
 
-def step_pictures(folder: Path, task: Task, recording: Recording, render: Render) -> tuple[Path, ...]:
+def step_pictures(
+    folder: Path, task: Task, recording: Recording, render: Render, deadline: Deadline = NEVER
+) -> tuple[Path, ...]:
     """Write one PNG per step (``step-01.png`` etc.) that shows the scene at the end of the step.
 
     Raises:
         InputError: a file cannot be written.
+        LimitReached: the deadline passes. The pictures so far are left.
     """
     steps = tuple(recording.plan.steps)
     # The end of a step belongs to the next step, so the caption is taken from the preceding time step.
     instants = [(float(step.end), max(step.start, float(step.end) - recording.timestep)) for step in steps]
     written = []
-    for step, picture in zip(steps, _pictures(task, recording, render, instants), strict=True):
+    for step, picture in zip(steps, _pictures(task, recording, render, instants, deadline), strict=True):
         path = folder / f"step-{step.index:02d}.png"
         with _renamed(path) as temporary:
             Image.fromarray(picture).save(temporary, format="PNG")

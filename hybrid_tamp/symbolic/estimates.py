@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -46,15 +47,21 @@ class Estimate:
 class Estimates:
     """The estimates of the instances of one task. Instances with equal roles in equal poses share one estimate."""
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: Task, deadline: Deadline = NEVER) -> None:
         self.task = task
+        self._deadline = deadline
         self._known: dict[tuple[object, ...], Estimate] = {}
 
     def of(self, instances: Sequence[OrderedInstance]) -> list[Estimate]:
-        """Return the estimates of the instances of a plan. The instances must be in the order of their beginnings."""
+        """Return the estimates of the instances of a plan. The instances must be in the order of their beginnings.
+
+        Raises:
+            LimitReached: If the deadline passes.
+        """
         state, found = self.task.state, []
         coming: list[tuple[int, Poses]] = []
         for instance in instances:
+            self._deadline.check()
             ready = [poses for event, poses in coming if event <= instance.begin]
             coming = [(event, poses) for event, poses in coming if event > instance.begin]
             state = state.replace({key: value for poses in ready for key, value in poses.items()}) if ready else state

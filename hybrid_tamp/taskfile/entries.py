@@ -70,7 +70,7 @@ class TokenEntry(_Entry):
 class LimitsEntry(_Entry):
     """Limits of the planner."""
 
-    time: Number = quantity("s", "limit of the planner's wall-clock time", default=Limits.time, gt=0, le=1e6)
+    time: Number = quantity("s", "wall-clock time of the whole command", default=Limits.time, gt=0, le=1e6)
     memory: Number = quantity(
         "MiB", "limit of the memory of the planner and its child processes", default=Limits.memory, gt=0, le=1e8
     )
@@ -108,7 +108,6 @@ class MidLevelEntry(_Entry):
     evaluations: Whole = quantity(
         "1", "maximum number of candidates to roll out", default=MidLevel.evaluations, gt=0, le=10**9
     )
-    seconds: Number = quantity("s", "time limit of the optimisation", default=MidLevel.seconds, gt=0, le=1e6)
     refine: Literal["none", "physics"] = Field(
         default="none", description="physics: continue the optimisation in the physics backend"
     )

@@ -2,6 +2,7 @@
 
 import hashlib
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -76,7 +77,7 @@ def _index(word: str, count: int) -> int:
 
 
 def read_mesh(path: Path, written: MeshFile) -> MeshShape:
-    """Read a mesh file.
+    """Read a mesh file. Tokens with the same file share one shape.
 
     Args:
         path: path of the file.
@@ -92,20 +93,25 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
         raise InputError([Issue(source, wanted, repr(path.suffix or path.name))])
     if path.is_file() and path.stat().st_size > MOST_BYTES:
         _check_count(_triangles_in(path), source)
-    text = read_text(path, _WHAT, MOST_BYTES)
+    return _read_text(path.absolute(), source, written.scale, read_text(path, _WHAT, MOST_BYTES))
+
+
+@lru_cache(maxsize=4)
+def _read_text(path: Path, source: str, scale: float, text: str) -> MeshShape:
+    """Return the shape in the text of a mesh file. The cache keeps the last files only, because texts can be large."""
     vertices, surfaces = _read_objects(text, source)
     _check_count(sum(len(surface.triangles) for surface in surfaces), source)
     if len(surfaces) > MOST_SOLIDS:
-        raise InputError([Issue(source, f"a mesh must have at most {MOST_SOLIDS} convex parts", str(len(surfaces)))])
-    size = _size(vertices, surfaces) * written.scale
+        raise InputError([Issue(source, f"a mesh of at most {MOST_SOLIDS} convex parts", str(len(surfaces)))])
+    size = _size(vertices, surfaces) * scale
     if not SMALLEST <= size <= LARGEST:
         remedy = (
             "write scale: 0.001 if the file is in millimetres" if size > LARGEST else "set scale to the file's unit"
         )
-        wanted = f"the length of a mesh must be between {SMALLEST:g} m and {LARGEST:g} m"
-        raise InputError([Issue(source, wanted, f"{size:.4g} m", remedy=remedy)])
-    solids = [_solid(vertices * written.scale, surface, size, source) for surface in surfaces]
-    shape = MeshShape.of(path.absolute(), written.scale, digest_of(text), solids)
+        wanted = f"a body between {SMALLEST:g} m and {LARGEST:g} m long"
+        raise InputError([Issue(source, wanted, f"one of {size:.4g} m", remedy=remedy)])
+    solids = [_solid(vertices * scale, surface, size, source) for surface in surfaces]
+    shape = MeshShape.of(path, scale, digest_of(text), solids)
     if shape.skew > MOST_SKEW:
         wanted = f"the products of inertia of a mesh must be at most {MOST_SKEW:g} of its moments of inertia"
         remedy = "rotate the mesh in its file to its principal axes and adapt the pose"

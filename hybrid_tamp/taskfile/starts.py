@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from hybrid_tamp.geometry.convex import CONTACT, Body, lowest_height, overlaps, placed
+from hybrid_tamp.geometry.convex import CONTACT, Body, lowest_height, placed
+from hybrid_tamp.geometry.overlaps import overlaps
 from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token

@@ -35,6 +35,10 @@ _WANTED = {
     "tuple_type": "must be a list",
     "union_tag_not_found": "must have the key 'kind'",
 }
+_REMOVED: dict[KeyPath, str] = {
+    ("midlevel", "seconds"): "delete it: midlevel.evaluations limits the search, and limits.time limits the command",
+}
+"""Maps the path of each key that earlier versions had to advice on how to do without the key."""
 _NUMBERS = ("finite_number", "float_type", "greater_than", "greater_than_equal", "less_than", "less_than_equal")
 
 
@@ -61,6 +65,8 @@ def add_validation_faults(
         path = base + way.path
         if details["type"] == "missing":
             _add_missing(faults, way, path, details["input"], why, whole)
+        elif details["type"] == "extra_forbidden" and path in _REMOVED:
+            faults.at(path, f"the key {dotted(path)} no longer exists", remedy=_REMOVED[path], key=True)
         elif details["type"] == "extra_forbidden":
             faults.at(path, f"unknown key in {subject(path[:-1], whole)}", shown(path[-1]), way.siblings, key=True)
         elif details["type"] == "union_tag_invalid":

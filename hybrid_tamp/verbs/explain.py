@@ -6,12 +6,12 @@ from hybrid_tamp.model.explanation import TaskExplanation
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.questions.explain.causal_links import find_causes
-from hybrid_tamp.questions.explain.no_plan import explain_failure
+from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
-from hybrid_tamp.verbs.loading import Settings, load
+from hybrid_tamp.verbs.loading import Settings, load_timed
 
-SECONDS = 20.0
-"""Default time limit of the search for single changes that make the task solvable [s]."""
+TRIALS = 20
+"""Default number of changed tasks to plan in the search for single changes."""
 MOST = 5
 """Default maximum number of single changes that the search finds."""
 
@@ -20,15 +20,15 @@ def explain(
     source: Task | Path | str,
     settings: Settings = Settings(),  # noqa: B008
     *,
-    seconds: float = SECONDS,
+    trials: int = TRIALS,
     most: int = MOST,
 ) -> TaskExplanation:
     """Explain why each token is in the plan of a task, or explain why the task has no plan.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: settings that override the task file.
-        seconds: time limit of the search for single changes that make the task solvable [s].
+        settings: settings that replace those of the task file.
+        trials: largest number of changed tasks to plan, to find single changes that make the task solvable.
         most: maximum number of single changes to find.
 
     Raises:
@@ -36,8 +36,9 @@ def explain(
     """
     # Start the planner process first, so that its start-up overlaps with the reading of the task file.
     with PlannerProcess() as process:
-        task = load(source, settings, plans=True)
-        outcome = plan_task(task, process)
+        task, deadline = load_timed(source, settings, plans=True)
+        outcome = plan_task(task, process, deadline)
     if outcome.plan is not None:
         return TaskExplanation(task, outcome.status, None, tuple(find_causes(outcome.chosen or task, outcome.plan)))
-    return TaskExplanation(task, outcome.status, explain_failure(outcome, seconds, most))
+    outcome = explain_outcome(outcome, trials, most, deadline)
+    return TaskExplanation(task, outcome.status, outcome.explanation)

@@ -1,12 +1,13 @@
 """The verb ``imitate`` (paper, Sec. II-E): an agent imitates another agent with the same capability classes.
 
-The demonstration is segmented into a plan, and the imitator executes this plan with the learnt motor primitives.
+The demonstration becomes a plan, which the imitator executes with motor primitives learnt from the demonstration.
 """
 
 import logging
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -30,7 +31,7 @@ from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.pose_tables import read_poses
 from hybrid_tamp.taskfile.primitives import PrimitiveFile
 from hybrid_tamp.verbs.learn import fit_primitive
-from hybrid_tamp.verbs.loading import Settings, domain_finder, load
+from hybrid_tamp.verbs.loading import Settings, domain_finder, load, load_timed
 from hybrid_tamp.verbs.run import run
 
 _WAY = "imitation"
@@ -67,23 +68,22 @@ def imitate(
     Raises:
         NoPlan: the imitator cannot execute the demonstrated plan; the message gives the reason.
         InputError: a task or the demonstration is wrong, the folder is in use, or the backend is unknown.
+        LimitReached: the time limit of the imitator's task was reached.
         NotFinite: every rollout of the plan failed.
     """
-    task = load(source, settings)
+    task, deadline = load_timed(source, settings)
     seen = shown if isinstance(shown, Shown) else read_shown(shown, task, settings, actor)
     target = RunFolder.open(folder, force=force)
     progress(0.0, "segmenting")
-    segmentation = segment(seen.task, seen.observation)
+    segmentation = segment(seen.task, seen.observation, deadline)
     on_segmentation(segmentation)
-    began = time.monotonic()
+    segmented = time.monotonic()
     with TemporaryDirectory() as temporary:
         primitives = _learn_primitives(seen, segmentation.plan, task)
         taught = teach_task(task, primitives, Path(temporary), domain_finder(settings.domain))
-        moved = transfer(seen.task, segmentation.plan, taught)
-        seconds = time.monotonic() - began
-        result = run(
-            taught, target, backend=backend, progress=progress, find_plan=lambda each: _outcome(each, moved, seconds)
-        )
+        moved = transfer(seen.task, segmentation.plan, taught, deadline)
+        find_plan = partial(_outcome, moved=moved, seconds=time.monotonic() - segmented)
+        result = run(taught, target, backend=backend, progress=progress, find_plan=find_plan, deadline=deadline)
     fitted = {name: FittedPrimitive(each.rms, each.unit) for name, each in primitives.items()}
     return ImitationResult(seen.source, segmentation, moved.roles, fitted, result)
 

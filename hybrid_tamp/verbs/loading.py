@@ -1,10 +1,12 @@
 """Load tasks with settings that override the task file."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
+from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.task import Limits, MidLevel, Task
 from hybrid_tamp.symbolic.engines.registry import check_engine
@@ -23,11 +25,12 @@ class Settings:
         planner: name of the planning engine.
         objective: what the planner minimises, ``length`` or ``makespan``.
         seed: seed of all random numbers.
-        time_limit: wall-clock time limit of the planner [s].
+        time_limit: time limit of the whole command [s].
         memory_limit: memory limit of the planner [MiB].
         optimiser: optimiser of hyperparameters, ``cma`` or ``grid``.
-        evaluations: maximum number of rollouts of the optimiser.
-        refine: ``none``, or ``physics`` to continue the optimisation in the physics backend.
+        evaluations: largest number of rollouts of the optimiser.
+        refine: ``none``, or ``physics`` to continue in the physics backend from the optimum of the forward models.
+        began: reading of the monotonic clock when the command began [s]; by default when the verb is called.
     """
 
     domain: str | None = None
@@ -39,6 +42,11 @@ class Settings:
     optimiser: str | None = None
     evaluations: int | None = None
     refine: str | None = None
+    began: float | None = None
+
+    def clock(self) -> float:
+        """Return the reading of the monotonic clock when the command began [s]. A verb calls this first."""
+        return time.monotonic() if self.began is None else self.began
 
 
 def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: bool = False) -> Task:
@@ -61,6 +69,17 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
     )
     own = {"planner": settings.planner, "objective": settings.objective, "seed": settings.seed}
     return _replaced(task, limits=limits, midlevel=midlevel, **own)
+
+
+def load_timed(source: Task | Path | str, settings: Settings, *, plans: bool = False) -> tuple[Task, Deadline]:
+    """Load a task as `load` does, and return the task with the deadline of the command.
+
+    Raises:
+        InputError: the file has faults; each issue names the place of a fault.
+    """
+    began = settings.clock()
+    task = load(source, settings, plans=plans)
+    return task, Deadline.after(task.limits.time, began)
 
 
 def _replaced(record: Record, **values: Any) -> Record:

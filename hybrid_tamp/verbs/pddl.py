@@ -15,7 +15,7 @@ from hybrid_tamp.symbolic.pddl.text import domain_text, plan_text, problem_text
 from hybrid_tamp.symbolic.reencode import plan_actions
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
 from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
-from hybrid_tamp.verbs.loading import Settings, load
+from hybrid_tamp.verbs.loading import Settings, load_timed
 
 Encoding = Literal["classical", "temporal"]
 """How blocks become planning actions: one action per slot (classical) or one durative action per block (temporal)."""
@@ -46,14 +46,14 @@ def pddl(
     Raises:
         InputError: the task file is wrong, the folder cannot be used, or the goal has wildcards that no plan binds.
         NoPlan: there is no plan, or no plan was found.
-        LimitReached: the planner reached a limit.
+        LimitReached: a time or memory limit was reached.
     """
-    task = load(source, settings)
+    task, deadline = load_timed(source, settings)
     target = RunFolder.open(folder, force=force)
     plan = None
     if solve:
         with PlannerProcess() as process:
-            plan = plan_task(task, process).required()
+            plan = plan_task(task, process, deadline).required()
     return export(task, target, plan, encoding)
 
 

@@ -1,7 +1,6 @@
 """The verb ``plan``: find and check a plan of a task, or explain why there is no plan."""
 
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -9,18 +8,18 @@ from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.planning.replanning import Progress, plan_and_refine
-from hybrid_tamp.questions.explain.no_plan import explain_failure
+from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.report.convergence import convergence_picture
 from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.strategies.search import Planner
 from hybrid_tamp.taskfile.copying import portable
-from hybrid_tamp.verbs.loading import Settings, load
+from hybrid_tamp.verbs.loading import Settings, load_timed
 from hybrid_tamp.verbs.pddl import export
 
-SECONDS = 4.0
-"""Default time limit of the search for a single change that makes the task solvable [s]."""
+TRIALS = 6
+"""Default number of changed tasks to plan in the search for a single change that makes the task solvable."""
 
 
 def plan(
@@ -30,11 +29,13 @@ def plan(
     folder: RunFolder | Path | str | None = None,
     force: bool = False,
     optimise: bool = False,
-    seconds: float = SECONDS,
+    trials: int = TRIALS,
     planner: Planner | None = None,
     progress: Progress | None = None,
 ) -> PlanOutcome:
     """Plan a task and check the plan. If there is no plan, the outcome explains why.
+
+    If a time or memory limit is reached, the outcome has what was found before.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
@@ -42,7 +43,8 @@ def plan(
         folder: folder for plan.json, the PDDL files and the task file; by default no files are written.
         force: whether to replace the files of another run.
         optimise: whether to optimise the hyperparameters, and to replan if no hyperparameters satisfy the plan.
-        seconds: time limit of the search for a single change that makes the task solvable, if there is no plan [s].
+        trials: largest number of changed tasks to plan, if there is no plan, to find a change that makes the task
+            solvable.
         planner: a running planner process; by default a new process is started.
         progress: called with the finished share and the current activity.
 
@@ -53,14 +55,15 @@ def plan(
     with ExitStack() as stack:
         # Start the planner process first, so that its start-up overlaps with the reading of the task file.
         process = planner or stack.enter_context(PlannerProcess())
-        task = load(source, settings, plans=True)
+        task, deadline = load_timed(source, settings, plans=True)
         target = None if folder is None else RunFolder.open(folder, force=force)
         if optimise:
-            outcome = plan_and_refine(task, partial(plan_task, planner=process), progress)
+            planning = partial(plan_task, planner=process, deadline=deadline)
+            outcome = plan_and_refine(task, planning, progress, deadline=deadline)
         else:
-            outcome = plan_task(task, process)
+            outcome = plan_task(task, process, deadline)
     if outcome.plan is None:
-        outcome = replace(outcome, explanation=explain_failure(outcome, seconds))
+        outcome = explain_outcome(outcome, trials, 1, deadline)
     if target is not None:
         save_plan(outcome, target)
     return outcome
@@ -69,8 +72,8 @@ def plan(
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
     """Write the files of a plan into a folder, from which the files of an earlier run are removed first.
 
-    The files are plan.json, the PDDL, the convergence curve, the task file and the files named in the task file. If
-    there is no plan, the PDDL is written only if the goal has no wildcards and requires no unknown classes.
+    If there is no plan, PDDL is left out for goals with wildcards or with tokens of unknown classes. If a limit was
+    reached, PDDL is always left out, because compiling a large task takes seconds.
     """
     # Read the task file before the folder is cleared, because the task file may be in this folder.
     text, named = portable(outcome.task)
@@ -82,5 +85,5 @@ def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
     curve = convergence_picture(shown["refinement"]) if outcome.refinement else None
     if curve is not None:
         folder.write_bytes("convergence.png", curve)
-    if outcome.plan is not None or outcome.task.definite:
+    if outcome.status != "limit" and (outcome.plan is not None or outcome.task.definite):
         export(outcome.chosen or outcome.task, folder, outcome.plan)

@@ -1,6 +1,5 @@
 """The verb ``probe``: find the classes of a token and write a task file with the confirmed classes."""
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +15,7 @@ from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.rewriting import with_members
 from hybrid_tamp.taskfile.saving import write_checked
-from hybrid_tamp.verbs.loading import Settings, domain_finder, load
+from hybrid_tamp.verbs.loading import Settings, domain_finder, load, load_timed
 
 
 def probe(
@@ -27,7 +26,6 @@ def probe(
     *,
     starts: int = STARTS,
     most_starts: int = MOST_STARTS,
-    seconds: float | None = None,
     backend: str = "pybullet",
     tell: Tell = lambda share, what: None,
 ) -> MembershipResult:
@@ -37,10 +35,9 @@ def probe(
         source: a task, the path of a task file, or the name of a bundled task. Trials also use the task's other tokens.
         token: name of the token.
         classes: names of the classes to test; by default all classes whose membership is unknown.
-        settings: settings that override the task file. The seed determines the start states.
-        starts: initial number of trials of each class. Every trial has a different start state.
-        most_starts: maximum number of trials of each class, if fewer trials do not give a clear verdict.
-        seconds: wall-clock time limit [s]; unlimited by default.
+        settings: settings that replace those of the task file. The seed determines the start states.
+        starts: initial number of trials of each class, each from another start state.
+        most_starts: maximum number of trials of each class, used if fewer trials give no clear verdict.
         backend: name of the physics backend.
         tell: called with the finished share and the current activity.
 
@@ -51,12 +48,11 @@ def probe(
     """
     from hybrid_tamp.physics.protocol import open_backend
 
-    deadline = float("inf") if seconds is None else time.monotonic() + seconds
     with PlannerProcess() as process, open_backend(backend) as physics:
-        task = load(source, settings)
+        task, deadline = load_timed(source, settings)
 
         def find_plan(trial: Task) -> TaskPlan:
-            outcome = plan_task(trial, process)
+            outcome = plan_task(trial, process, deadline)
             if outcome.plan is None:
                 outcome = replace(outcome, explanation=explain_failure(outcome))
             return outcome.required()

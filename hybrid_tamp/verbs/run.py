@@ -11,6 +11,7 @@ from hybrid_tamp.execution.events import EventLog
 from hybrid_tamp.execution.execute import add_predictions, execute
 from hybrid_tamp.execution.storage import save
 from hybrid_tamp.midlevel.measured import measure_run
+from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.recording import Recording
@@ -20,7 +21,7 @@ from hybrid_tamp.physics.pictures.rendering import open_renderer
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.planning.replanning import FindPlan, Progress, plan_and_refine
-from hybrid_tamp.questions.explain.no_plan import explain_failure
+from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.report.measures import run_measures
@@ -30,7 +31,7 @@ from hybrid_tamp.report.video import check_video, step_pictures, write_video
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.strategies.search import Planner
 from hybrid_tamp.verbs.loading import Settings, load
-from hybrid_tamp.verbs.plan import SECONDS, save_plan
+from hybrid_tamp.verbs.plan import TRIALS, save_plan
 
 
 def run(
@@ -44,6 +45,7 @@ def run(
     planner: Planner | None = None,
     find_plan: FindPlan | None = None,
     progress: Progress | None = None,
+    deadline: Deadline | None = None,
 ) -> RunResult:
     """Plan a task, optimise the plan's hyperparameters, execute the plan and evaluate the recorded run.
 
@@ -57,39 +59,64 @@ def run(
         planner: a running planner process; by default a new process is started.
         find_plan: function that returns a plan; by default the planner is called.
         progress: called with the finished share and the current activity.
+        deadline: deadline of a command that began earlier; by default the time limit of the task counts from now.
 
     Raises:
-        NoPlan: no plan was found, or every plan that was found fails in the forward models.
-        LimitReached: the planner reached a limit.
+        NoPlan: there is no plan, or no plan that was found succeeds in the forward models.
+        LimitReached: a time or memory limit was reached. The folder has what was found before.
         InputError: the task file, the folder, the planner or the backend cannot be used.
         NotFinite: every rollout of a plan failed.
     """
-    began = time.monotonic()
+    began = settings.clock()
     tell = progress or (lambda share, what: None)
     with ExitStack() as stack:
         # Start the planner process first, so that its start-up overlaps with the reading of the task file.
         process = planner or stack.enter_context(PlannerProcess())
         task = load(source, settings, plans=find_plan is None)
+        deadline = deadline or Deadline.after(task.limits.time, began)
         target = RunFolder.open(folder, force=force)
         check_video(video)
         physics = stack.enter_context(open_backend(backend))
-        outcome = plan_and_refine(task, find_plan or partial(plan_task, planner=process), tell, backend)
+        planning = find_plan or partial(plan_task, planner=process, deadline=deadline)
+        outcome = plan_and_refine(task, planning, tell, backend, deadline=deadline)
         if outcome.plan is None:
-            outcome = replace(outcome, explanation=explain_failure(outcome, SECONDS))
+            outcome = explain_outcome(outcome, TRIALS, 1, deadline)
         save_plan(outcome, target)
         write_page(target, task.domain.resting)  # shows the plan, or the reasons why there is no plan
         plan = outcome.required()
         with EventLog(target.path / "events.jsonl") as events:
-            recording = execute(task, plan, physics, lambda now, end: tell(min(now / end, 1.0), "running"), events)
+            recording = execute(task, plan, physics, partial(_tell_time, tell), events, deadline)
     result = judge(outcome, recording, time.monotonic() - began)
     save(result.recording, target.path / "recording.npz")
     target.write_json("result.json", document(result))
-    with open_renderer(task, recording) as renderer:
-        step_pictures(target.path, task, recording, renderer.picture)
-        if video is not None:
-            write_video(video, task, recording, renderer.picture, lambda done, of: tell(done / of, "drawing"))
-    write_page(target, task.domain.resting)
+    try:
+        _draw(target, task, recording, video, tell, deadline)
+    finally:
+        write_page(target, task.domain.resting)
     return result
+
+
+def _draw(
+    folder: RunFolder, task: Task, recording: Recording, video: Path | None, tell: Progress, deadline: Deadline
+) -> None:
+    """Draw a picture of each step, and a video if its path is given.
+
+    Raises:
+        LimitReached: the deadline passes.
+    """
+    with open_renderer(task, recording) as renderer:
+        step_pictures(folder.path, task, recording, renderer.picture, deadline)
+        if video is not None:
+            drawn = partial(_tell_frames, tell)
+            write_video(video, task, recording, renderer.picture, drawn, deadline)
+
+
+def _tell_time(tell: Progress, now: float, end: float) -> None:
+    tell(min(now / end, 1.0), "running")
+
+
+def _tell_frames(tell: Progress, done: int, of: int) -> None:
+    tell(done / of, "drawing")
 
 
 def judge(outcome: PlanOutcome, recording: Recording, seconds: float) -> RunResult:

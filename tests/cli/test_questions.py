@@ -20,7 +20,7 @@ def valid(document: str, stem: str) -> dict[str, Any]:
 
 
 def test_explain_says_what_is_missing_and_what_would_do(command: Command) -> None:
-    done = command("explain", "roll_cylinder_off_axis", "--json", "--seconds", "60", "--most", "1")
+    done = command("explain", "roll_cylinder_off_axis", "--json", "--trials", "1", "--most", "1")
     assert done.returncode == 10, done.stderr
     answer = valid(done.stdout, "explain-1")
     assert answer["status"] == "unsolvable"

@@ -57,4 +57,4 @@ def test_two_one_handed_robots_tumble_a_box_together() -> None:
     assert run_measures(plan, recording)[CONTACT] < 5.0
     for agent in task.agents:
         alone = without_token(task, task.token_by_name[task.agents[agent][0]])
-        assert hybrid_tamp.plan(alone, seconds=0.0).status == "unsolvable"
+        assert hybrid_tamp.plan(alone, trials=0).status == "unsolvable"

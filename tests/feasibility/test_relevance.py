@@ -116,7 +116,7 @@ def test_an_explanation_asks_nothing_about_what_is_irrelevant() -> None:
         if "-" in predicate.name:
             object.__setattr__(predicate, "margin", _never)
     odd = {f"odd {i}": [c] for i, c in enumerate(of.classes[-3:])}
-    found = explain_wholly(task({"light hammer": HAMMER, **odd}, of=of), 60.0, most=1)
+    found = explain_wholly(task({"light hammer": HAMMER, **odd}, of=of), 60, most=1)
     assert [reason.atom for reason in found.reasons] == [Atom("heavy_enough", ("light hammer", "nail"))]
     assert [each.change.kind for each in found.suggestions] == ["fact"]
 

@@ -6,7 +6,9 @@ import numpy as np
 import pybullet
 import pytest
 
-from hybrid_tamp.geometry.convex import CONTACT, Body, lowest_height, overlap, overlaps, placed
+import hybrid_tamp.geometry.overlaps as overlaps_module
+from hybrid_tamp.geometry.convex import CONTACT, Body, ConvexBody, lowest_height, placed
+from hybrid_tamp.geometry.overlaps import overlap, overlaps
 from hybrid_tamp.geometry.shapes import Box, BoxPart, Compound, Cylinder, CylinderPart, MeshFile, Shape, Sphere
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import normalized, quaternion_from_rpy
@@ -122,6 +124,34 @@ def test_pybullet_finds_the_same_pairs_and_no_longer_way_out() -> None:
     assert 50 < hits < 350
 
 
+def grid(count: int, size: float) -> Shape:
+    """Return a cube of `count` cubed boxes, whose edge is `size`."""
+    half = size / count / 2
+    places = [(-size / 2 + half + 2 * half * np.array(cell)).tolist() for cell in np.ndindex(count, count, count)]
+    boxes = [BoxPart(kind="box", half_extents=(half, half, half), position=tuple(place)) for place in places]
+    return Compound(kind="compound", parts=tuple(boxes))
+
+
+def test_bodies_of_many_solids_take_few_exact_tests(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[ConvexBody] = []
+    exact = overlaps_module._overlap
+    monkeypatch.setattr(overlaps_module, "_overlap", lambda one, other: (asked.append(one), exact(one, other))[1])
+    many = grid(6, 0.6)
+    assert overlap(body(many, (0, 0, 0)), body(many, (0.601, 0, 0))) is None
+    assert asked == []
+    way = overlap(body(many, (0, 0, 0)), body(many, (0.58, 0.01, 0)))
+    assert way == pytest.approx([0.02, 0, 0])
+    assert len(asked) == 1
+
+
+def test_extents_are_those_of_the_support_points() -> None:
+    rng = np.random.default_rng(5)
+    directions = rng.normal(size=(40, 3))
+    for shape in (CUBE, BALL, LOG, TEE):
+        for part in body(shape, rng.normal(size=3), normalized(rng.normal(size=4))):
+            assert part.extents(directions) == pytest.approx([part.support(each) @ each for each in directions])
+
+
 def test_a_box_from_a_mesh_is_that_box() -> None:
     path = Path(__file__).parents[2] / "problems" / "meshes" / "box.obj"
     mesh, box = read_mesh(path, MeshFile(kind="mesh", file="b")), Box(kind="box", half_extents=(0.15, 0.14, 0.165))
@@ -129,5 +159,6 @@ def test_a_box_from_a_mesh_is_that_box() -> None:
     for _ in range(20):
         turn, place, direction = normalized(rng.normal(size=4)), rng.normal(size=3), rng.normal(size=3)
         (one,), (other,) = body(mesh, place, turn), body(box, place, turn)
+        assert one.extents(direction[None]) == pytest.approx(other.extents(direction[None]), abs=1e-6)
         assert one.support(direction) == pytest.approx(other.support(direction), abs=1e-7)
         assert one.shrunk(0.01).support(direction) == pytest.approx(other.shrunk(0.01).support(direction), abs=1e-7)

@@ -110,7 +110,7 @@ def puck_task(first: Block = FIRST, second: Block = SECOND, **settings: Any) -> 
     edges = [("RESTING.token", "FIRST.puck"), ("FIRST.puck", "SECOND.puck"), ("SECOND.puck", "RESTING.token")]
     domain = Domain("pucks", (Puck,), (SLID,), (first, second, _RESTING), ReassignmentNetwork(edges))
     tokens = (Token.make("puck", [Puck], {}),)
-    midlevel = MidLevel(**{"evaluations": 1500, "seconds": 60.0, **settings})
+    midlevel = MidLevel(**{"evaluations": 1500, **settings})
     return Task("pucks", domain, tokens, State.of(tokens, {}), (Atom("slid", ("puck",)),), midlevel=midlevel)
 
 

@@ -5,11 +5,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from clocks import hurried
 from midlevel.pucks import APART, FIRST, JOINT, SECOND, puck_plan, puck_task, with_dummies
 
+from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.midlevel.plan_search import NotFinite
 from hybrid_tamp.midlevel.refinement import refine
 from hybrid_tamp.model.block import Measure
+from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.refined import RefinedPlan
 
 
@@ -98,6 +101,28 @@ def test_the_same_seed_gives_the_same_bits() -> None:
     assert (one.best, one.history) == (other.best, other.history)
     another = refine(puck_task().replaced(seed=1), puck_plan())
     assert another.history != one.history
+
+
+def test_no_clock_decides_which_hyperparameters_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    idle = refine(puck_task(), puck_plan())
+    hurried(monkeypatch, jump=3600.0)
+    busy = refine(puck_task(), puck_plan())
+    assert replace(busy, seconds=0.0) == replace(idle, seconds=0.0)
+
+
+def test_the_progress_counts_evaluations(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[tuple[float, int]] = []
+    hurried(monkeypatch)
+    refine(puck_task(evaluations=1000), puck_plan(), lambda share, best: told.append((share, best.evaluations)))
+    shares, counts = np.array(told).T
+    assert 0.0 < shares[0] < shares[-1] <= 1.0
+    left = counts / shares
+    assert left == pytest.approx(left[0])
+
+
+def test_a_deadline_ends_a_rollout() -> None:
+    with pytest.raises(LimitReached, match="time limit of 0 s"):
+        refine(puck_task(), puck_plan(), deadline=Deadline.after(0.0))
 
 
 def test_weights_decide() -> None:

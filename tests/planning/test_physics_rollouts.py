@@ -6,8 +6,10 @@ from hammer_figures import GRASP, figure_plan, figure_task
 from midlevel.plans import reach_and_roll
 from scenes import rolling_task
 
+from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.midlevel.measured import measure_run
+from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
@@ -25,6 +27,15 @@ def test_two_processes_come_to_the_bits_of_one() -> None:
     assert one.figures["GRASPING-1", "contact"] == pytest.approx([5 / 6, 1.0, 1.0], abs=1e-3)
     assert np.array_equal(one.figures["GRASPING-1", "contact"], two.figures["GRASPING-1", "contact"])
     assert not any(condition.where == GOAL for condition in one.conditions)
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_every_process_checks_the_deadline(processes: int) -> None:
+    task = rolling_task()
+    late = PhysicsRollouts(task, reach_and_roll(task), "analytic", processes, Deadline.after(0.0))
+    with pytest.raises(LimitReached, match="time limit of 0 s") as caught:
+        late({DISTANCE: np.array([0.7, 0.69])}, 2)
+    assert caught.value.limit == "time"
 
 
 def test_a_population_is_its_candidates() -> None:

@@ -251,19 +251,27 @@ def test_what_the_planner_said_of_the_first_network_is_told() -> None:
     assert text.splitlines()[1].startswith("brought in mallet (GRASPABLE, STRIKER): the planner has proven")
 
 
-def test_a_planner_that_does_not_end_leaves_time_for_the_wider_network() -> None:
-    class Endless(Exhaustive):
-        def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
-            times.append(limits.time)
-            answer = super().solve(problem, engine, limits)
-            if answer.status != "solved":
-                raise LimitReached("too long", limit="time")
-            return answer
+class Endless(Exhaustive):
+    """A planner that never ends if there is no plan, and records its time limits."""
 
-    times: list[float] = []
-    outcome = plan_task(HEAVY_AND_LIGHT.replaced(limits=Limits(time=40.0)), Endless())
+    def __init__(self) -> None:
+        super().__init__()
+        self.times: list[float] = []
+
+    def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
+        self.times.append(limits.time)
+        answer = super().solve(problem, engine, limits)
+        if answer.status != "solved":
+            raise LimitReached("too long", limit="time")
+        return answer
+
+
+def test_a_network_out_of_reach_is_not_given_to_a_planner_that_does_not_end() -> None:
+    planner = Endless()
+    outcome = plan_task(HEAVY_AND_LIGHT.replaced(limits=Limits(time=400.0)), planner)
     assert brought(outcome) == ["mallet"]
-    assert times[0] <= 20.0 < times[1] <= 40.0
+    (given,) = planner.times
+    assert 300.0 < given <= 400.0
 
 
 def test_the_time_limit_is_for_all_attempts_together() -> None:

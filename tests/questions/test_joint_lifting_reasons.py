@@ -62,7 +62,7 @@ def test_too_heavy_for_two_and_two_more_would_do() -> None:
 
 def test_one_more_hand_is_not_suggested_and_would_not_do_but_two_do() -> None:
     task = crate(24)
-    outcome = hybrid_tamp.plan(task, seconds=60.0)
+    outcome = hybrid_tamp.plan(task, trials=60)
     assert outcome.status == "unsolvable"
     assert outcome.explanation is not None
     said = outcome.explanation.suggestions
@@ -70,7 +70,7 @@ def test_one_more_hand_is_not_suggested_and_would_not_do_but_two_do() -> None:
     assert not any("hand" in each.change.what for each in said)
     left, right = task.token_by_name["left-hand"], task.token_by_name["right-hand"]
     one = with_copy(task, left, task.state[left, "position"] + [0.0, 0.3, 0.0])
-    assert hybrid_tamp.plan(one, seconds=0.0).status == "unsolvable"
+    assert hybrid_tamp.plan(one, trials=0).status == "unsolvable"
     two = with_copy(one, right, task.state[right, "position"] + [0.0, 0.3, 0.0])
     assert hybrid_tamp.plan(two).status == "solved"
 

@@ -23,6 +23,7 @@ from hybrid_tamp.geometry.shapes import Box, Cylinder, MeshFile, Shape, Sphere
 from hybrid_tamp.geometry.surfaces import outer_surface, volume_of
 from hybrid_tamp.geometry.warp import warp
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.membership import MembershipResult, Trial, Verdict, wilson_interval
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
@@ -261,8 +262,8 @@ def test_a_trial_that_never_settles_ends_and_says_so(task: Task) -> None:
         prober = Prober(lambda each: hybrid_tamp.plan(each).required(), physics, starts=1, most_seconds=1.0)
         (verdict,) = prober.probe(task, "P5", ["TUMBLABLE"]).verdicts
         assert verdict.trials[0].why == "the trial did not end within 1 s of simulated time"
-        late = replace(prober, deadline=0.0)
-        with pytest.raises(LimitReached, match="increase time_limit"):
+        late = replace(prober, deadline=Deadline.after(0.0))
+        with pytest.raises(LimitReached, match="time limit of 0 s"):
             late.probe(task, "P5", ["TUMBLABLE"])
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from clocks import hurried
 from hypothesis import given
 from hypothesis import strategies as st
 from random_tasks.tumbling import random_tumbling
@@ -18,6 +19,7 @@ from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Limits, Task
+from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess
 from hybrid_tamp.symbolic.find_plan import WHOLE, find_plan
@@ -76,7 +78,7 @@ def test_hands_serve_one_box_after_the_other_where_they_are_few(planner: Countin
 
 def test_more_hands_make_one_box_quicker(planner: Counting) -> None:
     tasks = [random_tumbling(7, hands, 1).replaced(objective="makespan") for hands in (2, 4)]
-    two, four = (plan_goals_apart(Search(task, planner), 60.0, first_will_do=False) for task in tasks)
+    two, four = (plan_goals_apart(Search(task, planner), first_will_do=False) for task in tasks)
     assert two is not None
     assert four is not None
     assert four.plan.makespan < 0.85 * two.plan.makespan
@@ -103,6 +105,52 @@ def test_an_optimal_engine_is_asked_for_the_whole_task(planner: Counting) -> Non
     planned = find_plan(task.replaced(planner="symk-opt"), planner)
     assert planned.way == WHOLE
     assert find_plan(task, planner).way.startswith(APART)
+
+
+class Breaking:
+    """A planner that finds the first plans and reaches its limit on the next problem."""
+
+    def __init__(self, planner: PlannerProcess, solved: int) -> None:
+        self.planner = planner
+        self.solved = solved
+
+    def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
+        self.solved -= 1
+        if self.solved < 0:
+            raise LimitReached("too late", limit="time")
+        return self.planner.solve(problem, engine, limits)
+
+
+def test_a_group_that_takes_long_is_not_a_group_without_a_plan() -> None:
+    task = random_tumbling(7, 4, 2)
+    with PlannerProcess() as process, pytest.raises(LimitReached, match="too late"):
+        find_plan(task, Breaking(process, 0))
+
+
+def test_where_a_limit_ends_the_search_for_a_shorter_plan_the_best_so_far_is_kept() -> None:
+    task = random_tumbling(7, 4, 1).replaced(objective="makespan")
+    with PlannerProcess() as process:
+        planned = find_plan(task, Breaking(process, 1))
+        assert planned.plan is not None
+        assert str(planned.stopped) == "too late"
+        outcome = plan_task(task, Breaking(process, 1))
+    assert (outcome.status, outcome.steps) != ("solved", ())
+    assert outcome.plan is not None
+    with pytest.raises(LimitReached, match="too late"):
+        outcome.required()
+
+
+@pytest.mark.parametrize("objective", ["length", "makespan"])
+def test_no_clock_decides_which_plan_is_found(
+    planner: Counting, objective: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = random_tumbling(7, 4, 2).replaced(objective=objective, limits=Limits(time=1e6))
+    idle = find_plan(task, planner)
+    asked = len(planner.asked)
+    hurried(monkeypatch, jump=10.0)
+    busy = find_plan(task, planner)
+    assert (busy.way, busy.plan) == (idle.way, idle.plan)
+    assert len(planner.asked) == 2 * asked
 
 
 class Slow:

@@ -1,6 +1,9 @@
 import pytest
+from clocks import hurried
 from scenes import reach_and_roll, rolling_task
 
+from hybrid_tamp.errors import LimitReached
+from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import compile_task
@@ -16,7 +19,7 @@ ONE_HAND = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand
 def test_a_second_hand_takes_over_and_both_drums_roll_at_once() -> None:
     compilation = compile_task(TASK)
     plan = schedule(TASK, decode(compilation, ONE_HAND), ONE_HAND)
-    shorter = rebind_tokens(compilation, plan, 5.0, Estimates(TASK))
+    shorter = rebind_tokens(compilation, plan, Estimates(TASK))
     assert shorter.makespan < 0.6 * plan.makespan
     assert check_law(TASK, shorter) == []
     assert {i.slots["hand"] for i in shorter.instances if i.block == "ROLLING"} == {"hand 0", "hand 1"}
@@ -28,16 +31,27 @@ def test_two_hands_change_places_where_each_is_nearer_to_the_others_drum() -> No
     actions = reach_and_roll("hand-0", "drum-0", "region-0") + reach_and_roll("hand-1", "drum-1", "region-1")
     compilation = compile_task(task)
     plan = schedule(task, decode(compilation, actions), actions)
-    shorter = rebind_tokens(compilation, plan, 5.0, Estimates(task))
+    shorter = rebind_tokens(compilation, plan, Estimates(task))
     assert shorter.makespan < plan.makespan
     hands = {i.slots["object"]: i.slots["hand"] for i in shorter.instances if i.block == "ROLLING"}
     assert hands == {"drum 0": "hand 1", "drum 1": "hand 0"}
 
 
-def test_no_time_no_change() -> None:
+def test_a_count_of_actions_ends_the_search() -> None:
     compilation = compile_task(TASK)
     plan = schedule(TASK, decode(compilation, ONE_HAND), ONE_HAND)
-    assert rebind_tokens(compilation, plan, 0.0, Estimates(TASK)) is plan
+    few = len(ONE_HAND) - 1
+    assert rebind_tokens(compilation, plan, Estimates(TASK), most_actions=few) is plan
+
+
+def test_no_clock_decides_which_tokens_are_rebound(monkeypatch: pytest.MonkeyPatch) -> None:
+    compilation = compile_task(TASK)
+    plan = schedule(TASK, decode(compilation, ONE_HAND), ONE_HAND)
+    shorter = rebind_tokens(compilation, plan, Estimates(TASK))
+    hurried(monkeypatch, jump=3600.0)
+    assert rebind_tokens(compilation, plan, Estimates(TASK)) == shorter
+    with pytest.raises(LimitReached):
+        rebind_tokens(compilation, plan, Estimates(TASK), Deadline.after(60.0))
 
 
 def test_only_equal_tokens_that_no_goal_names_take_over() -> None:

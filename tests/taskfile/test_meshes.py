@@ -186,3 +186,13 @@ def test_what_stands_in_the_hollow_of_a_mesh_is_clear_of_it(tmp_path: Path) -> N
         else:
             with pytest.raises(InputError, match="must not overlap other tokens"):
                 load_task(tmp_path / "t.yaml")
+
+
+def test_tokens_with_the_same_file_share_one_shape_until_the_file_changes(tmp_path: Path) -> None:
+    path = tmp_path / "block.obj"
+    path.write_text(obj_text([cuboid((0.1, 0.2, 0.3))]))
+    first = read(path)
+    assert read(path) is first
+    assert read(path, 0.5) is not first
+    path.write_text(obj_text([cuboid((0.1, 0.2, 0.4))]))
+    assert read(path).corners[1] == pytest.approx([0.05, 0.1, 0.2])

@@ -23,8 +23,12 @@ MOST_ANSWERS = 4
 def keep_necessary(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> list[Reason]:
     """Return the reasons for which removing the cause may make the task solvable.
 
-    After a reason is dropped, the other reasons are tested in a task without the cause of the dropped reason. After the
-    deadline of `trials`, all remaining reasons are kept.
+    Once a reason is dropped, the remaining reasons are examined in the task without the cause of this reason.
+
+    Args:
+        task: a task that has no plan.
+        reasons: reasons that no suggestion removes.
+        trials: planner for changed tasks. Once its count is used up, all remaining reasons are kept.
     """
     kept = list(reasons)
     for reason in reversed(reasons):
@@ -52,8 +56,13 @@ def _tasks_without(task: Task, reason: Reason) -> Iterator[Task]:
 def remove_together(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> tuple[list[Reason], list[Change]]:
     """Return the reasons whose causes must be removed together, and the changes that remove these causes.
 
-    The first change that addresses a reason removes its cause. If these changes together do not make the task
-    solvable, all reasons are returned without changes. After the deadline of `trials`, all remaining reasons are kept.
+    Each reason is removed by the first change that addresses it. If these changes together do not make the task
+    solvable, all reasons are returned without changes.
+
+    Args:
+        task: a task that no known single change makes solvable.
+        reasons: reasons why the task has no plan.
+        trials: planner for changed tasks. Once its count is used up, all remaining reasons are kept.
     """
     kept, changes = list(reasons), _find_changes(task, reasons, trials)
     if not changes:

@@ -9,15 +9,16 @@ then the blocks that could achieve the preconditions of these blocks. A block ca
 """
 
 import math
-import time
 from dataclasses import replace
 
+from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.feasibility.backward_search import BackwardSearch
 from hybrid_tamp.feasibility.bindings import TooMany
 from hybrid_tamp.feasibility.mode_names import merge_reasons
 from hybrid_tamp.feasibility.relevance import keep_relevant
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.explanation import Explanation, Reason, Suggestion
-from hybrid_tamp.model.outcome import CLASS_UNKNOWN, MESSAGES, NOT_REFINED, Exclusion, PlanOutcome
+from hybrid_tamp.model.outcome import CLASS_UNKNOWN, MESSAGES, NOT_REFINED, Exclusion, PlanningFailure, PlanOutcome
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.explain.candidates import points_to
@@ -29,13 +30,28 @@ MOST_EXPLAINED = 5
 """Maximum number of alternatives to explain if the goal allows a choice. The nearest alternatives come first."""
 
 
-def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -> Explanation:
+def explain_outcome(outcome: PlanOutcome, trials: int, most: int, deadline: Deadline) -> PlanOutcome:
+    """Return a failed outcome of planning with its explanation (see `explain_failure`).
+
+    If a limit ends the search for changes, the outcome becomes a failure by this limit, with what is known so far.
+    """
+    assert outcome.failure is not None, "the outcome must be a failure"
+    explanation = explain_failure(outcome, trials, most, deadline)
+    outcome, stopped = replace(outcome, explanation=explanation), explanation.stopped
+    if stopped is None:
+        return outcome
+    detail = f"{stopped} during the search for changes that would help. {explanation.message}"
+    return replace(outcome, failure=PlanningFailure(stopped.limit, detail))
+
+
+def explain_failure(outcome: PlanOutcome, trials: int = 0, most: int = 1, deadline: Deadline = NEVER) -> Explanation:
     """Explain why planning found no plan.
 
     Args:
-        outcome: the outcome of planning, which must be a failure. A failure with a detail needs no reasons.
-        seconds: time limit of the search for single changes, in seconds. The search needs a proof that no plan exists.
+        outcome: the outcome of planning, which must be a failure. A failure with a detail gets no other reasons.
+        trials: largest number of changed tasks to plan. The search for changes needs a proof that no plan exists.
         most: number of changes after which the search stops.
+        deadline: deadline of the command.
     """
     task, failure = outcome.task, outcome.failure
     assert failure is not None, "the outcome must be a failure"
@@ -45,9 +61,10 @@ def explain_failure(outcome: PlanOutcome, seconds: float = 0.0, most: int = 1) -
         return Explanation(failure.kind, failure.message, tuple(_excluded(task, each) for each in outcome.excluded))
     if failure.detail:
         return Explanation(failure.kind, failure.message)
-    if failure.kind == "unsolvable" and seconds:
-        return explain_wholly(task, seconds, most)
-    return Explanation(failure.kind, failure.message, tuple(explain_alternatives(task, failure.kind == "unsolvable")))
+    if failure.kind == "unsolvable" and trials:
+        return explain_wholly(task, trials, most, deadline)
+    reasons = explain_alternatives(task, failure.kind == "unsolvable")
+    return Explanation(failure.kind, failure.message, tuple(reasons))
 
 
 def _excluded(task: Task, exclusion: Exclusion) -> Reason:
@@ -55,36 +72,50 @@ def _excluded(task: Task, exclusion: Exclusion) -> Reason:
     return Reason(task.goal, block, "forward models", exclusion.text, short.atom, short.margin, short.unit)
 
 
-def explain_wholly(task: Task, seconds: float, most: int) -> Explanation:
+def explain_wholly(task: Task, trials: int, most: int, deadline: Deadline = NEVER) -> Explanation:
     """Explain why an unsolvable task has no plan, and suggest single changes that make it solvable.
 
     Each suggested change also yields a reason, because the task has no plan without the change.
 
     Args:
         task: a task that is proven to have no plan.
-        seconds: time limit of the search for changes, in seconds.
+        trials: largest number of changed tasks to plan.
         most: number of changes after which the search stops.
+        deadline: deadline of the command.
 
     Returns:
-        The suggestions, and the smallest set of reasons found within the time limit (see `minimal_reasons`).
+        The suggestions, and the smallest set of reasons found with this number of trials (see `minimal_reasons`). If a
+        limit ends the search for changes, all reasons without suggestions.
     """
     part = keep_relevant(task)
     reasons = explain_alternatives(part, proven=True)
-    with TrialPlanner(time.monotonic() + seconds) as trials:
-        found = _find_repairs(part, reasons, trials, most)
-        if part is not task and not found.suggestions:
-            # A change may make another block relevant, for example by a new edge to the block.
-            found = _find_repairs(task, reasons, trials, most)
-        elif part is not task:
-            found = replace(found, complete=len(found.suggestions) >= most)
-        true = [*reasons, *find_counterfactual_reasons(task, reasons, found.suggestions)]
-        pointed = [r for r in true if any(points_to(r, each.change) for each in found.suggestions)]
-        others = [r for r in true if r not in pointed and not (pointed and r.kind == "together")]
-        whole = Explanation("unsolvable", MESSAGES["unsolvable"], (), found.suggestions, found.complete)
-        if found.suggestions:
-            return replace(whole, reasons=(*pointed, *keep_necessary(part, others, trials)))
-        kept, changes = remove_together(part, others, trials)
-        return replace(whole, reasons=tuple(kept), together=tuple(changes))
+    try:
+        with TrialPlanner(trials, deadline) as planner:
+            return _try_changes(task, part, reasons, planner, most)
+    except LimitReached as limit:
+        return Explanation("unsolvable", MESSAGES["unsolvable"], tuple(reasons), stopped=limit)
+
+
+def _try_changes(task: Task, part: Task, reasons: list[Reason], trials: TrialPlanner, most: int) -> Explanation:
+    """Return the explanation of a task with the changes that make it or its relevant part solvable.
+
+    Raises:
+        LimitReached: a time or memory limit is reached.
+    """
+    found = _find_repairs(part, reasons, trials, most)
+    if part is not task and not found.suggestions:
+        # A change may make another block relevant, for example by a new edge to the block.
+        found = _find_repairs(task, reasons, trials, most)
+    elif part is not task:
+        found = replace(found, complete=len(found.suggestions) >= most)
+    true = [*reasons, *find_counterfactual_reasons(task, reasons, found.suggestions)]
+    pointed = [r for r in true if any(points_to(r, each.change) for each in found.suggestions)]
+    others = [r for r in true if r not in pointed and not (pointed and r.kind == "together")]
+    whole = Explanation("unsolvable", MESSAGES["unsolvable"], (), found.suggestions, found.complete)
+    if found.suggestions:
+        return replace(whole, reasons=(*pointed, *keep_necessary(part, others, trials)))
+    kept, changes = remove_together(part, others, trials)
+    return replace(whole, reasons=tuple(kept), together=tuple(changes))
 
 
 def explain(task: Task, proven: bool = False) -> list[Reason]:

@@ -46,7 +46,7 @@ def find_repairs(task: Task, reasons: Sequence[Reason], trials: TrialPlanner, mo
     Args:
         task: a task that has no plan.
         reasons: known reasons why the task has no plan. Changes that remove these reasons are tried first.
-        trials: planner for changed tasks. After its deadline, no further change is tried.
+        trials: planner for changed tasks. Once its count is used up, no further change is tried.
         most: number of changes after which the search stops.
     """
     found: list[Suggestion] = []
@@ -79,7 +79,7 @@ class _Sieve:
         self._relaxed_unsolvable = any(reason.kind != "together" for reason in reasons) or not self._possible([])
 
     def promising(self, changes: Iterable[Change]) -> Iterator[Change | None]:
-        """Yield the changes that may be useful. Yield None after other tests, so that the caller can check the time."""
+        """Yield the changes that may be useful, and None for other tests so that the caller can check the count."""
         for kind, group in groupby(changes, key=lambda change: change.kind):
             if kind not in ("edge", "fact"):
                 yield from (change if self._possible([change]) else None for change in group)
@@ -105,6 +105,7 @@ class _Sieve:
             yield from self._split(group[middle:], may_help)
 
     def _possible(self, group: list[Change]) -> bool:
+        self._trials.deadline.check()
         compilation = compile_task(apply_together(self._task, group))
         if not group or isinstance(group[0], AddEdge):
             # Edges do not change the feasibility facts, which take most of the time to compute.

@@ -15,6 +15,7 @@ from itertools import product
 import numpy as np
 
 from hybrid_tamp.model.bindings import enumerate_bindings, names_of
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.imitate.hypotheses import Hypotheses, Hypothesis, Roles
@@ -66,16 +67,22 @@ class _Reassignment:
         return max(each.reached for each in self.ending), min(each.departs for each in self.ending) + _SLACK
 
 
-def find_best(task: Task, observation: Observation) -> Interpretation:
-    """Return the cheapest interpretation of the whole observation. The goal of the task is ignored."""
-    return _Search(task, observation).best()
+def find_best(task: Task, observation: Observation, deadline: Deadline = NEVER) -> Interpretation:
+    """Return the cheapest interpretation of the whole observation.
+
+    Args:
+        task: task with the tokens, the domain and the initial assignment. Its goal is ignored.
+        observation: observed states over time.
+        deadline: deadline of the command, after which `LimitReached` is raised.
+    """
+    return _Search(task, observation, deadline).best()
 
 
 class _Search:
     """Beam search through time for one observation."""
 
-    def __init__(self, task: Task, observation: Observation) -> None:
-        self.task = task
+    def __init__(self, task: Task, observation: Observation, deadline: Deadline) -> None:
+        self.task, self.deadline = task, deadline
         self.seen = observation
         self.hypotheses = Hypotheses(task, observation)
         self._atoms: dict[tuple[str, Roles, bool], frozenset[Atom]] = {}
@@ -106,7 +113,8 @@ class _Search:
         return found or [self._unexplained(interpretation, due)]
 
     def _reassignments(self, interpretation: Interpretation, reassignment: _Reassignment) -> Iterator[_Reassignment]:
-        """Yield every complete reassignment that extends a partial reassignment."""
+        """Yield every complete reassignment that extends a partial one."""
+        self.deadline.check()
         if not reassignment.leaving:
             yield reassignment
             return

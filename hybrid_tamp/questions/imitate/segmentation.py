@@ -6,6 +6,7 @@ observation.
 
 from collections.abc import Iterator
 
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.imitation import Segmentation, Unexplained
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
@@ -15,9 +16,18 @@ from hybrid_tamp.questions.imitate.hypotheses import Hypothesis
 from hybrid_tamp.questions.imitate.observation import Observation
 
 
-def segment(task: Task, observation: Observation) -> Segmentation:
-    """Return the timeline that best explains an observation. The goal of the task affects only the violations."""
-    best = find_best(task, observation)
+def segment(task: Task, observation: Observation, deadline: Deadline = NEVER) -> Segmentation:
+    """Return the timeline that explains an observation best.
+
+    Args:
+        task: task with the tokens, the domain and the initial assignment. Its goal affects only the violations.
+        observation: observed states over time.
+        deadline: deadline of the command.
+
+    Raises:
+        LimitReached: the deadline passes.
+    """
+    best = find_best(task, observation, deadline)
     times = observation.times
     hypotheses = [*((each, each.due) for each in best.past), *((each, observation.last) for each in best.running)]
     plan = TaskPlan(tuple(_instances(task, observation, hypotheses)), float(times[-1]))

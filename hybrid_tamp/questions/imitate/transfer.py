@@ -13,6 +13,7 @@ import numpy as np
 
 from hybrid_tamp.errors import NoPlan
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan, at
 from hybrid_tamp.model.predicate import ANY, Atom
@@ -43,15 +44,17 @@ class Transfer:
     roles: Mapping[str, str]
 
 
-def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
+def transfer(shown: Task, plan: TaskPlan, task: Task, deadline: Deadline = NEVER) -> Transfer:
     """Return a plan for a task that imitates a demonstrated plan.
 
     Args:
         shown: the demonstrator's task.
         plan: the demonstrated plan, without the movements that no block explains.
         task: the imitator's task, which must have the same domain.
+        deadline: deadline of the command.
 
     Raises:
+        LimitReached: if the deadline passes.
         NoPlan: if the plan cannot be transferred to the task. The message gives the reason.
     """
     if shown.domain.name != task.domain.name:
@@ -72,6 +75,7 @@ def transfer(shown: Task, plan: TaskPlan, task: Task) -> Transfer:
     found.sort(key=lambda roles: _compare_arrangements(shown, task, roles))
     why = ""
     for roles in found:
+        deadline.check()
         found_or_why = _transfer_roles(task, plan, seen, roles)
         if isinstance(found_or_why, Transfer):
             return found_or_why

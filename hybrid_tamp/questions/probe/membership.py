@@ -7,18 +7,18 @@ decide the verdict.
 """
 
 import logging
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from hybrid_tamp.errors import InputError, Issue, LimitReached, NoPlan
+from hybrid_tamp.errors import InputError, Issue, NoPlan
 from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.geometry.features import resting_poses
 from hybrid_tamp.geometry.warp import Warp, warp
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.membership import MembershipResult, Trial, Verdict
 from hybrid_tamp.model.plan import TaskPlan
@@ -57,7 +57,7 @@ class Prober:
             unsure. The verdict is tested after every trial, so a token with a true success rate of 1/2 gets yes or no
             more often than the confidence level implies.
         most_seconds: maximum simulated time of a trial, in seconds.
-        deadline: time on the monotonic clock at which the probe is aborted, in seconds.
+        deadline: deadline of the command.
         tell: progress callback.
     """
 
@@ -66,7 +66,7 @@ class Prober:
     starts: int = STARTS
     most_starts: int = MOST_STARTS
     most_seconds: float = MOST_SECONDS
-    deadline: float = float("inf")
+    deadline: Deadline = NEVER
     tell: Tell = lambda share, what: None
 
     def probe(self, task: Task, name: str, classes: Sequence[str] = (), seed: int = 0) -> MembershipResult:
@@ -134,7 +134,7 @@ class Prober:
             LimitReached: if the deadline passes.
         """
         try:
-            recording = execute(task, plan, self.backend, self._watch)
+            recording = execute(task, plan, self.backend, self._watch, deadline=self.deadline)
         except _NeverSettles:
             return Trial(False, f"the trial did not end within {self.most_seconds:g} s of simulated time", {})
         measured = dict(task.domain.metrics(task, recording)) if task.domain.metrics else {}
@@ -145,8 +145,6 @@ class Prober:
     def _watch(self, simulated: float, expected: float) -> None:
         if simulated > self.most_seconds:
             raise _NeverSettles
-        if time.monotonic() > self.deadline:
-            raise LimitReached("the probe exceeded its time limit; increase time_limit", limit="time")
 
 
 class _NeverSettles(Exception):

@@ -39,6 +39,7 @@ class WorkerProcess:
 
     def __init__(self) -> None:
         self._directory = Path(mkdtemp(prefix="hybrid-tamp-"))
+        self._asked = False
         mark = uuid.uuid4().hex
         try:
             self._process = self._start(mark)
@@ -53,6 +54,7 @@ class WorkerProcess:
 
     def ask(self, request: Mapping[str, Any]) -> None:
         """Send the request without waiting until the worker reads it."""
+        self._asked = True
         (self._directory / REQUEST).write_text(json.dumps(request, default=vars), encoding="utf-8")
         # If the worker has already ended, `wait` returns at once.
         with suppress(BrokenPipeError):
@@ -87,7 +89,8 @@ class WorkerProcess:
         """End the worker and its descendants, and remove its files. Further calls have no effect."""
         # The worker ends when its input is closed. Only the worker can kill its descendants without leaving zombies.
         self._input.close()
-        self._ended.wait(_GRACE)
+        # A worker without a request has no descendants, and may still be busy with its imports.
+        self._ended.wait(_GRACE if self._asked else 0.0)
         self._tree.kill(search=self._process.returncode != 0)
         self._listener.join()
         if self._directory.exists():

@@ -10,6 +10,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
@@ -43,8 +44,16 @@ class Share:
 class Allocation:
     """Assigns the helpers of a task to its groups."""
 
-    def __init__(self, task: Task, groups: Sequence[Group], holding: Collection[Atom], feasible: StaticFacts) -> None:
-        self._views: Mapping[Group, Helpers] = {group: Helpers(task, group, holding, feasible) for group in groups}
+    def __init__(
+        self,
+        task: Task,
+        groups: Sequence[Group],
+        holding: Collection[Atom],
+        feasible: StaticFacts,
+        deadline: Deadline = NEVER,
+    ) -> None:
+        views = {group: Helpers(task, group, holding, feasible, deadline) for group in groups}
+        self._views: Mapping[Group, Helpers] = views
 
     def considered(self, group: Group, count: int) -> tuple[str, ...]:
         """Return the helpers to consider for a group that needs `count` helpers, closest first."""

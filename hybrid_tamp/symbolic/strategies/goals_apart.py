@@ -9,12 +9,10 @@ equally placed hands, needs only one search.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice, permutations, product
 
-from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.facts import facts
 from hybrid_tamp.model.plan import PlannedAction
 from hybrid_tamp.symbolic.decode import NotAPlanError
@@ -29,26 +27,30 @@ APART = "goals planned separately"
 
 _ORDERS = 24
 """Largest number of orders of equal helpers to try for a group."""
+_MOST_PROBLEMS = 16
+"""Number of planning problems of groups after which no further number of helpers is tried once there is a plan."""
 
 Key = tuple[frozenset[Fact], frozenset[Fact], tuple[tuple[str, str], ...]]
 Actions = tuple[PlannedAction, ...]
 
 
-def plan_goals_apart(search: Search, seconds: float, *, first_will_do: bool) -> Candidate | None:
-    """Try several numbers of helpers per group. Return the plan with the smallest makespan, or None.
+def plan_goals_apart(search: Search, *, first_will_do: bool) -> Candidate | None:
+    """Return the plan with the smallest makespan over different numbers of helpers per group, or None.
 
     Numbers of helpers that all groups can have at once are tried first, starting with the largest. If no plan is
     found, larger numbers are tried, and helpers serve the groups one after another.
 
     Args:
         search: Search for a plan of the whole task.
-        seconds: Time limit for each group, and for the search for shorter plans [s].
-        first_will_do: Whether to return the first plan that is found. If True, return None if no group is smaller than
-            the task.
+        first_will_do: Whether to return the first plan. If True, nothing is planned unless a group is smaller than the
+            task.
+
+    Raises:
+        LimitReached: If a limit is reached. A group whose planning takes long does not count as a group without a plan.
     """
     best: Candidate | None = None
     with search.stage("compiling"):
-        groups = _Groups(search, seconds)
+        groups = _Groups(search)
         if first_will_do and not groups.smaller_than_the_task:
             return None
         at_once, least, most = groups.count_helpers()
@@ -63,24 +65,31 @@ def plan_goals_apart(search: Search, seconds: float, *, first_will_do: bool) -> 
             found = search.judge_actions(f"{APART}, with {count} helpers per group", actions)
             if found is not None and (best is None or found.plan.makespan < best.plan.makespan - 1e-6):
                 best = found
-            if found is not None and (first_will_do or search.elapsed > seconds):
+            if found is not None and (first_will_do or groups.problems >= _MOST_PROBLEMS):
                 break
     return best
 
 
 class _Groups:
-    """The groups of a task's goals, with their known plans and the allocation of helpers."""
+    """The groups of a task's goals, with the known plans.
 
-    def __init__(self, search: Search, seconds: float) -> None:
+    Attributes:
+        allocation: Allocation of helpers to groups.
+        hopeless: Whether some group has no plan even with all useful helpers.
+        problems: Number of planning problems that were given to the engine.
+    """
+
+    def __init__(self, search: Search) -> None:
         self._search = search
         self._task = search.task
-        self._seconds = seconds
         self._holding = facts(search.task)
         self._groups = goal_groups(search.task, self._holding)
         self._places = tuple(token.name for token in search.task.tokens if token.place)
         self._known: dict[Key, Actions | None] = {}
-        self.allocation = Allocation(search.task, self._groups, self._holding, search.compilation.feasible)
-        self.hopeless = False  # Whether at least one group has no plan with all useful helpers.
+        feasible = search.compilation.feasible
+        self.allocation = Allocation(search.task, self._groups, self._holding, feasible, search.deadline)
+        self.hopeless = False
+        self.problems = 0
 
     @property
     def smaller_than_the_task(self) -> bool:
@@ -149,11 +158,10 @@ class _Groups:
         for places in (own, self._places) if len(own) < len(self._places) else (own,):
             posed = self._pose(share, places)
             if posed.key not in self._known:
-                self._known[posed.key] = None  # After a timeout, the whole task can still be planned.
-                with suppress(LimitReached), search.limits_of_request(self._seconds) as limits:
+                self.problems += 1
+                with search.limits_of_request() as limits:
                     answer = search.planner.solve(posed.problem, search.task.planner, limits)
-                    if answer.status == "solved":
-                        self._known[posed.key] = posed.generalise(answer.actions)
+                self._known[posed.key] = posed.generalise(answer.actions) if answer.status == "solved" else None
             found = self._known[posed.key]
             if found is not None:
                 return posed.specialise(found)
@@ -162,6 +170,7 @@ class _Groups:
     def _pose(self, share: Share, places: Sequence[str]) -> "_Posed":
         """Return the planning problem of a group with the given helpers and places."""
         whole = self._search.compilation
+        self._search.deadline.check()
         with self._search.stage("compiling"):
             part = compile_task(own_task(self._task, share.group, share.helpers, places), whole)
             wanted = (*part.goal, *(_at_start(part, share.helpers) if share.returning else ()))

@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.facts import StaticFacts, static_facts
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
@@ -105,9 +106,20 @@ def own_task(task: Task, group: Group, chosen: Iterable[str], places: Collection
 class Helpers:
     """The distances and signatures of all helpers relative to one group."""
 
-    def __init__(self, task: Task, group: Group, holding: Collection[Atom], feasible: StaticFacts) -> None:
-        """Store the whole task, one of its groups, its initial atoms (`holding`) and its feasibility facts."""
+    def __init__(
+        self, task: Task, group: Group, holding: Collection[Atom], feasible: StaticFacts, deadline: Deadline = NEVER
+    ) -> None:
+        """Store the task and the group.
+
+        Args:
+            task: Whole task.
+            group: Group of goals of the task.
+            holding: Atoms that hold in the initial state.
+            feasible: Feasibility facts of the task.
+            deadline: Deadline of the command.
+        """
         self._task = task
+        self._deadline = deadline
         self._group = group
         self._holding = holding
         self._feasible = feasible
@@ -131,8 +143,13 @@ class Helpers:
         return self._task.state[key] if key in self._task.state.layout.slices else None
 
     def signature(self, name: str) -> Signature:
-        """Return the signature of a helper."""
+        """Return the signature of a helper.
+
+        Raises:
+            LimitReached: If the deadline passes.
+        """
         if name not in self._signatures:
+            self._deadline.check()
             self._signatures[name] = self._describe(self._task.token_by_name[name])
         return self._signatures[name]
 

@@ -1,17 +1,17 @@
 """Local search that rebinds interchangeable tokens to shorten the makespan.
 
 A sequential planner has no reason to distribute work over several hands. An *episode* of a token lasts from the time
-when the token leaves RESTING until the token rests again. Two tokens are interchangeable if they have equal classes,
-properties and shapes, and if neither of them is in the goal. The search rebinds one episode to another token, or swaps
-two tokens in the whole plan, as long as the makespan improves and time is left. Every candidate is checked action by
-action, because some conditions depend on the position of a token, e.g. reachability.
+when the token leaves RESTING until it rests again. Two tokens are interchangeable if they have equal classes,
+properties and shapes and no goal atom names them. The search rebinds one episode to another token, or swaps two tokens
+in the whole plan, as long as the makespan improves, up to `MOST_ACTIONS`. Every candidate is checked action by action,
+because some conditions depend on the token's position, e.g. its workspace.
 """
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import NotAPlanError
@@ -19,6 +19,9 @@ from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import Estimates
 from hybrid_tamp.symbolic.pddl.operators import rename_arguments
 from hybrid_tamp.symbolic.schedule import schedule_actions
+
+MOST_ACTIONS = 150_000
+"""Number of actions in all candidates together, after which the search ends. The work grows with this number."""
 
 Use = tuple[int, int]
 """Pair of (index of an action, index of an argument of the action)."""
@@ -43,22 +46,34 @@ def interchangeable(task: Task) -> list[list[str]]:
     return [group for group in groups.values() if len(group) > 1]
 
 
-def rebind_tokens(compilation: Compilation, plan: TaskPlan, seconds: float, estimates: Estimates) -> TaskPlan:
-    """Return a shorter plan with rebound tokens, or the given plan if no shorter plan is found.
+def rebind_tokens(
+    compilation: Compilation,
+    plan: TaskPlan,
+    estimates: Estimates,
+    deadline: Deadline = NEVER,
+    most_actions: int = MOST_ACTIONS,
+) -> TaskPlan:
+    """Return a shorter plan with rebound tokens, or the given plan if none is found.
 
     Args:
         compilation: Compiled task.
         plan: Scheduled plan with its actions.
-        seconds: Time limit [s].
         estimates: Estimates of the task.
+        deadline: Deadline of the command.
+        most_actions: Number of actions in all candidates together, after which the search ends.
+
+    Raises:
+        LimitReached: If the deadline passes.
     """
-    until = time.monotonic() + seconds
+    left = most_actions
     best = plan
     improved = True
     while improved:
         improved = False
         for candidate in _neighbours(compilation, best.actions):
-            if time.monotonic() > until:
+            deadline.check()
+            left -= len(candidate)
+            if left < 0:
                 return best
             shorter = _schedule(compilation, candidate, estimates)
             if shorter is not None and shorter.makespan < best.makespan - 1e-6:

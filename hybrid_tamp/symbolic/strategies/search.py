@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Protocol
 
 from hybrid_tamp.errors import LimitReached
+from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Limits, Task
@@ -50,6 +51,7 @@ class SearchResult:
         way: Description of the strategy that found the plan.
         stages: Maps each stage to its duration [s].
         task: Task that was planned. If the goal leaves a choice, this is the chosen alternative.
+        stopped: Limit that ended the search before its end, or None. The plan is then the best plan so far.
     """
 
     answer: PlannerAnswer
@@ -58,6 +60,7 @@ class SearchResult:
     way: str = ""
     stages: Mapping[str, float] = field(default_factory=dict)
     task: Task | None = None
+    stopped: LimitReached | None = None
 
     @property
     def status(self) -> str:
@@ -76,12 +79,16 @@ class Search:
         task: Task to plan.
         planner: Running planner process.
         stages: Maps each stage to its duration so far [s].
+        deadline: Deadline of the command.
         refusals: Reasons why plans were refused.
+        best: Best lawful plan so far, or None.
     """
 
-    def __init__(self, task: Task, planner: Planner) -> None:
+    def __init__(self, task: Task, planner: Planner, deadline: Deadline | None = None) -> None:
         self.task = task
         self.planner = planner
+        self.deadline = deadline or Deadline.after(task.limits.time)
+        self.best: Candidate | None = None
         self.stages: defaultdict[str, float] = defaultdict(float)
         self.refusals: list[str] = []
         self._began = self._counted = time.monotonic()
@@ -101,7 +108,7 @@ class Search:
     @cached_property
     def estimates(self) -> Estimates:
         """The estimates of the instances of the task."""
-        return Estimates(self.task)
+        return Estimates(self.task, self.deadline)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -121,26 +128,22 @@ class Search:
         self._counted = now
 
     @contextmanager
-    def limits_of_request(self, seconds: float = float("inf")) -> Iterator[Limits]:
+    def limits_of_request(self) -> Iterator[Limits]:
         """Measure the duration of a request to the engine and yield the limits of the request.
 
-        The time limit is the remaining time of the task or `seconds` [s], whichever is shorter.
+        Every request can use all the remaining time. A smaller share would let the clock decide which plan is found.
 
         Raises:
             LimitReached: If the request reached a limit, or if no time is left for the request.
         """
-        limits = self.task.limits
-        left = limits.time - self.elapsed
+        self.deadline.check()
         try:
-            if left <= 0:
-                raise LimitReached("no time is left", limit="time")
             with self.stage("planner"):
-                yield replace(limits, time=min(left, seconds))
-        except LimitReached as reached:
-            if reached.limit != "time" or self.elapsed < limits.time:
-                raise
-            # The engine reports the remaining time. The user only knows the time limit of the task.
-            raise time_limit_reached(self.task) from reached
+                yield replace(self.task.limits, time=self.deadline.left)
+        except LimitReached:
+            # The engine reports the remaining time. The user only knows the time limit of the command.
+            self.deadline.check()
+            raise
 
     def judge_actions(self, way: str, actions: Sequence[PlannedAction]) -> Candidate | None:
         """Convert actions to a lawful plan of the whole task. If this fails, record the reason and return None."""
@@ -154,18 +157,19 @@ class Search:
         return self.judge(Candidate(way, plan))
 
     def judge(self, candidate: Candidate) -> Candidate | None:
-        """Return the candidate if it obeys the law of assignment. Otherwise record the reason and return None."""
+        """Return the candidate if it obeys the law of assignment. Otherwise record the reason and return None.
+
+        A lawful candidate becomes the best plan if its makespan is the shortest so far.
+        """
         with self.stage("law"):
             violations = check_law(self.task, candidate.plan)
         if violations:
             self._refuse(candidate.way, "; ".join(each.text for each in violations))
-        return None if violations else candidate
+            return None
+        if self.best is None or candidate.plan.makespan < self.best.plan.makespan - 1e-6:
+            self.best = candidate
+        return candidate
 
     def _refuse(self, way: str, reason: str) -> None:
         _LOG.warning("the plan of %s (%s) was refused: %s", self.task.planner, way, reason)
         self.refusals.append(reason)
-
-
-def time_limit_reached(task: Task) -> LimitReached:
-    """Return the error for a task that has reached its time limit."""
-    return LimitReached(f"the planner reached its time limit of {task.limits.time:g} s", limit="time")

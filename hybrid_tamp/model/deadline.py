@@ -1,0 +1,51 @@
+"""The deadline of a command. Only the deadline depends on the clock, and it never decides what a command finds."""
+
+import math
+import time
+from dataclasses import dataclass
+
+from hybrid_tamp.errors import LimitReached
+
+
+@dataclass(frozen=True)
+class Deadline:
+    """The instant at which a command ends, whatever it is doing.
+
+    A verb makes one deadline when it begins and passes it to every stage. Each stage checks it between units of work.
+    Processes on one machine share the monotonic clock, so worker processes can check the same deadline.
+
+    Attributes:
+        limit: time limit of the command [s].
+        end: reading of the monotonic clock at the deadline [s].
+    """
+
+    limit: float = math.inf
+    end: float = math.inf
+
+    @classmethod
+    def after(cls, limit: float, began: float | None = None) -> "Deadline":
+        """Return the deadline of a command.
+
+        Args:
+            limit: time limit of the command [s].
+            began: reading of the monotonic clock when the command began [s]; by default now.
+        """
+        return cls(limit, (time.monotonic() if began is None else began) + limit)
+
+    @property
+    def left(self) -> float:
+        """Time until the deadline, at least 0 [s]."""
+        return max(0.0, self.end - time.monotonic())
+
+    def check(self) -> None:
+        """Check that time is left.
+
+        Raises:
+            LimitReached: the deadline has passed.
+        """
+        if time.monotonic() >= self.end:
+            raise LimitReached(f"the command reached its time limit of {self.limit:g} s", limit="time")
+
+
+NEVER = Deadline()
+"""Deadline that never passes."""
