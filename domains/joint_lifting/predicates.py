@@ -133,7 +133,7 @@ UPRIGHT = Predicate(
     reads={"hand": ("orientation",)},
     kind=Kind.STATIC,
     description="{hand} is upright",
-    denial="{hand}, which cannot turn, is not upright",
+    denial="{hand} cannot turn and is not upright",
 )
 ON_SIDE = Predicate(
     "on_side",

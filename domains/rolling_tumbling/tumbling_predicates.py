@@ -123,7 +123,7 @@ ALIGNED = Predicate(
     reads={"hand": ("orientation",), "object": ("orientation",)},
     kind=Kind.STATIC,
     description="the axis of {hand} is level and parallel to the {face} face of {object}",
-    denial="the axis of {hand}, which cannot turn, is not both level and parallel to the {face} face of {object}",
+    denial="{hand} cannot turn, and its axis is not level or not parallel to the {face} face of {object}",
 )
 ON_SIDE = Predicate(
     "on_side",
@@ -147,7 +147,7 @@ STRONG_ENOUGH = Predicate(
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
     description="{hand} is strong enough to tumble {object} together with a second hand",
-    denial="{object} is too heavy for {hand} to tumble together with a second hand",
+    denial="{object} is too heavy to be tumbled by {hand} and a second hand",
     share=_share,
 )
 WITHIN_REACH = length_predicate(

@@ -23,7 +23,7 @@ def metrics(task: Task, recording: Recording) -> Mapping[tuple[str, str], float]
     - Grasp: the grasp location and the largest slip of the hand in the tool's frame. The slip is measured at the ends
       of the later blocks in which the hand holds the tool.
     - Push: the mean torque of the wrist about the tool's y axis while the object moves, measured and predicted.
-    - Strike: the largest speed of the impact point along its normal, measured and predicted.
+    - Strike: the largest speed of the impact point along the normal of the striking face, measured and predicted.
     """
     return measure_instances(task, recording, {"GRASPING": _grasp, "PUSHING": _push, "STRIKING": _strike})
 

@@ -150,13 +150,13 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
 
 def _tip_speed_squared(binding: Binding, state: State) -> FloatArray:
-    """Return the squared speed ``(...)`` [m^2/s^2] of the impact point along its normal."""
+    """Return the squared speed ``(...)`` [m^2/s^2] of the impact point along the normal of the striking face."""
     _, tool, _ = _roles(binding)
     return np.asarray(tip_speed(state, tool) ** 2)
 
 
 def tip_speed(state: State, tool: Token) -> FloatArray:
-    """Return the speed ``(...)`` [m/s] of the impact point along its normal, the body's -z axis."""
+    """Return the speed ``(...)`` [m/s] of the impact point along the striking face's normal, the tool's -z axis."""
     normal = rotate(state[tool, "orientation"], -UP)
     return dot(point_velocity(state, tool, np.asarray(tool["impact_point"])), normal)
 
@@ -221,7 +221,7 @@ STRIKING = Block(
             "m^2/s^2",
             0.2,
             peak=_tip_speed_squared,
-            description="square of the largest speed of the impact point along its normal",
+            description="square of the largest speed of the impact point along the normal of the striking face",
         ),
         Measure("hand_speed", "m/s", -0.1, peak=_hand_speed, description="largest speed of the hand"),
     ),

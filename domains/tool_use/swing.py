@@ -32,7 +32,7 @@ class Swing:
 
     @property
     def tip_speed(self) -> FloatArray:
-        """Speed of the impact point along its normal [m/s]."""
+        """Speed of the impact point along the normal of the striking face [m/s]."""
         return np.asarray(self.rate * self.lever)
 
     def periods(self, hand: Token) -> FloatArray:

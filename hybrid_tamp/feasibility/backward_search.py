@@ -161,16 +161,16 @@ class BackwardSearch:
     def _missing(self, block: Block, conditions: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
         """Return a reason for every class with fewer tokens in the task than slots in the block.
 
-        If the existing tokens violate a condition that the slots share, the reason says that more tokens of the same
-        kind would not be enough.
+        More tokens like the present ones are not enough if the present ones violate a condition that the slots share.
         """
         found: list[Reason] = []
         for slot, wanted, have in _short_slots(self.task, block):
             unable = explain_unmet(self.task, self._static, block, conditions, allowed, alike=True)
             message = (
                 f"no token can fill slot {slot.name} of {BLOCK}: {BLOCK} needs {wanted} tokens of class "
-                f"{slot.object_class.name}, but the task has {have}; {wanted - have} more "
-                f"{'like these would not be enough' if unable else 'would be enough'}"
+                f"{slot.object_class.name}, but the task has {have}; {wanted - have} more token"
+                f"{'s' * (wanted > have + 1)}{('', ' like the present one', ' like the present ones')[min(have, 2)]} "
+                f"would {'not ' if unable else ''}be enough"
             )
             kind: ReasonKind = "too_few_tokens" if have else "no_token"
             found += [Reason((), block.name, kind, message, lacks=slot.object_class), *unable]

@@ -25,11 +25,11 @@ def overlap(one: Body, other: Body) -> FloatArray | None:
     """Return a displacement of `other` that ends the overlap with `one` [m], shape ``(3,)``, or None without overlap.
 
     The candidate directions are the axes of the solids, the lines between the centres, and the cross products of axes.
-    Downward directions are excluded, because the floor may be there. The displacement is the shortest along the
-    candidates, and also separates the convex hulls of compounds. Bodies that only touch do not overlap.
+    Downward directions are excluded, because the floor may be there. The result is the shortest separating displacement
+    along a candidate direction. It separates compounds by their convex hulls, so it may be longer than necessary.
+    Bodies that only touch do not overlap.
 
-    Bodies of many solids take little longer than bodies of few solids, because one computation for all pairs excludes
-    most of them, and only the first `_MOST_PAIRS` pairs give candidate directions.
+    To save time, one computation for all pairs excludes most pairs, and at most `_MOST_PAIRS` pairs give directions.
     """
     near = [(one[i], other[j]) for i, j in _find_near(one, other)]
     if len(one) * len(other) == 1:
@@ -78,8 +78,7 @@ def overlaps(
 ) -> Iterator[tuple[int, int, FloatArray]]:
     """Yield the pairs of overlapping bodies as triples of (first index, second index, displacement of the second body).
 
-    The first index is less than the second. For each second index, only the first overlap is reported, because a user
-    does not need all pairs of a heap.
+    Each body is reported at most once as the second body, with the smallest first index that is less than its own.
 
     Args:
         bodies: bodies to check.
@@ -122,7 +121,7 @@ def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
 
     The bodies have a common point if the set of differences between their points contains zero. Each step adds the
     difference that is furthest towards zero to a simplex, and keeps the face of the simplex that is nearest to zero. If
-    `_MOST_STEPS` steps do not decide, the bodies only touch and the result is False.
+    the result is undecided after `_MOST_STEPS` steps, the bodies are assumed only to touch, and the result is False.
     """
 
     def furthest(direction: FloatArray) -> FloatArray:
@@ -143,7 +142,7 @@ def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
 
 
 def _nearest_to_zero(corners: list[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
-    """Return the smallest set of corners of a simplex whose hull contains the point nearest to zero, and this point."""
+    """Return the corners of the smallest face that contains the simplex's nearest point to zero, and that point."""
     best: tuple[list[FloatArray], FloatArray] = (corners[:1], corners[0])
     for count in range(1, len(corners) + 1):
         for chosen in combinations(corners, count):

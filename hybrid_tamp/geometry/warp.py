@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _SOURCE_EDGES = 8
 """Approximate number of edges along the largest extent of the labelled surface after subdivision."""
 _TARGET_EDGES = 30
-"""Number of edges along the largest extent of the new surface after subdivision. The warp matches the edges' ends."""
+"""Number of edges along the new surface's largest extent after subdivision. The warp matches vertices to vertices."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from hybrid_tamp.model.task import MidLevel
 from hybrid_tamp.motion.arrays import FloatArray
 
 Progress = Callable[[float, Milestone], None]
-"""Progress callback. Its arguments are the used share of the budget (0 to 1) and the best candidate so far."""
+"""Progress callback. Its arguments are the used fraction of the budget (0 to 1) and the best candidate so far."""
 
 _BATCHES = {"cma": 48}
 """Maps the name of an optimiser to its number of candidates per batch."""

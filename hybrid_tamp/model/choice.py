@@ -44,7 +44,7 @@ def ground_goals(
     every = dict.fromkeys(tuple(dict.fromkeys(atoms)) for atoms in product(*choices))
     goals = [each for each in every if _compatible(predicates, each)]
     if not goals:
-        wanted = f"all goal atoms must be able to hold together for some choice of values for {ANY!r}"
+        wanted = f"for some choice of values for {ANY!r}, all goal atoms must be true at the same time"
         raise InputError([Issue("goal", wanted, "none")])
     given = {atom for atom in goal if not _open(atom)}
 

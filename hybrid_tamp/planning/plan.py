@@ -21,9 +21,9 @@ from hybrid_tamp.symbolic.strategies.search import Planner, SearchResult
 _LOG = logging.getLogger(__name__)
 
 _WITHOUT = {
-    "unsolvable": "the planner has proven that no plan exists in the network without this object",
-    "not_found": "the planner found no plan in the network without this object",
-    "plan_refused": "the plan found in the network without this object breaks the law of assignment",
+    "unsolvable": "the planner has proven that no plan exists without this object in the network",
+    "not_found": "the planner found no plan without this object in the network",
+    "plan_refused": "without this object in the network, the plan that was found breaks the law of assignment",
 }
 
 
@@ -97,7 +97,7 @@ class _TailoredNetwork:
     def unreachable(self) -> str:
         """Message about goal atoms that no block of the network achieves. Empty if blocks achieve all atoms."""
         atoms = " and ".join(atom.text for atom in find_unreachable(self.reduction.task))
-        return f"no block achieves {atoms} in the network without this object" if atoms else ""
+        return f"without this object in the network, no block achieves {atoms}" if atoms else ""
 
     @property
     def network(self) -> PlannedNetwork:

@@ -21,7 +21,7 @@ from hybrid_tamp.workers.processes import count_processors
 FindPlan = Callable[[Task], PlanOutcome]
 """Function that plans a task, for example a task planner or the transfer of a demonstrated plan."""
 Progress = Callable[[float, str], None]
-"""Progress callback. Its arguments are the finished share of the work (0 to 1) and a description."""
+"""Progress callback. Its arguments are the fraction of the work that is done (0 to 1) and a description."""
 
 
 def plan_and_refine(
@@ -37,7 +37,7 @@ def plan_and_refine(
     Args:
         task: the task to plan.
         find_plan: the task planner.
-        progress: callback for the finished share of each optimisation and its best value so far.
+        progress: called with the fraction of an optimisation that is done and its best value so far.
         backend: name of the physics backend for tasks with ``refine: physics``.
         processes: number of physics processes, by default one per processor. The result does not depend on the number.
         deadline: deadline of the command. If it passes, the outcome is a failure with the plan that was found before.

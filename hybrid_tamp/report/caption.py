@@ -59,7 +59,7 @@ class Captions:
         self._height = 2 * _MARGIN + _LINE + _LINE * max(map(len, self._lines))
 
     def under(self, picture: Picture, time: float) -> Picture:
-        """Return a picture ``(h, w, 3)`` with the caption of an instant [s] added below the picture."""
+        """Add the caption for a time [s] below a picture of shape ``(h, w, 3)``, and return the result."""
         height = picture.shape[0] + self._height
         canvas = Image.new("RGB", (self._width, height + height % 2), _BACKGROUND)
         canvas.paste(Image.fromarray(picture), (0, 0))
@@ -78,7 +78,7 @@ class Captions:
         return np.asarray(canvas)
 
     def index_at(self, time: float) -> int:
-        """Return the index (from 0) of the step at an instant [s]. At a reassignment, the later step is meant."""
+        """Return the index (from 0) of the step at a time [s]. At a reassignment, return the later step's index."""
         return max(0, sum(step.start <= time + TIME_TOLERANCE for step in self.steps) - 1)
 
     def _verdict(self, time: float) -> _Line | None:
@@ -98,7 +98,7 @@ class Captions:
         return lines
 
     def _fitted(self, text: str) -> list[str]:
-        """Break a text into lines that fit the picture, between words if possible."""
+        """Break a text into lines that fit the picture. Break only words that are wider than a line."""
         room = self._width - 2 * _MARGIN
         lines = [""]
         for word in text.split(" "):

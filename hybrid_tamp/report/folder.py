@@ -33,7 +33,7 @@ class RunFolder:
 
         Args:
             path: path of the folder.
-            force: whether the folder may contain another run. `clear` removes the files of that run.
+            force: whether the folder may contain another run. Call `clear` to remove the files of the other run.
 
         Raises:
             InputError: the path is a file, the folder cannot be created, or `force` is false and the folder contains

@@ -11,7 +11,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 def progress_bar(wanted: bool = True) -> Iterator[Callable[[float, str], None]]:
     """Show a progress bar if wanted and standard error is a terminal.
 
-    The context yields a function that updates the bar with the finished share (0 to 1) and the current activity.
+    Yield a function that updates the bar with the fraction of the work that is done (0 to 1) and the current activity.
     """
     columns = (TextColumn("{task.description:<24}"), BarColumn(), TimeElapsedColumn())
     # console.is_terminal is not used, because FORCE_COLOR makes that property true for files.

@@ -46,7 +46,7 @@ def efforts(entry: Json) -> Iterable[str]:
         tried = entry["physics"]
         before, best = ("a failed run" if tried[key] is None else _value(tried[key]) for key in ("before", "best"))
         spent = f"{tried['evaluations']} runs in {tried['seconds']:.1f} s ({tried['stopped']})"
-        yield f"in physics: {before} at the optimum of the forward models, then {best} after {spent}"
+        yield f"value in physics: {before} at the optimum of the forward models, and at best {best} after {spent}"
 
 
 def values(entry: Json) -> Iterable[tuple[str, str, str]]:

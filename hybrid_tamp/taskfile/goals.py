@@ -97,7 +97,7 @@ def _check_choice(atom: Atom, parameter: Parameter | None, path: KeyPath, faults
     others = [token for name, token in scene.outlines.items() if name not in atom.arguments]
     if not any(token.is_member(parameter.sort) for token in others):
         wanted = f"no token can replace {shown(ANY)} as {parameter.name} of {atom.predicate}"
-        faults.at(path, wanted, remedy=f"add a token of class {parameter.sort.name} that the atom does not name")
+        faults.at(path, wanted, remedy=f"add a token of class {parameter.sort.name} that does not occur in the atom")
 
 
 def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) -> None:
@@ -105,7 +105,7 @@ def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) ->
     for index, argument in enumerate(atom.arguments):
         if argument in (scene.names or ()) and argument in atom.arguments[:index]:
             wanted = f"the arguments of {plain(atom.predicate)} must be different tokens"
-            faults.at((*path, index), wanted, f"{shown(argument)} twice", remedy="name another token")
+            faults.at((*path, index), wanted, f"{shown(argument)} twice", remedy="use another token")
 
 
 def _check_class(argument: str, atom: Atom, parameter: Parameter, path: KeyPath, faults: Faults, scene: Scene) -> None:
@@ -128,7 +128,7 @@ def _check_company(
     values: dict[tuple[Any, ...], Atom],
     faults: Faults,
 ) -> None:
-    """Record a fault for an atom that cannot hold together with an earlier atom."""
+    """Record a fault for an atom that cannot be true at the same time as an earlier atom."""
     if predicate.functional_index is None or ANY in atom.arguments:
         return
     index = predicate.functional_index

@@ -39,7 +39,7 @@ def make_task(
         domain: the domain, or the name of an installed domain.
         tokens: maps the name of each token to a mapping with its ``classes`` (names or classes), ``properties``,
             ``shape`` and ``pose``. A pose has a ``position`` [m] and ``rpy`` [rad] or ``quaternion`` x, y, z, w.
-            Arrays and tuples may be used as lists.
+            Arrays and tuples may be used in place of lists.
         goal: the atoms that must hold at the end. Each atom is an `Atom` or ``{predicate: [tokens]}``.
         agents: maps each agent to the names of its capability tokens.
         assignment: maps each token to the block in which it starts; the domain's resting block by default.

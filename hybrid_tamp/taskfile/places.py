@@ -142,7 +142,7 @@ class Faults:
         more = len(issues) - MOST_FAULTS
         if more > 0:
             remedy = "correct the faults above first"
-            rest = Issue(issues[MOST_FAULTS].where, f"{more} more faults follow from here", remedy=remedy)
+            rest = Issue(issues[MOST_FAULTS].where, f"{more} more faults come after this place", remedy=remedy)
             issues = (*issues[:MOST_FAULTS], rest)
         raise InputError(issues)
 

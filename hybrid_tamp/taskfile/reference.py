@@ -82,8 +82,9 @@ def _class(object_class: type[ObjectClass]) -> str:
     if object_class.model_fields:
         text += f"\n{_keys(object_class)}"
     for action in object_class.basic_actions:
-        limit = f", at most the token's `{action.limit}`" if action.limit else ""
-        text += f"\nBasic action `{action.name}`: {action.size} numbers [{action.unit}]{limit}; {action.description}\n"
+        limit = f" with a norm of at most the token's `{action.limit}`" if action.limit else ""
+        vector = f"vector of size {action.size} [{action.unit}]{limit}"
+        text += f"\nBasic action `{action.name}`: {vector}: {action.description}\n"
     return text
 
 

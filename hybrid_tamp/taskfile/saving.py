@@ -82,7 +82,7 @@ def task_text(
 
     Args:
         task: the task.
-        stem: name of the task file without its ending. If the task has the same name, the text omits the name.
+        stem: name of the task file without its ending. If the task's name equals the stem, the text omits the name.
         free: function of (name, content) that returns whether a file with this name and content may be written.
 
     Returns:
@@ -175,7 +175,7 @@ def _plain(value: Any) -> Any:
 
 
 def _is_free(path: Path, content: str) -> bool:
-    """Return whether no file exists at the path or the existing file has the same content."""
+    """Return whether no file exists at the path, or whether the existing file has exactly this content."""
     return not path.exists() or (path.is_file() and path.read_bytes() == content.encode("utf-8"))
 
 

@@ -62,7 +62,7 @@ def imitate(
         actor: the demonstrator's task, if the demonstration is a file of poses; by default the imitator's task.
         backend: name of the physics backend.
         force: whether to replace the files of another run.
-        progress: called with the finished share and the current activity.
+        progress: called with the fraction of the work that is done and the current activity.
         on_segmentation: called with the segmentation before the run.
 
     Raises:
@@ -98,7 +98,7 @@ def read_shown(
 
     Args:
         path: the folder of a run, or a file of token poses.
-        task: the imitator's task. By default, a demonstrator who is recorded in a file has the same task.
+        task: the imitator's task. This is also the demonstrator's task if `path` is a file and `actor` is None.
         settings: settings that override the task file.
         actor: another task for the demonstrator, if `path` is a file.
 

@@ -103,7 +103,7 @@ def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], M
     movements = {block.movement for block in found if block.movement}
     if len(movements) > 1:
         modes = tuple(block.name for block in found)
-        wanted = f"the modes of {name} have different kinds of movement, so one mode must be named"
+        wanted = f"the modes of {name} have different kinds of movement; specify which mode to use"
         raise InputError([Issue("block", wanted, available=modes)])
     return found, movements.pop()
 

@@ -46,7 +46,7 @@ def plan(
         trials: largest number of changed tasks to plan, if there is no plan, to find a change that makes the task
             solvable.
         planner: a running planner process; by default a new process is started.
-        progress: called with the finished share and the current activity.
+        progress: called with the fraction of the work that is done and the current activity.
 
     Raises:
         InputError: the task file is wrong, the planner is unknown or not installed, or the folder cannot be used.

@@ -39,7 +39,7 @@ def probe(
         starts: initial number of trials of each class, each from another start state.
         most_starts: maximum number of trials of each class, used if fewer trials give no clear verdict.
         backend: name of the physics backend.
-        tell: called with the finished share and the current activity.
+        tell: called with the fraction of the work that is done and the current activity.
 
     Raises:
         InputError: the task file is wrong, the token, a class or the backend does not exist, or the token has no

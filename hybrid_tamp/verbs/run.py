@@ -58,7 +58,7 @@ def run(
         force: whether to replace the files of another run.
         planner: a running planner process; by default a new process is started.
         find_plan: function that returns a plan; by default the planner is called.
-        progress: called with the finished share and the current activity.
+        progress: called with the fraction of the work that is done and the current activity.
         deadline: deadline of a command that began earlier; by default the time limit of the task counts from now.
 
     Raises:

@@ -84,7 +84,7 @@ def test_two_choices_are_made_independently() -> None:
 
 
 def test_nothing_to_choose_from_and_too_much_are_refused() -> None:
-    with pytest.raises(InputError, match="must be able to hold together for some choice"):
+    with pytest.raises(InputError, match="all goal atoms must be true at the same time"):
         rolling_task(regions=[]).replaced(goal=(SOME,)).alternatives()
     atoms = tuple(Atom("inside", (f"drum {number}", ANY)) for number in range(11))
     many = rolling_task(drums=[(0.0, 0.4 * number) for number in range(11)], regions=[(1, 0), (2, 0)])

@@ -244,7 +244,7 @@ def test_what_the_planner_said_of_the_first_network_is_told() -> None:
     outcome = plan_task(HEAVY_AND_LIGHT, planner)
     (entry,) = outcome.network.expanded_with
     assert (entry.token, entry.blocks) == ("mallet", ())
-    assert "the planner has proven that no plan exists in the network without this object" in entry.why
+    assert "the planner has proven that no plan exists without this object in the network" in entry.why
     assert [len(asked.objects) for asked in planner.asked] == sorted({len(asked.objects) for asked in planner.asked})
     text = network_text(document(outcome)["network"])
     assert text.splitlines()[0].startswith("reduced network: 3 of 5 blocks, 4 of 4 tokens; left out: LEVERING, PUSHING")

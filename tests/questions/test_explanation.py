@@ -23,7 +23,7 @@ def test_no_hand() -> None:
     (reason,) = explain(rolling_task(hands=0))
     assert reason.kind == "no_token"
     assert "slot hand of ROLLING" in reason.message
-    assert "1 more would be enough" in reason.message
+    assert "1 more token would be enough" in reason.message
 
 
 def test_the_best_hand_counts_where_none_reaches() -> None:

@@ -57,7 +57,7 @@ def test_too_heavy_for_two_and_two_more_would_do() -> None:
     assert "the tokens can bear 77.3 N (left-hand), 77.3 N (right-hand) and 154.6 N in total" in heavy.message
     assert heavy.message.endswith("4 tokens like right-hand could bear the load, 2 in each place")
     assert "needs 4 tokens of class STATIC END-EFFECTOR" in few.message
-    assert few.message.endswith("but the task has 2; 2 more would be enough")
+    assert few.message.endswith("but the task has 2; 2 more tokens like the present ones would be enough")
 
 
 def test_one_more_hand_is_not_suggested_and_would_not_do_but_two_do() -> None:
@@ -78,7 +78,7 @@ def test_one_more_hand_is_not_suggested_and_would_not_do_but_two_do() -> None:
 def test_too_heavy_for_four_and_more_hands_would_not_do() -> None:
     found = reasons(crate(40))
     few, heavy = found["LIFTING:four too_few_tokens"], found["LIFTING:four not_feasible"]
-    assert few.message.endswith("the task has 2; 2 more like these would not be enough")
+    assert few.message.endswith("the task has 2; 2 more tokens like the present ones would not be enough")
     assert "each of 4 tokens must bear 98.1 N" in heavy.message
     assert heavy.message.endswith("but no block of joint_lifting uses more than 4 of them")
     assert "no block of joint_lifting uses more than 4 of them" in found["LIFTING:two not_feasible"].message

@@ -8,7 +8,7 @@ GOAL = Atom("up", ("box",))
 
 
 def reason(block: str, kind: ReasonKind = "too_few_tokens") -> Reason:
-    return Reason((), block, kind, f"{BLOCK} needs 2 of class HAND, the task has 1; 1 more would be enough")
+    return Reason((), block, kind, f"{BLOCK} needs 2 of class HAND, the task has 1; 1 more token would be enough")
 
 
 def test_modes_are_named_together() -> None:

@@ -124,7 +124,7 @@ def test_what_cannot_be_learnt_exits_30(
     [
         ("ROLLING", "the block must have a motor primitive"),
         ("REECHING", "did you mean 'REACHING'"),
-        ("REACHING", "one mode must be named; available: .*REACHING:behind, REACHING:beside, REACHING:away"),
+        ("REACHING", "specify which mode to use; available: .*REACHING:behind, REACHING:beside, REACHING:away"),
     ],
 )
 def test_blocks_that_cannot_be_taught(tmp_path: Path, block: str, words: str) -> None:

@@ -40,7 +40,7 @@ MOST_SECONDS = 60.0
 FindPlan = Callable[[Task], TaskPlan]
 """Function that returns a plan for a task. The function raises NoPlan or LimitReached if it finds no plan."""
 Tell = Callable[[float, str], None]
-"""Progress callback. Its arguments are the finished share of the work (0 to 1) and a description."""
+"""Progress callback. Its arguments are the fraction of the work that is done (0 to 1) and a description."""
 
 _logger = logging.getLogger(__name__)
 

@@ -156,6 +156,6 @@ class ActionBuilder:
         return {role: order.index(variable) for role, variable in self._variables.items()}
 
     def build(self, name: str) -> Operator:
-        """Return the operator. Deletes precede adds, so a fact that is both deleted and added holds afterwards."""
+        """Return the operator. Deletes precede adds, so a fact in both sets is left out of the deletes."""
         deleted = tuple(fact for fact in self._delete if fact not in self._add)
         return Operator(name, tuple(self._parameters.items()), tuple(self._precondition), tuple(self._add), deleted)

@@ -1,8 +1,8 @@
 """The PDDL types, constants and predicates of a domain, with names similar to the user's names.
 
-A PDDL type has one parent, but affordance classes overlap. So a class becomes a type only if all classes that may share
-its tokens are superclasses or subclasses. Every other class becomes a static unary predicate, which guards the
-variables of the class.
+A PDDL type has one parent, but affordance classes overlap. So a class becomes a type only if every class that may share
+its tokens is one of its superclasses or subclasses. Every other class becomes a static unary predicate, which guards
+the variables of the class.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

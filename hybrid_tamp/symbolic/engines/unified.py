@@ -1,4 +1,4 @@
-"""Conversion of planning problems to unified_planning, and of plans of unified_planning to planned actions.
+"""Convert planning problems to unified_planning, and convert its plans back to planned actions.
 
 The functions import unified_planning when they are called, because the import is slow.
 """
@@ -44,7 +44,7 @@ class UnifiedProblem:
         return tuple(PlannedAction(name, tuple(objects[v.object().name] for v in values)) for name, values in steps)
 
     def fault(self, actions: Sequence[PlannedAction]) -> str:
-        """Return why the validator of unified_planning rejects a plan, or an empty string for a valid plan."""
+        """Return why the validator of unified_planning rejects a plan, or an empty string if the plan is valid."""
         from unified_planning.engines.plan_validator import SequentialPlanValidator
         from unified_planning.engines.results import ValidationResultStatus
         from unified_planning.plans import SequentialPlan
@@ -60,7 +60,7 @@ class UnifiedProblem:
         return "; ".join(entry.message for entry in result.log_messages or ()) or result.status.name
 
     def _misfit(self, action: PlannedAction) -> str:
-        """Return why an action is not an instance of an operator, or an empty string for an instance."""
+        """Return why an action is not an instance of an operator, or an empty string if it is one."""
         if action.name not in self.actions:
             return f"there is no operator {action.name!r}"
         parameters = self.actions[action.name].parameters
@@ -74,7 +74,7 @@ class UnifiedProblem:
         return ""
 
     def _instance(self, action: PlannedAction) -> Any:
-        """Convert an action without misfit to an action instance of unified_planning."""
+        """Convert an instance of an operator (see `_misfit`) to an action instance of unified_planning."""
         from unified_planning.plans import ActionInstance
 
         express = self.problem.environment.expression_manager.ObjectExp
@@ -187,7 +187,7 @@ class _Builder:
         return OrderedDict((self._names(name, "parameter"), self._type(kind)) for name, kind in parameters)
 
     def _action(self, operator: Operator) -> Any:
-        """Convert an operator to an action. Deletes precede adds, so a fact that is also added is not deleted."""
+        """Convert an operator to an action. Deletes precede adds, so a fact in both sets is left out of the deletes."""
         from unified_planning.model import InstantaneousAction
 
         signature = self._signature(operator.parameters)

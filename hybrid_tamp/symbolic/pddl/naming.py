@@ -94,7 +94,7 @@ class Naming(Generic[Key]):
 
     @property
     def changed(self) -> tuple[tuple[str, str], ...]:
-        """The sorted pairs of (PDDL name, user's name), without pairs of equal names."""
+        """The sorted pairs of (PDDL name, user's name), only where the two names differ."""
         return tuple(sorted((pddl, name) for pddl, name in self._user.items() if pddl != name))
 
     @property

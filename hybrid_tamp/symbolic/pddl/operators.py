@@ -55,7 +55,7 @@ class PlanningDomain:
         constants: Pairs of (constant, type).
         predicates: Pairs of (predicate, typed parameters).
         operators: Lifted actions.
-        comments: Pairs of (PDDL name, user's name), without pairs of equal names.
+        comments: Pairs of (PDDL name, user's name), only where the two names differ.
     """
 
     name: str

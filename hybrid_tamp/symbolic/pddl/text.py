@@ -40,7 +40,7 @@ def plan_text(actions: Iterable[PlannedAction]) -> str:
 
 
 def _operator_text(operator: Operator) -> str:
-    """Return the text of one action. Deletes precede adds, so a fact that is also added is not deleted."""
+    """Return the text of one action. Deletes precede adds, so a fact in both sets is left out of the deletes."""
     deleted = [f"(not {lay_out_term(fact)})" for fact in operator.delete if fact not in operator.add]
     added = list(map(lay_out_term, operator.add))
     lines = [

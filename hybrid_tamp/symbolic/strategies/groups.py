@@ -33,7 +33,7 @@ class Signature:
     facts: tuple[tuple[str, tuple[str, ...]], ...]
 
     def less_than(self, other: "Signature") -> bool:
-        """Return whether the other helper has the same classes and block, all facts of this helper, and more facts."""
+        """Return whether the helpers share classes and block, and `other` has all facts of this helper and more."""
         alike = (self.classes, self.block) == (other.classes, other.block)
         return alike and set(self.facts) < set(other.facts)
 

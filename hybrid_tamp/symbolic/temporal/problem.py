@@ -91,7 +91,7 @@ class TemporalProblem:
         objects: Pairs of (object, type).
         init: Pairs of (fluent, initial value). False values are left out.
         goal: Pairs of (fluent, value at the end).
-        comments: Pairs of (PDDL name, user's name), without pairs of equal names.
+        comments: Pairs of (PDDL name, user's name), only where the two names differ.
     """
 
     name: str
