@@ -47,15 +47,16 @@ def plan_task(task: Task, planner: Planner, deadline: Deadline | None = None) ->
     tailored = _TailoredNetwork(task, deadline or Deadline.after(task.limits.time))
     try:
         while tailored.can_widen:
+            tailored.deadline.check()
             why = tailored.unreachable
             if not why:
-                planned = _attempt(tailored, planner, relax=True)
+                planned = _extend(tailored, find_plan(tailored.reduction.task, planner, tailored.deadline, relax=True))
                 if planned.status not in _WITHOUT:
                     break
                 why = _WITHOUT[planned.status]
             tailored.widen(why)
         else:
-            planned = _attempt(tailored, planner)
+            planned = _extend(tailored, find_plan(tailored.reduction.task, planner, tailored.deadline))
     except LimitReached as limit:
         figures = PlannerFigures(task.planner, tailored.elapsed)
         return PlanOutcome(task, figures, tailored.network, failure=PlanningFailure.of(limit))
@@ -123,20 +124,9 @@ class _TailoredNetwork:
             self.stages[name] += seconds
 
 
-def _attempt(tailored: _TailoredNetwork, planner: Planner, *, relax: bool = False) -> SearchResult:
-    """Plan on the current network, which the delete relaxation examines first if `relax` is true.
-
-    Raises:
-        LimitReached: if a limit is reached before any plan is found.
-    """
-    tailored.deadline.check()
-    planned = find_plan(tailored.reduction.task, planner, tailored.deadline, relax=relax)
-    tailored.count(planned.stages)
-    return _extend(tailored, planned)
-
-
 def _extend(tailored: _TailoredNetwork, planned: SearchResult) -> SearchResult:
     """Extend a plan on the reduced network to a checked plan of the whole task."""
+    tailored.count(planned.stages)
     task, reduction = tailored.task, tailored.reduction
     goal = planned.task.goal if planned.task else task.goal
     whole = task if goal == task.goal else task.replaced(goal=goal)

@@ -27,8 +27,8 @@ DURATIONS = {
     "hybrid_tamp/verbs/run.py",
 }
 """Modules that measure durations for the user."""
-PROCESSES = {"hybrid_tamp/symbolic/engines/processes.py", "hybrid_tamp/symbolic/engines/worker_process.py"}
-"""Modules that wait for the planner process: until its limit, or until it ends."""
+PROCESSES = {"hybrid_tamp/symbolic/engines/worker_process.py"}
+"""Modules that wait for the planner process until its limit."""
 
 
 def reads_clock(path: Path) -> bool:

@@ -100,14 +100,16 @@ def test_hands_that_stand_upright() -> None:
 
 def test_a_weak_hand_and_a_far_one_are_each_said() -> None:
     weak, low = (FORCE, "maximal_force: 60"), ("[2.0, 2.0, 1.5]", "[2.0, 2.0, 0.3]")
-    atoms = [reason.atom for reason in explain(task("tumble_two_hands", weak, low, once=True))]
+    start = ("[-0.5, 0, 0.55]", "[-0.5, 0, 0.25]")  # within the low workspace
+    atoms = [reason.atom for reason in explain(task("tumble_two_hands", weak, low, start, once=True))]
     assert atoms == [Atom("strong_enough", ("hand-1", "box")), Atom("within_reach", ("hand-1", "box"))]
 
 
 def test_a_strong_hand_that_is_far_and_a_near_one_that_is_weak() -> None:
     low = ("[2.0, 2.0, 1.5]", "[2.0, 2.0, 0.3]")
     kept = ("[2.0, 2.0, 0.3]", "[2.0, 2.0, 1.5]")
-    every = [(FORCE, "maximal_force: 60"), *[low] * 4, kept]
+    starts = [("[0.5, 0, 0.55]", "[0.5, 0, 0.25]"), ("[0.6, 0, 0.8]", "[0.6, 0, 0.1]")]  # within the low workspaces
+    every = [(FORCE, "maximal_force: 60"), *[low] * 4, kept, *starts]
     atoms = [reason.atom for reason in explain(task("tumble_four_hands", *every, once=True))]
     assert atoms == [Atom("within_reach", ("hand-2", "box"))]
 

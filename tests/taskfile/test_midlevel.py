@@ -135,7 +135,7 @@ def test_bounds_that_no_token_of_the_task_allows_are_refused() -> None:
     changed = [replace(h, within=reach) if h.name == "speed" else h for h in rolling.hyperparameters]
     domain = DOMAIN.with_blocks([replace(rolling, hyperparameters=tuple(changed))])
     assert hyperparameter(load("{hyperparameters: {ROLLING.speed: 0.2}}", domain), "ROLLING", "speed").upper == 0.2
-    with pytest.raises(InputError, match=r"t:37:45: .* tokens of the task, which are 0.1 to 0.2; got 0.3"):
+    with pytest.raises(InputError, match=r"t:37:45: .* at least one token of the task: 0.1 to 0.2; got 0.3"):
         load("{hyperparameters: {ROLLING.speed: 0.3}}", domain)
 
 

@@ -114,7 +114,7 @@ def test_the_packaged_schema_is_that_of_any_domain(text: str) -> None:
 def test_the_reference_page_names_everything(toy: Domain) -> None:
     page = reference_page([toy])
     for words in (
-        "| `time` | number | s | > 0, ≤ 1000000 | `60` | limit of the planner's wall-clock time |",
+        "| `time` | number | s | > 0, ≤ 1000000 | `600` | wall-clock time of the whole command |",
         "| `seed` | whole number |  | ≥ 0, ≤ 4294967295 | `0` | seed of all random numbers |",
         "| `axis` | list of 3 numbers |  |  | required | axis of rotation |",
         "| `friction` | number |  | ≥ 0, ≤ 5 | `0.5` | friction coefficient |",

@@ -22,8 +22,8 @@ MARK = "HYBRID_TAMP_PLANNER"
 
 _MIB = 2**20
 _SET_CHILD_SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER in <linux/prctl.h>
-_PATIENCE = 5.0  # Time limit for killed processes to end [s].
 _PAUSE = 0.002  # Time between two checks [s].
+_CHECKS = 2500  # Number of checks, during 5 s, until killed processes must have ended.
 
 
 def make_environment(mark: str, temporary: Path) -> dict[str, str]:
@@ -72,12 +72,12 @@ class ProcessTree:
         Raises:
             TimeoutError: If a process does not end within 5 s, e.g. because it hangs in the kernel.
         """
-        deadline = time.monotonic() + _PATIENCE
-        while self._members(search):
-            if time.monotonic() > deadline:
-                raise TimeoutError(f"cannot kill the planner's processes {[each.pid for each in self._seen]}")
+        for _ in range(_CHECKS):
+            if not self._members(search):
+                return
             _kill(self._seen)
             time.sleep(_PAUSE)
+        raise TimeoutError(f"cannot kill the planner's processes {[each.pid for each in self._seen]}")
 
     def _members(self, search: bool) -> set[psutil.Process]:
         """Update the tree with the descendants of all members. Return its processes."""
@@ -102,8 +102,7 @@ def adopt_orphans() -> None:
 def kill_descendants() -> None:
     """Kill all descendants of this process and leave no zombie. Return after at most 5 s."""
     # The parent of this process kills any descendant that is left.
-    deadline = time.monotonic() + _PATIENCE
-    while time.monotonic() < deadline:
+    for _ in range(_CHECKS):
         descendants = _descendants(psutil.Process())
         if not descendants:
             return
