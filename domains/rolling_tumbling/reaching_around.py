@@ -34,10 +34,11 @@ from ..common.primitives import profile_of, straight_profile
 from ..common.roles import MOTION, get_symbol, get_token, get_tokens
 from ..common.servos import hand_system, position_servo
 from ..common.timetable import round_up
+from ..common.vectors import HORIZONTAL
 from .classes import Tumblable
 from .detours import Curve, corners_away, corners_to_face, curve_through, off_the_face
 from .faces import FACE, POSTURES
-from .tumbling_geometry import place_at
+from .tumbling_geometry import above_floor, place_at
 from .tumbling_predicates import (
     ALIGNED,
     AT_FACE,
@@ -114,7 +115,10 @@ def _follow(binding: Binding, start: State, parameters: Parameters, profile: Pro
         # Other hands may still move the box, so the end of the curve follows the face.
         share = profile.share(elapsed / duration)[..., None]
         position = position + share * (_place(binding, state) - planned)
-        return {(hand.name, "force"): servo(state, position, velocity)}
+        # A hand that leaves a face which points down must not press on the floor.
+        clear = above_floor(hand, position)
+        velocity = np.where((clear > position).any(axis=-1, keepdims=True), velocity * HORIZONTAL, velocity)
+        return {(hand.name, "force"): servo(state, clear, velocity)}
 
     return policy
 
