@@ -102,14 +102,14 @@ def _read_text(path: Path, source: str, scale: float, text: str) -> MeshShape:
     vertices, surfaces = _read_objects(text, source)
     _check_count(sum(len(surface.triangles) for surface in surfaces), source)
     if len(surfaces) > MOST_SOLIDS:
-        raise InputError([Issue(source, f"a mesh of at most {MOST_SOLIDS} convex parts", str(len(surfaces)))])
+        raise InputError([Issue(source, f"a mesh must have at most {MOST_SOLIDS} convex parts", str(len(surfaces)))])
     size = _size(vertices, surfaces) * scale
     if not SMALLEST <= size <= LARGEST:
         remedy = (
             "write scale: 0.001 if the file is in millimetres" if size > LARGEST else "set scale to the file's unit"
         )
-        wanted = f"a body between {SMALLEST:g} m and {LARGEST:g} m long"
-        raise InputError([Issue(source, wanted, f"one of {size:.4g} m", remedy=remedy)])
+        wanted = f"the length of a mesh must be between {SMALLEST:g} m and {LARGEST:g} m"
+        raise InputError([Issue(source, wanted, f"{size:.4g} m", remedy=remedy)])
     solids = [_solid(vertices * scale, surface, size, source) for surface in surfaces]
     shape = MeshShape.of(path, scale, digest_of(text), solids)
     if shape.skew > MOST_SKEW:
