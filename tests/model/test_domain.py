@@ -155,7 +155,7 @@ def test_check_domain_names_a_block_that_nothing_can_enter() -> None:
     task = rolling_task(regions=[(0.7, 0.3)])
     found = check_domain(task, samples=1)
     assert {each.block for each in found} == {"REACHING:behind", "ROLLING"}
-    assert all("held in none of the states" in str(each) for each in found)
+    assert all("did not hold in any state that was reached" in str(each) for each in found)
 
 
 def test_check_domain_sees_a_model_that_does_not_do_what_it_says() -> None:
