@@ -2,7 +2,7 @@
 
 import logging
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from copy import copy
 from dataclasses import replace
 
@@ -90,17 +90,16 @@ class Logbook:
         self._cuts.update((within[key[0]], key) for key in cut if key[0] in within)
         return self.time
 
-    def record_contacts(self, running: Iterable[Running], rules: ContactRules) -> Contact | None:
+    def record_contacts(self, within: Mapping[str, str], rules: ContactRules) -> Contact | None:
         """Record the largest contact force of each pair of tokens in each pair of instances.
 
         Args:
-            running: instances that ran during the last control period.
+            within: maps each token to the name of its instance during the last control period.
             rules: the contacts that these instances allow.
 
         Returns:
             The contact of the last control period that is not allowed and has the largest force; None if there is none.
         """
-        within = {token: one.instance.name for one in running for token in one.instance.slots.values()}
         worst: Contact | None = None
         for one, other, force in self._backend.contact_forces():
             tokens, instances = (one, other), (within.get(one, ""), within.get(other, ""))

@@ -19,7 +19,9 @@ class Monitors:
 
     def __init__(self, task: Task, running: Collection[Running]) -> None:
         self._task = task
-        self._running = tuple(running)
+        # The instances of tokens change only at a reassignment, and each reassignment makes new monitors.
+        self._within = {token: each.instance.name for each in running for token in each.instance.slots.values()}
+        self._acting = {each.instance.name for each in running if each.block.name != task.domain.resting}
         self._invariants = [
             (each, literal, task.bind(each.instance.roles)) for each in running for literal in each.block.invariants
         ]
@@ -35,7 +37,7 @@ class Monitors:
         Raises:
             RunError: a contact that no running block allows exceeds the limit of the task, or an invariant is violated.
         """
-        self._check_contact(log.record_contacts(self._running, self._rules))
+        self._check_contact(log.record_contacts(self._within, self._rules))
         for running, literal, binding in self._invariants:
             margin = float(literal.margin(state, binding))
             if not margin >= -TOLERANCE * literal.predicate.scale:
@@ -56,5 +58,4 @@ class Monitors:
 
     def _blame(self, contact: Contact) -> str:
         """Return the first instance in the contact that moves its token, or an empty string."""
-        acting = {each.instance.name for each in self._running if each.block.name != self._task.domain.resting}
-        return next((name for name in contact.instances if name in acting), "")
+        return next((name for name in contact.instances if name in self._acting), "")

@@ -43,7 +43,7 @@ class Deadline:
         Raises:
             LimitReached: the deadline has passed.
         """
-        if time.monotonic() >= self.end:
+        if not self.left:
             raise LimitReached(f"the command reached its time limit of {self.limit:g} s", limit="time")
 
 

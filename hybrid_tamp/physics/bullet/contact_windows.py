@@ -52,8 +52,8 @@ class ContactWindows:
             window = self._windows.setdefault(pair, deque(maxlen=_WHOLE + 1))
             window.append(force)
         for pair, window in self._windows.items():
-            oldest = _REST * window[0] if len(window) > _WHOLE else window[0]
-            force = (oldest + sum(list(window)[1:])) * (SUBSTEP / WINDOW)
+            left_out = (1.0 - _REST) * window[0] if len(window) > _WHOLE else 0.0
+            force = (sum(window) - left_out) * (SUBSTEP / WINDOW)
             self._largest[pair] = max(force, self._largest.get(pair, 0.0))
 
     def empty(self, tokens: Collection[str]) -> None:
