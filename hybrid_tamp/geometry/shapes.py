@@ -8,7 +8,9 @@ from hybrid_tamp.geometry.meshes import Hull, MeshShape
 
 _Length = Annotated[float, Strict(), Field(gt=0, le=100, allow_inf_nan=False)]
 _Coordinate = Annotated[float, Strict(), Field(ge=-100, le=100, allow_inf_nan=False)]
-_Angle = Annotated[float, Strict(), Field(ge=-100, le=100, allow_inf_nan=False)]
+LARGEST_ANGLE = 6.3
+"""Largest angle of a pose [rad], a little more than one turn. A larger number is probably an angle in degrees."""
+Angle = Annotated[float, Strict(), Field(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE, allow_inf_nan=False)]
 
 
 class _Shape(BaseModel):
@@ -45,7 +47,7 @@ class Placement(BaseModel):
     position: tuple[_Coordinate, _Coordinate, _Coordinate] = Field(
         description="position of the part's centre in the body frame", json_schema_extra={"unit": "m"}
     )
-    rpy: tuple[_Angle, _Angle, _Angle] = Field(
+    rpy: tuple[Angle, Angle, Angle] = Field(
         default=(0.0, 0.0, 0.0),
         description="roll, pitch and yaw of the part about the fixed x, y and z axes of the body, in this order",
         json_schema_extra={"unit": "rad"},

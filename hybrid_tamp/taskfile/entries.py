@@ -8,14 +8,14 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag, model_validator
 
-from hybrid_tamp.geometry.shapes import WrittenShape
+from hybrid_tamp.geometry.shapes import Angle, WrittenShape
 from hybrid_tamp.model.affordance import Number, quantity
 from hybrid_tamp.model.task import DEFAULT_PLANNER, Limits, MidLevel
 
 Text = Annotated[str, Strict(), Field(min_length=1)]
 Whole = Annotated[int, Strict()]
 Bounded = Annotated[Number, Field(ge=-1000, le=1000)]
-"""A coordinate, angle or component. The bounds prevent an overflow when the number is squared."""
+"""A coordinate or a component. The bounds prevent an overflow when the number is squared."""
 
 
 def _has_length(quaternion: tuple[float, ...]) -> tuple[float, ...]:
@@ -35,7 +35,7 @@ class Pose(_Entry):
     """Initial pose of a token in the world frame."""
 
     position: tuple[Bounded, Bounded, Bounded] = quantity("m", "x, y, z of the body frame's origin")
-    rpy: tuple[Bounded, Bounded, Bounded] | None = quantity(
+    rpy: tuple[Angle, Angle, Angle] | None = quantity(
         "rad", "roll, pitch and yaw: rotations about the fixed world axes x, y, z, applied in this order", default=None
     )
     quaternion: Quaternion | None = quantity(

@@ -20,6 +20,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+from hybrid_tamp.taskfile.wording import advise_radians
 
 MOST_BINDINGS = 10_000
 """Maximum number of bindings that are checked for a block."""
@@ -138,4 +139,4 @@ def _check_within(value: float, bounds: Hyperparameter, what: str, path: KeyPath
     if not bounds.lower <= value <= bounds.upper:
         unit = "" if bounds.unit == "1" else f" [{bounds.unit}]"
         wanted = f"{what} must be between {bounds.lower:g} and {bounds.upper:g}{unit}"
-        faults.at(path, wanted, faults.shown(path, value))
+        faults.at(path, wanted, faults.shown(path, value), remedy=advise_radians(bounds.unit, value))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from hybrid_tamp.geometry.shapes import MeshFile, Shape, WrittenShape
+from hybrid_tamp.geometry.shapes import LARGEST_ANGLE, MeshFile, Shape, WrittenShape
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.token import PropertyConflictError, Token, union_of
@@ -19,7 +19,7 @@ from hybrid_tamp.taskfile.entries import Pose
 from hybrid_tamp.taskfile.meshfile import read_mesh
 from hybrid_tamp.taskfile.names import check_name
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
-from hybrid_tamp.taskfile.wording import add_validation_faults
+from hybrid_tamp.taskfile.wording import add_validation_faults, advise_radians, subject
 
 _SHAPE: TypeAdapter[WrittenShape | None] = TypeAdapter(WrittenShape | None)
 
@@ -157,9 +157,27 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
         return None
     if not has_shape:
         return None
+    _check_angles(token, properties, union, base, faults)
     for complaint in dict.fromkeys(_complaints(token)):
         faults.at(path, f"token {shown(token.name)} is inconsistent: {complaint}", key=True, sound=True)
     return token
+
+
+def _check_angles(
+    token: Token, given: Mapping[str, Any], union: type[BaseModel], base: KeyPath, faults: Faults
+) -> None:
+    """Record a fault for each angle that is probably in degrees. An angle with declared bounds may have any value."""
+    for key in given:
+        field = union.model_fields[key]
+        extra = field.json_schema_extra
+        unit = str(extra.get("unit")) if isinstance(extra, dict) else ""
+        bounded = any(hasattr(each, bound) for each in field.metadata for bound in ("ge", "gt", "le", "lt"))
+        values = token[key] if isinstance(token[key], tuple) else (token[key],)
+        advice = "" if bounded else next(filter(None, (advise_radians(unit, value) for value in values)), "")
+        if advice:
+            path = (*base, key)
+            wanted = f"{subject(path)} must be within {-LARGEST_ANGLE:g} to {LARGEST_ANGLE:g} [rad]"
+            faults.at(path, wanted, faults.shown(path, given[key]), remedy=advice)
 
 
 def _shape(entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Shape | None:

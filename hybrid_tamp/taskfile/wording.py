@@ -1,5 +1,6 @@
 """Translate pydantic's validation errors to faults of a file."""
 
+import math
 from collections.abc import Callable
 from types import NoneType
 from typing import Annotated, Any, get_args, get_origin
@@ -9,6 +10,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from hybrid_tamp.errors import did_you_mean
+from hybrid_tamp.geometry.shapes import LARGEST_ANGLE
 from hybrid_tamp.taskfile.places import Faults, KeyPath, dotted, shown
 
 _TASK_FILE = "the task file"
@@ -39,7 +41,10 @@ _REMOVED: dict[KeyPath, str] = {
     ("midlevel", "seconds"): "delete it: midlevel.evaluations limits the search, and limits.time limits the command",
 }
 """Maps the path of each key that earlier versions had to advice on how to do without the key."""
-_NUMBERS = ("finite_number", "float_type", "greater_than", "greater_than_equal", "less_than", "less_than_equal")
+_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
+_NUMBERS = ("finite_number", "float_type", *_BOUNDS)
+_MOST_DEGREES = 720.0
+"""Largest number that is taken for an angle in degrees."""
 
 
 def add_validation_faults(
@@ -78,7 +83,22 @@ def add_validation_faults(
             # The message lists all choices and suggests the choice that is most similar to the given value.
             close = did_you_mean(str(details["input"]), way.choices) if details["type"] == "literal_error" else None
             came = faults.shown(path, details["input"])
-            faults.at(path, f"{subject(path, whole)} {wanted}", came, (close,) if close else ())
+            remedy = advise_radians(way.unit, details["input"]) if details["type"] in _BOUNDS else ""
+            faults.at(path, f"{subject(path, whole)} {wanted}", came, (close,) if close else (), remedy)
+
+
+def advise_radians(unit: str, value: object) -> str:
+    """Return the advice to convert a number to radians if the number is an angle that was probably given in degrees.
+
+    Args:
+        unit: unit of the number, with or without brackets.
+        value: the number. If the value is not a number, the advice is empty.
+    """
+    if unit.strip(" []") != "rad" or isinstance(value, bool) or not isinstance(value, int | float):
+        return ""
+    if not LARGEST_ANGLE < abs(value) <= _MOST_DEGREES:
+        return ""
+    return f"angles are in radians: {value:g} degrees are {math.radians(value)!r} rad"
 
 
 def _wanted(details: ErrorDetails, unit: str) -> str:

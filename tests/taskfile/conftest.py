@@ -57,6 +57,8 @@ class Heavy(AffordanceClass):
     name: ClassVar[str] = "HEAVY"
     mass: Number = quantity("kg", "mass of the body", gt=0)
     center: Vector3 = quantity("m", "centre of mass", default=(0.0, 0.0, 0.0))
+    tilts: Vector3 = quantity("rad", "tilts about three axes", default=(0.0, 0.0, 0.0))
+    turns: Number = quantity("rad", "angle of many turns", default=0.0, le=1000)
 
 
 class Liquid(AffordanceClass):

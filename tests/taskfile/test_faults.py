@@ -12,6 +12,7 @@ from texts import load_task_text
 
 from hybrid_tamp.errors import DomainError, InputError, Issue
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.task import Task
 
 Issues = Callable[[str], tuple[Issue, ...]]
 
@@ -76,6 +77,16 @@ FAULTS = [
     fault("two rotations", "{position: [0, 0, 0.1]", "«{quaternion: [0, 0, 0, 1], position: [0, 0, 0.1]",
           "must not have both rpy and quaternion"),
     fault("quaternion of length zero", "rpy: [1.5707963267948966, 0, 0]", "quaternion: «[0, 0, 0, 0]", "length zero"),
+    fault("degrees in a pose", "[1.5707963267948966, 0, 0]", "[«90, 0, 0]", "pose.rpy[0] of token 'drum'",
+          "[rad]", "got 90", "angles are in radians: 90 degrees are 1.5707963267948966 rad"),
+    fault("negative degrees in a pose", "[1.5707963267948966, 0, 0]", "[0, 0, «-7.5]", "pose.rpy[2] of token 'drum'",
+          "got -7.5", "-7.5 degrees are -0.1308996938995747 rad"),
+    fault("degrees in a part", CYLINDER,
+          "{kind: compound, parts: [{kind: sphere, radius: 1, position: [0, 0, 0], rpy: [0, «45, 0]}]}",
+          "shape.parts[0].rpy[1] of token 'drum'", "45 degrees are 0.7853981633974483 rad"),
+    fault("degrees in a property", "[ROLLABLE]\n    properties: {",
+          "[ROLLABLE, HEAVY]\n    properties: {tilts: «[0, 180, 0], ",
+          "tilts of token 'drum' must be within -6.3 to 6.3 [rad]", "got [0, 180, 0]", "180 degrees are 3.14"),
     fault("no pose", "  hand:\n    classes: [HAND]\n    properties: {force: 300}\n    pose: {position: [0, 0, 0.3]}",
           "  «hand:\n    classes: [HAND]\n    properties: {force: 300}", "missing key 'pose' in token 'hand'"),
     fault("time limit of zero", "time: 30", "time: «0", "limits.time must be more than 0 [s]", "got 0"),
@@ -176,6 +187,15 @@ def test_a_fault_is_named_with_its_place(issues: Issues, text: str, fault: Fault
     assert message is not None, "\n".join(found)
     if place is not None:
         assert found[message] == place
+
+
+def test_an_angle_may_be_a_whole_turn_or_what_its_class_allows(load: Callable[[str], Task], text: str) -> None:
+    turned = text.replace("rpy: [1.5707963267948966, 0, 0]", "rpy: [1.5707963267948966, 6.2832, -6.2832]")
+    assert load(turned).token_by_name["drum"]
+    turning = text.replace(
+        "[ROLLABLE]\n    properties: {", "[ROLLABLE, HEAVY]\n    properties: {turns: 900, tilts: [0, 6, 0], "
+    )
+    assert load(turning).token_by_name["drum"]["turns"] == 900.0
 
 
 # Edits that, by their nature, are more than one fault.
