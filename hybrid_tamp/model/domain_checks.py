@@ -59,7 +59,7 @@ def _classes(domain: Declarations) -> Iterator[Issue]:
     things = [object_class for object_class in domain.classes if not is_place(object_class)]
     for index, one in enumerate(things):
         for other in things[index + 1 :]:
-            if one.model_fields.keys() & other.model_fields and domain.relations.can_share_token(one, other):
+            if domain.relations.can_share_token(one, other):
                 yield from conflicts((one, other))
 
 

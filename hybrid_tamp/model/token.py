@@ -9,7 +9,7 @@ from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from types import MappingProxyType
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ConfigDict, create_model
 from pydantic.fields import FieldInfo
@@ -28,11 +28,22 @@ class PropertyConflictError(ValueError):
         super().__init__("\n".join(map(str, self.issues)))
 
 
-def _declaration(field: FieldInfo) -> dict[str, str]:
-    """Return the parts of a property's declaration that must be equal in all classes with this property."""
-    extra = field.json_schema_extra
+def _declarations(object_class: type[ObjectClass]) -> dict[str, dict[str, str]]:
+    """Return the parts of each declaration that must be equal in all classes with the same declaration."""
+    found = {f"property {name!r}": _parts(field) for name, field in object_class.model_fields.items()}
+    for varying in object_class.varying:
+        parts = {"size": str(varying.size), "unit": varying.unit, "default": str(varying.default)}
+        found[f"varying property {varying.name!r}"] = parts
+    for action in object_class.basic_actions:
+        parts = {"size": str(action.size), "unit": action.unit, "limit": str(action.limit)}
+        found[f"basic action {action.name!r}"] = parts
+    return found
+
+
+def _parts(field: FieldInfo) -> dict[str, str]:
+    extra, kind = field.json_schema_extra, field.annotation
     return {
-        "type": str(field.annotation),
+        "type": kind.__name__ if isinstance(kind, type) and not get_args(kind) else str(kind),
         "bounds": ", ".join(sorted(str(item) for item in field.metadata)) or "none",
         "unit": str(extra.get("unit", "1")) if isinstance(extra, dict) else "1",
         "default": "none" if field.default is PydanticUndefined else repr(field.default),
@@ -40,24 +51,30 @@ def _declaration(field: FieldInfo) -> dict[str, str]:
 
 
 def conflicts(classes: Iterable[type[ObjectClass]]) -> list[Issue]:
-    """Return one issue for each difference between the declarations of the same property in two classes."""
-    seen: dict[str, tuple[str, dict[str, str]]] = {}
+    """Return one issue for each difference between declarations of two classes that a token could both have."""
+    seen: dict[str, tuple[type[ObjectClass], dict[str, str]]] = {}
     found = []
     for object_class in _ordered(classes):
-        for name, field in object_class.model_fields.items():
-            mine = _declaration(field)
-            owner, theirs = seen.setdefault(name, (object_class.name, mine))
-            differing = [key for key in mine if mine[key] != theirs[key]]
-            for key in differing:
+        for what, mine in _declarations(object_class).items():
+            owner, theirs = seen.setdefault(what, (object_class, mine))
+            for key in (key for key in mine if mine[key] != theirs[key]):
                 found.append(
                     Issue(
-                        where=f"{owner} and {object_class.name}",
-                        wanted=f"both classes must declare the same {key} for property {name!r}",
-                        came=f"{theirs[key]} in {owner} and {mine[key]} in {object_class.name}",
-                        remedy="rename the property in one of the classes",
+                        where=f"{owner.name} and {object_class.name}",
+                        wanted=f"both classes must declare the same {key} for {what}",
+                        came=f"{theirs[key]} in {owner.name} and {mine[key]} in {object_class.name}",
+                        remedy=_remedy(what, owner, object_class),
                     )
                 )
     return found
+
+
+def _remedy(what: str, one: type[ObjectClass], other: type[ObjectClass]) -> str:
+    rename = f"rename {what} in one of the classes"
+    if issubclass(one, other) or issubclass(other, one):
+        return rename
+    pair = f"disjoint=(({one.__name__}, {other.__name__}),)"
+    return f"{rename}, or, if no token is a member of both, declare the classes disjoint in the domain: {pair}"
 
 
 def _ordered(classes: Iterable[type[ObjectClass]]) -> tuple[type[ObjectClass], ...]:

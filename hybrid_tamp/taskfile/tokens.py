@@ -120,7 +120,9 @@ def _named(
     except PropertyConflictError as error:
         for issue in error.issues:
             wanted = f"{issue.where} are in conflict: {issue.wanted}"
-            faults.at(path, wanted, issue.came, remedy="use only one of the two classes, or correct the domain")
+            faults.at(
+                path, wanted, issue.came, remedy=f"use only one of the two classes, or correct the domain {domain.name}"
+            )
         return None
     return tuple(found[len(others) :])
 

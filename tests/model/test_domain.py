@@ -13,7 +13,7 @@ from random_tasks.tumbling import random_tumbling
 from scenes import rolling_task
 
 from hybrid_tamp.errors import DomainError
-from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, quantity
+from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, VaryingProperty, quantity
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
 from hybrid_tamp.model.control import Hyperparameter
 from hybrid_tamp.model.domain import Domain
@@ -23,6 +23,11 @@ from hybrid_tamp.testing import check_domain
 
 EDGES = [(".".join(source), ".".join(target)) for source, target in DOMAIN.network.edges]
 ROLLING = DOMAIN.block_by_name["ROLLING"]
+
+
+class Elsewhere(AffordanceClass):
+    name: ClassVar[str] = "ELSEWHERE"
+    varying: ClassVar[tuple[VaryingProperty, ...]] = (VaryingProperty("position", 2, "m", (0.0, 0.0)),)
 
 
 def with_rolling(**changes: object) -> tuple[Block, ...]:
@@ -93,7 +98,11 @@ FAULTS: dict[str, tuple[dict[str, object], tuple[str, ...]]] = {
     ),
     "classes in conflict": (
         {"classes": (*DOMAIN.classes, Painted)},
-        ("PAINTED and ROLLABLE", "declare the same unit for property 'mass'", "rename the property"),
+        ("PAINTED and ROLLABLE", "declare the same unit for property 'mass'", "disjoint=((Painted, Rollable),)"),
+    ),
+    "varying property in conflict": (
+        {"classes": (*DOMAIN.classes, Elsewhere)},
+        ("ELSEWHERE and ROLLABLE", "declare the same size for varying property 'position'", "2 in ELSEWHERE"),
     ),
     "wildcard in a positive exit condition": (
         {"blocks": with_rolling(exit=(*ROLLING.exit, INSIDE("object", ANY)))},

@@ -63,7 +63,15 @@ def test_a_conflict_is_refused_with_both_names(kind: str) -> None:
         union_of([Heavy, other])
     assert "HEAVY and OTHER" in str(caught.value)
     assert f"declare the same {kind} for property 'mass'" in str(caught.value)
+    assert "declare the classes disjoint in the domain: disjoint=((Heavy, Other),)" in str(caught.value)
     assert conflicts([other, Heavy]) == conflicts([Heavy, other])
+
+
+def test_a_subclass_that_redeclares_a_property_cannot_be_disjoint() -> None:
+    namespace = {"__annotations__": {"name": ClassVar[str], "mass": float}, "mass": quantity("kg", "mass", gt=2)}
+    narrower = type("Heavier", (Heavy,), {"__module__": __name__, **namespace, "name": "HEAVIER"})
+    (issue,) = conflicts([Heavy, narrower])
+    assert issue.remedy == "rename property 'mass' in one of the classes"
 
 
 @pytest.mark.parametrize(
