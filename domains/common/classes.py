@@ -16,6 +16,7 @@ from hybrid_tamp.authoring import (
     Token,
     Vector3,
     quantity,
+    without_rounding,
 )
 
 from .vectors import depth_in_workspace
@@ -107,7 +108,7 @@ class StaticEndEffector(CapabilityClass):
     @staticmethod
     def consistent_start(token: Token, state: State, tokens: Iterable[Token]) -> str | None:
         """Return an error message if the hand starts outside its workspace, otherwise None."""
-        depth = float(depth_in_workspace(token, state[token, "position"]))
+        depth = float(without_rounding(depth_in_workspace(token, state[token, "position"]), 1.0))
         return None if depth >= 0 else f"the hand must start within its workspace, but it is {-depth:.4g} m outside"
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, State, Token
+from hybrid_tamp.authoring import FloatArray, State, Token, without_rounding
 
 from ..common.classes import StaticEndEffector
 from ..common.vectors import UP, dot, to_body
@@ -18,7 +18,6 @@ FLAT_TOLERANCE = np.radians(5.0)
 _TIPPED_TOLERANCE = np.radians(5.0)
 _TWIST_TOLERANCE = np.radians(5.0)
 _FLOOR_TOLERANCE = 0.015
-_ROUNDING = 1e-6
 _LEVEL = 0.5
 
 
@@ -52,18 +51,22 @@ def start_complaint(thing: Token, state: State, tokens: Iterable[Token]) -> str 
         state: the initial state, without batch dimensions.
         tokens: all tokens of the task, including the hands about whose axes the box tumbles.
     """
-    if not any(float(standing(state, thing, posture)) >= 0 for posture in POSTURES.symbols):
+    if not any(_stands(state, thing, posture) for posture in POSTURES.symbols):
         return _unsupported(thing, state)
-    down = next((face for face in FACE.symbols if float(standing(state, thing, flat(face))) >= 0), None)
+    down = next((face for face in FACE.symbols if _stands(state, thing, flat(face))), None)
     if down is None:
         return None
     height, base = _proportions(thing, state, tokens, down)
-    if height <= SLENDERNESS * base * (1.0 + _ROUNDING):
+    if without_rounding(np.asarray(SLENDERNESS - height / base), 1.0) >= 0:
         return None
     return (
         f"the height of a TUMBLABLE box must be at most {SLENDERNESS} times the width of its base, got a height of "
         f"{height:.3g} m and a width of {base:.3g} m; lay the box on another face, or remove its class TUMBLABLE"
     )
+
+
+def _stands(state: State, thing: Token, posture: str) -> bool:
+    return float(without_rounding(standing(state, thing, posture), FLAT_TOLERANCE)) >= 0
 
 
 def _unsupported(thing: Token, state: State) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.margins import without_rounding
 from hybrid_tamp.model.relation import Membership, order_rows, row_faults
 from hybrid_tamp.model.stacking import stack
 from hybrid_tamp.model.state import State
@@ -167,14 +168,14 @@ class Predicate:
         return names.index(self.value_of) if self.value_of is not None else None
 
     def evaluate(self, state: State, *values: Value) -> FloatArray:
-        """Return the margin for the given arguments, shape ``(...)``."""
-        return self.margin(state, *values)
+        """Return the margin for the given arguments, shape ``(...)``. A margin within rounding errors is zero."""
+        return without_rounding(self.margin(state, *values), self.scale)
 
     def margins(self, state: State, bindings: Sequence[tuple[Value, ...]]) -> FloatArray:
         """Return the margins for n tuples of arguments, shape ``(n, ...)``."""
         found = np.empty((len(bindings), *state.values.shape[:-1]))
         for each in stack(state, bindings, apart=self.by_name):
-            found[each.places] = self.margin(each.state, *each.values)
+            found[each.places] = self.evaluate(each.state, *each.values)
         return found
 
     def sentence(self, names: tuple[str, ...], positive: bool = True) -> str:

@@ -5,8 +5,11 @@ from itertools import product
 
 import numpy as np
 import pytest
+from hybrid_tamp_domains.common.classes import StaticEndEffector
+from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import LOW_ENOUGH
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from random_tasks.corners import Corner
 from random_tasks.hammer import random_hammer
 from random_tasks.lifting import random_lifting
 from random_tasks.rolling import random_rolling
@@ -15,7 +18,8 @@ from scenes import rolling_task
 from serial import COLOURS, Part
 
 from hybrid_tamp.errors import DomainError
-from hybrid_tamp.model.predicate import Kind, Parameter, Predicate
+from hybrid_tamp.model.margins import ROUNDING
+from hybrid_tamp.model.predicate import Kind, Literal, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import different
 from hybrid_tamp.questions.changes import with_copy
@@ -119,3 +123,25 @@ def test_tokens_of_equal_properties_share_one_call_unless_the_margin_asks_for_na
     assert len(calls) == 1
     assert together.tolist() == replace(inside, margin=counted, by_name=True).margins(drums.state, bindings).tolist()
     assert len(calls) == 4
+
+
+@pytest.mark.parametrize("positive", [True, False])
+def test_a_margin_that_is_negative_by_rounding_only_holds_for_every_user(positive: bool) -> None:
+    task = rolling_task(drums=[(0, 0)], regions=[(0.7, 0)])
+    drum, region = task.token_by_name["drum 0"], task.token_by_name["region 0"]
+    inside = task.domain.predicate_by_name["inside"]
+    for off, holds in ((ROUNDING / 2, True), (2 * ROUNDING, False)):
+        margin = (-off if positive else off) * inside.scale
+        off_by = replace(inside, margin=lambda state, *values, m=margin: np.full(state.values.shape[:-1], m))
+        literal = Literal(off_by, ("drum 0", "region 0"), positive)
+        assert (float(literal.margin(task.state, task.token_by_name)) >= 0) == holds
+        assert (off_by.margins(task.state, [(drum, region)])[0] == 0) == holds
+        assert (float(off_by.evaluate(task.state, drum, region)) == 0) == holds
+
+
+@pytest.mark.parametrize("corner", range(32))
+def test_no_corner_of_the_ranges_of_tumbling_is_refused_by_rounding(corner: int) -> None:
+    task = random_tumbling(corner, rng=Corner(corner, 5))
+    box = task.token_by_name["box 1"]
+    for hand in task.values_of(StaticEndEffector):
+        assert LOW_ENOUGH.evaluate(task.state, hand, box) >= 0
