@@ -49,9 +49,8 @@ class Monitors:
     def _check_contact(self, contact: Contact | None) -> None:
         limit = self._task.limits.contact
         if contact is not None and contact.force > limit:
-            one, other = contact.tokens
             reason = (
-                f"{one} and {other} touched with {contact.force:.1f} N at {contact.time:.3f} s; "
+                f"{contact.pair} touched with {contact.force:.1f} N at {contact.time:.3f} s; "
                 f"no running block allows more than {limit:g} N between them"
             )
             raise RunError(self._blame(contact), reason, contact=contact)

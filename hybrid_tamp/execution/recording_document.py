@@ -134,7 +134,7 @@ def _find_instances_fault(recording: Recording) -> str:
         return f"exit conditions must belong to recorded instances, got {', '.join(strange)}"
     for contact in recording.contacts:
         if not (math.isfinite(contact.force) and math.isfinite(contact.time)):
-            return f"force and time of the contact between {' and '.join(contact.tokens)} must be finite"
+            return f"force and time of the contact between {contact.pair} must be finite"
     for instance in recording.instances:
         numbers = (instance.start, instance.end, *instance.hyperparameters.values())
         if not all(map(math.isfinite, numbers)):

@@ -27,6 +27,12 @@ class Contact:
     allowed: bool = True
 
     @property
+    def pair(self) -> str:
+        """The two bodies in words, e.g. ``hand and the floor``."""
+        one, other = sorted(self.tokens, key=lambda name: name == FLOOR)
+        return f"{one} and {'the floor' if other == FLOOR else other}"
+
+    @property
     def between_instances(self) -> bool:
         """Whether two tokens in different instances touched; contacts with the floor do not count."""
         return FLOOR not in self.tokens and self.instances[0] != self.instances[1]

@@ -117,6 +117,7 @@ def test_a_block_may_allow_a_contact(toys: Any) -> None:
             recording = execute(task, toys.one_move(), backend)
         assert recording.failure is not None  # The floor keeps it from the spot.
         assert (recording.failure.contact is None) == allowed
+        assert allowed or recording.failure.reason.startswith("pusher and the floor touched with ")
 
 
 def test_an_invariant_that_is_violated_fails_the_run(toys: Any) -> None:

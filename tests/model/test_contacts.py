@@ -7,7 +7,7 @@ import pytest
 
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.block import FLOOR
-from hybrid_tamp.model.contacts import ContactRules
+from hybrid_tamp.model.contacts import Contact, ContactRules
 
 
 def rules(toys: Any, moving: tuple[tuple[str, str], ...] = ()) -> ContactRules:
@@ -36,3 +36,8 @@ def test_a_block_allows_its_own_pairs_in_either_order(toys: Any) -> None:
 def test_a_role_that_the_block_lacks_is_refused(toys: Any) -> None:
     with pytest.raises(DomainError, match=r"MOVING\.allowed_contacts: .*'puscher'"):
         toys.world.block(allowed_contacts=(("puscher", FLOOR),)).pusher().spot().task()
+
+
+def test_messages_name_the_floor_in_words_and_last() -> None:
+    assert Contact((FLOOR, "hand"), ("", "RESTING-1"), 21.0, 1.0).pair == "hand and the floor"
+    assert Contact(("box", "hand"), ("RESTING-1", "RESTING-2"), 21.0, 1.0).pair == "box and hand"
