@@ -73,6 +73,10 @@ class InputError(HybridTampError):
         self.issues = tuple(issues)
         super().__init__("\n".join(map(str, self.issues)))
 
+    def __reduce__(self) -> tuple[type, tuple[tuple[Issue, ...]]]:
+        # Without this method, an error from another process would be made from its text instead of its issues.
+        return type(self), (self.issues,)
+
 
 class DomainError(InputError):
     """Error for a domain whose declarations contradict each other or yield values that are not finite."""

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Sequence
 import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.commands import CommandError, CommandLayout
 from hybrid_tamp.model.contacts import Contact
@@ -71,8 +72,9 @@ class Running:
         self._in_turn = tuple(sorted(self._exits, key=lambda literal: len(literal.arguments)))
         self.hyperparameters = self._choose_hyperparameters(state)
         arrays = {name: np.asarray(value) for name, value in self.hyperparameters.items()}
-        maker = self.block.policy
-        self._policy = None if maker is None else maker(self._binding, state, Parameters(arrays))
+        maker, self._maker_name = self.block.policy, f"{self.block.name}.policy"
+        with authored(self._maker_name, self._binding):
+            self._policy = None if maker is None else maker(self._binding, state, Parameters(arrays))
 
     def __repr__(self) -> str:
         return f"Running({self.instance.name!r})"
@@ -141,7 +143,8 @@ class Running:
         """
         if self._policy is None:
             return {}
-        commands = self._policy(np.float64(time - self.begin), state)
+        with authored(self._maker_name, self._binding):
+            commands = self._policy(np.float64(time - self.begin), state)
         if not self._held.issuperset(token for token, _ in commands):
             strange = [f"{action} on {token}" for token, action in commands if token not in self._held]
             wanted = "a policy must command only the tokens in its block's slots"
@@ -164,7 +167,7 @@ class Running:
         """Return the value of each hyperparameter: the planned value if given, otherwise the initial value."""
         given = self.instance.hyperparameters
         chosen = {
-            h.name: float(given[h.name] if h.name in given else h.initial_value(self._binding, state))
+            h.name: float(given[h.name] if h.name in given else self.block.initial_value(h, self._binding, state))
             for h in self.block.hyperparameters
         }
         for name, value in chosen.items():

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from hybrid_tamp.feasibility.bindings import Bound, complete, find_feasible
 from hybrid_tamp.feasibility.mode_names import BLOCK
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.bindings import Choices, enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.explanation import Reason
@@ -151,7 +152,8 @@ def _share(task: Task, candidate: _Candidate) -> tuple[str, float, float]:
     literal = candidate.literal
     assert literal.predicate.share is not None
     values = [candidate.bound.get(argument, argument) for argument in literal.arguments]
-    need, has = literal.predicate.share(task.state, *values)
+    with authored(f"predicate {literal.predicate.name}", candidate.bound):
+        need, has = literal.predicate.share(task.state, *values)
     return name_of(values[0]), float(need), float(has)
 
 

@@ -7,6 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from hybrid_tamp.midlevel.rollout import Condition, Key, Rollout
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.refined import GOAL
@@ -109,11 +110,12 @@ def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Itera
     }
     chosen = {name: np.asarray(value) for name, value in instance.hyperparameters.items()}
     for measure in block.performance:
-        if measure.end is not None:
-            figure = float(measure.end(binding, recording.state(first), recording.state(last), chosen))
-        elif measure.peak is not None:
-            figure = float(np.max(measure.peak(binding, run), initial=-np.inf))
-        else:
-            assert measure.rate is not None, "a measure must define end, peak or rate"
-            figure = float(np.sum(measure.rate(binding, run, commands))) * recording.timestep
+        with authored(f"{block.name}.{measure.name}", binding):
+            if measure.end is not None:
+                figure = float(measure.end(binding, recording.state(first), recording.state(last), chosen))
+            elif measure.peak is not None:
+                figure = float(np.max(measure.peak(binding, run), initial=-np.inf))
+            else:
+                assert measure.rate is not None, "a measure must define end, peak or rate"
+                figure = float(np.sum(measure.rate(binding, run, commands))) * recording.timestep
         yield measure.name, np.array([figure])

@@ -13,6 +13,7 @@ import numpy as np
 from hybrid_tamp.midlevel.rollout import Chosen, Condition, Key, Rollout
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
@@ -162,8 +163,9 @@ def _variables(task: Task, plan: TaskPlan) -> Iterable[tuple[Key, Variable]]:
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
         block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
         for h in block.hyperparameters:
-            lower, upper = h.bounds(binding)
             given = instance.hyperparameters.get(h.name)
-            default = float(h.initial_value(binding, task.state)) if given is None else given
+            with authored(f"{block.name}.{h.name}", binding):
+                lower, upper = h.bounds(binding)
+            default = float(block.initial_value(h, binding, task.state)) if given is None else given
             key = (instance.name, h.name)
             yield key, Variable(".".join(key), h.unit, lower, upper, float(np.clip(default, lower, upper)))

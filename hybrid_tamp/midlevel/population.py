@@ -11,6 +11,7 @@ from math import floor
 import numpy as np
 from numpy.typing import NDArray
 
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Parameters
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
@@ -188,11 +189,13 @@ class Population:
         for column, measure in enumerate(self.measures):
             mine = self.figures[self.rows, column]
             if measure.peak is not None:
-                figure = np.where(counted, measure.peak(binding, run), -np.inf).max(axis=0)
+                with authored(f"{self.model.block.name}.{measure.name}", binding):
+                    figure = np.where(counted, measure.peak(binding, run), -np.inf).max(axis=0)
                 self.figures[self.rows, column] = np.maximum(mine, figure)
             elif measure.rate is not None:
                 commands = {key: np.stack([each[key] for each in commanded]) for key in commanded[0]}
-                rate = np.where(counted, measure.rate(binding, run, commands), 0.0)
+                with authored(f"{self.model.block.name}.{measure.name}", binding):
+                    rate = np.where(counted, measure.rate(binding, run, commands), 0.0)
                 self.figures[self.rows, column] = mine + rate.sum(axis=0) * CONTROL_PERIOD
 
     def _keep_least(self, run: State, counted: BoolArray) -> None:
@@ -206,7 +209,8 @@ class Population:
         before, after = self.model.state(self.start), self.model.state(self.after)
         for column, measure in enumerate(self.measures):
             if measure.end is not None:
-                self.figures[:, column] = measure.end(self.model.binding, before, after, self.chosen)
+                with authored(f"{self.model.block.name}.{measure.name}", self.model.binding):
+                    self.figures[:, column] = measure.end(self.model.binding, before, after, self.chosen)
         finite = self.finite & np.isfinite(self.figures).all(axis=1) & np.isfinite(self.exits).all(axis=1)
         return Stretch(self.after, self.steps, self.exits, self.invariants, self.figures, finite)
 

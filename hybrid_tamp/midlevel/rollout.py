@@ -176,7 +176,7 @@ class _Chain:
         found, simulation = {}, self.simulations[instance.name]
         for h in simulation.block.hyperparameters:
             value = self.chosen.get((instance.name, h.name), instance.hyperparameters.get(h.name))
-            value = h.initial_value(simulation.binding, state) if value is None else value
+            value = simulation.block.initial_value(h, simulation.binding, state) if value is None else value
             found[h.name] = np.array(np.broadcast_to(value, (self.count,)), dtype=np.float64)
         return found
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.control import (
     Commands,
     ContinuousSystem,
@@ -231,4 +232,9 @@ class Block:
 
     def initial_values(self, binding: Binding, state: State) -> dict[str, FloatArray]:
         """Return a dictionary that maps each hyperparameter to its initial value, clipped to its bounds."""
-        return {h.name: h.initial_value(binding, state) for h in self.hyperparameters}
+        return {h.name: self.initial_value(h, binding, state) for h in self.hyperparameters}
+
+    def initial_value(self, hyperparameter: Hyperparameter, binding: Binding, state: State) -> FloatArray:
+        """Return the initial value of a hyperparameter of this block, clipped to its bounds."""
+        with authored(f"{self.name}.{hyperparameter.name}", binding):
+            return hyperparameter.initial_value(binding, state)

@@ -3,9 +3,11 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.declarations import Declarations
 from hybrid_tamp.model.domain_checks import faults_of
@@ -72,6 +74,11 @@ class Domain(Declarations):
     def resting_block(self) -> Block:
         """Block with one slot, for tokens that no other block manipulates."""
         return self.block_by_name[self.resting]
+
+    def measure(self, task: Any, recording: Any) -> dict[tuple[str, str], float]:
+        """Return the domain's metrics of a finished run of a task. Keys are pairs of (instance, metric with unit)."""
+        with authored(f"the metrics of {self.name}", {}):
+            return dict(self.metrics(task, recording)) if self.metrics else {}
 
     def with_blocks(self, blocks: Iterable[Block], predicates: Iterable[Predicate] = ()) -> "Domain":
         """Return the domain with replaced blocks and added predicates. A block replaces the block of the same name."""

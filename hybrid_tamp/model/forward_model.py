@@ -6,6 +6,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Parameters
 from hybrid_tamp.model.predicate import Binding
@@ -24,8 +25,11 @@ class ForwardModel:
 
     def __init__(self, block: Block, binding: Binding, start: State, parameters: Parameters) -> None:
         """Create the policy and the continuous system from the state at the start of the instance."""
-        self._policy = None if block.policy is None else block.policy(binding, start, parameters)
-        self._system = block.system(binding, start)
+        self._names, self._binding = (f"{block.name}.policy", f"{block.name}.system"), binding
+        with authored(self._names[0], binding):
+            self._policy = None if block.policy is None else block.policy(binding, start, parameters)
+        with authored(self._names[1], binding):
+            self._system = block.system(binding, start)
         held = (binding[slot.name] for slot in block.slots)
         self._limits = _limits(token for token in held if isinstance(token, Token))
 
@@ -39,7 +43,8 @@ class ForwardModel:
             state: current state.
             dt: time step [s].
         """
-        commands = {} if self._policy is None else self._policy(elapsed, state)
+        with authored(self._names[0], self._binding):
+            commands = {} if self._policy is None else self._policy(elapsed, state)
         finite = np.ones(state.values.shape[:-1], dtype=bool)
         for key, command in commands.items():
             square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
@@ -48,7 +53,8 @@ class ForwardModel:
                 sound = np.asarray(np.isfinite(command).all(axis=-1))
                 finite &= sound
                 commands[key] = _limited(np.where(sound[..., None], command, 0.0), limit)
-        after = self._system(state, commands, dt)
+        with authored(self._names[1], self._binding):
+            after = self._system(state, commands, dt)
         if not isfinite(np.add.reduce(after.values, axis=None)):
             finite &= np.isfinite(after.values).all(axis=-1)
             after = State(after.layout, np.where(finite[..., None], after.values, state.values))

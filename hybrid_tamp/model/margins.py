@@ -1,7 +1,13 @@
-"""Rounding errors of margins. A margin that is negative by rounding only must not decide whether a condition holds."""
+"""Evaluation of margins. A margin that is negative by rounding only must not decide whether a condition holds."""
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
 
 import numpy as np
 
+from hybrid_tamp.model.authored import OWN_ERRORS, blame
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
 ROUNDING = 1e-9
@@ -20,3 +26,47 @@ def without_rounding(margin: FloatArray, scale: float) -> FloatArray:
         scale: scale of the predicate [unit].
     """
     return np.where(np.abs(margin) <= ROUNDING * scale, 0.0, margin)
+
+
+class Named(Protocol):
+    """A parameter of a predicate."""
+
+    @property
+    def name(self) -> str:
+        """Name of the parameter."""
+
+
+class Margin(Protocol):
+    """A predicate, which has a margin function (see `model.predicate.Predicate`)."""
+
+    @property
+    def name(self) -> str:
+        """Name of the predicate."""
+
+    @property
+    def parameters(self) -> Sequence[Named]:
+        """Parameters of the predicate."""
+
+    @property
+    def margin(self) -> Callable[..., FloatArray]:
+        """Function ``margin(state, *values)`` that returns the margin, shape ``(...)``."""
+
+    @property
+    def scale(self) -> float:
+        """Scale of the margin [unit]."""
+
+
+def evaluate_margin(predicate: Margin, state: State, values: Sequence[Token | str]) -> FloatArray:
+    """Return the margin of a predicate ``(...)`` without rounding errors.
+
+    Raises:
+        DomainError: the margin function raised an exception.
+    """
+    try:
+        return without_rounding(predicate.margin(state, *values), predicate.scale)
+    except OWN_ERRORS:
+        raise
+    except Exception as error:
+        # The context manager `authored` would be slower, and margins are evaluated very often.
+        names = (parameter.name for parameter in predicate.parameters)
+        raise blame(error, f"predicate {predicate.name}", dict(zip(names, values, strict=False))) from error

@@ -13,7 +13,7 @@ import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.affordance import ObjectClass
-from hybrid_tamp.model.margins import without_rounding
+from hybrid_tamp.model.margins import evaluate_margin
 from hybrid_tamp.model.relation import Membership, order_rows, row_faults
 from hybrid_tamp.model.stacking import stack
 from hybrid_tamp.model.state import State
@@ -169,7 +169,7 @@ class Predicate:
 
     def evaluate(self, state: State, *values: Value) -> FloatArray:
         """Return the margin for the given arguments, shape ``(...)``. A margin within rounding errors is zero."""
-        return without_rounding(self.margin(state, *values), self.scale)
+        return evaluate_margin(self, state, values)
 
     def margins(self, state: State, bindings: Sequence[tuple[Value, ...]]) -> FloatArray:
         """Return the margins for n tuples of arguments, shape ``(n, ...)``."""

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.token import Token, UnknownProperty
 from hybrid_tamp.motion.arrays import FloatArray
 
 
@@ -74,7 +74,12 @@ class State:
     def __getitem__(self, key: tuple[Token | str, str]) -> FloatArray:
         """Return a view of one property of one token, shape ``(..., size)``."""
         token, name = key
-        return self.values[..., self.layout.slices[token if isinstance(token, str) else token.name, name]]
+        owner = token if isinstance(token, str) else token.name
+        try:
+            return self.values[..., self.layout.slices[owner, name]]
+        except KeyError:
+            known = [varying for each, varying, _ in self.layout.entries if each == owner]
+            raise UnknownProperty(owner, name, known) from None
 
     def replace(self, changes: Mapping[tuple[str, str], ArrayLike]) -> "State":
         """Return a copy with new values for some pairs of (token, property), each broadcast to ``(..., size)``."""

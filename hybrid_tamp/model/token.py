@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, create_model
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from hybrid_tamp.errors import Issue
+from hybrid_tamp.errors import Issue, did_you_mean
 from hybrid_tamp.geometry.shapes import Shape
 from hybrid_tamp.model.affordance import TOKEN, BasicAction, ObjectClass, VaryingProperty, is_place
 
@@ -26,6 +26,20 @@ class PropertyConflictError(ValueError):
     def __init__(self, issues: Iterable[Issue]) -> None:
         self.issues = tuple(issues)
         super().__init__("\n".join(map(str, self.issues)))
+
+
+class UnknownProperty(KeyError):
+    """Error for a property that a token does not have. The message lists the properties of the token."""
+
+    def __init__(self, token: str, name: object, available: Iterable[str]) -> None:
+        super().__init__(token, name)
+        known = tuple(sorted(available))
+        close = did_you_mean(str(name), known)
+        hint = f"did you mean {close!r}?" if close else f"available: {', '.join(known)}"
+        self._message = f"{token} has no property {name!r}; {hint}"
+
+    def __str__(self) -> str:
+        return self._message
 
 
 def _declarations(object_class: type[ObjectClass]) -> dict[str, dict[str, str]]:
@@ -158,7 +172,10 @@ class Token:
 
     def __getitem__(self, property_name: str) -> Any:
         """Return the value of a fixed property. Raise a `KeyError` if the token does not have the property."""
-        return self.properties[property_name]
+        try:
+            return self.properties[property_name]
+        except KeyError:
+            raise UnknownProperty(self.name, property_name, self.properties) from None
 
     def __repr__(self) -> str:
         return f"Token({self.name!r}: {', '.join(member.name for member in self.classes)})"

@@ -2,20 +2,30 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, ContinuousSystem
 from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import ContactForce, Resource
 
 IntArray = NDArray[np.intp]
-_Moving = tuple[ContinuousSystem, IntArray]
-"""Pair of (continuous system of an instance, indices of its tokens' values in the state)."""
+
+
+class _Moving(NamedTuple):
+    """The continuous system of an instance, its binding, and the indices of its tokens' values in the state."""
+
+    name: str
+    binding: Binding
+    system: ContinuousSystem
+    mine: IntArray
 
 
 class AnalyticBackend(Resource):
@@ -48,8 +58,9 @@ class AnalyticBackend(Resource):
         filled = self._commands.commands(self._commands.checked(commands))
         before = self._state
         values = before.values.copy()
-        for system, mine in self._moving.values():
-            after = system(before, filled, self.timestep)
+        for name, binding, system, mine in self._moving.values():
+            with authored(name, binding):
+                after = system(before, filled, self.timestep)
             # Only the values of tokens in the slots are used, even if the system changes other values.
             values[mine] = after.values[mine]
         self._state = State(before.layout, values)
@@ -81,4 +92,8 @@ class AnalyticBackend(Resource):
             for index in range(columns.start, columns.stop)
         ]
         block = self._task.domain.block_by_name[instance.block]
-        return block.system(self._task.bind(instance.roles), self._state), np.array(mine, dtype=np.intp)
+        binding = self._task.bind(instance.roles)
+        name = f"{block.name}.system"
+        with authored(name, binding):
+            system = block.system(binding, self._state)
+        return _Moving(name, binding, system, np.array(mine, dtype=np.intp))

@@ -9,7 +9,7 @@ from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.taskfile.loader import FindDomain, load_task
 from hybrid_tamp.taskfile.meshfile import MOST_BYTES
-from hybrid_tamp.taskfile.primitives import PrimitiveFile
+from hybrid_tamp.taskfile.primitives import PrimitiveFile, teach_block
 from hybrid_tamp.taskfile.saving import differences, task_text
 from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
 
@@ -92,7 +92,7 @@ def teach_task(task: Task, primitives: Mapping[str, PrimitiveFile], folder: Path
         (folder / names[name]).write_text(primitive.text, encoding="utf-8")
     if task.source is None:
         blocks = [task.domain.block_by_name[name] for name in primitives]
-        taught = [block.taught(primitives[block.name].primitive) for block in blocks if block.taught is not None]
+        taught = [teach_block(block, primitives[block.name].primitive) for block in blocks if block.taught is not None]
         files = {name: folder / file for name, file in names.items()}
         return task.replaced(domain=task.domain.with_blocks(taught), primitives=files)
     text, files_beside = portable(task)

@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Hyperparameter
@@ -58,8 +59,10 @@ def check_bindings(task: Task, data: dict[str, Any], faults: Faults) -> None:
         own = next(each for each in task.domain.block_by_name[block].hyperparameters if each.name == name)
         if own.within is None:
             continue
-        bindings = enumerate_bindings(task.choices(task.domain.block_by_name[block]))
-        ranges = list(map(own.within, islice(bindings, MOST_BINDINGS)))
+        ranges = []
+        for binding in islice(enumerate_bindings(task.choices(task.domain.block_by_name[block])), MOST_BINDINGS):
+            with authored(f"{block}.{name}", binding):
+                ranges.append(own.within(binding))
         if ranges and all(high < own.lower or low > own.upper for low, high in ranges):
             allowed = ", ".join(list(dict.fromkeys(f"{low:g} to {high:g}" for low, high in ranges))[:MOST_SHOWN])
             wanted = f"{path[-1]} must be within the bounds of at least one token of the task: {allowed}"

@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hybrid_tamp.model.affordance import Number
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.motion.dmp import DMP
@@ -118,6 +119,13 @@ def teach(data: dict[str, Any], faults: Faults, domain: Domain | None, folder: P
     return domain.with_blocks(taught.values()) if taught else domain
 
 
+def teach_block(block: Block, primitive: DMP) -> Block:
+    """Return a block that has a motor primitive, with another motor primitive."""
+    assert block.taught is not None, f"the block {block.name} has no motor primitive"
+    with authored(f"{block.name}.taught", {}):
+        return block.taught(primitive)
+
+
 def _taught(key: str, file: Path, path: KeyPath, faults: Faults, domain: Domain) -> list[Block]:
     named = [block for block in domain.blocks if key in (block.name, block.action)]
     able = [block for block in domain.blocks if block.taught and block.movement]
@@ -132,7 +140,7 @@ def _taught(key: str, file: Path, path: KeyPath, faults: Faults, domain: Domain)
     if primitive is None:
         return []
     fitting = [
-        block.taught(primitive.primitive)
+        teach_block(block, primitive.primitive)
         for block in named
         if block.taught and block.movement and block.movement.dimensions == primitive.dimensions
     ]

@@ -6,6 +6,7 @@ import numpy as np
 
 from hybrid_tamp.geometry.convex import CONTACT, Body, lowest_height, placed
 from hybrid_tamp.geometry.overlaps import overlaps
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
@@ -70,7 +71,10 @@ def _check_overlaps(bodies: list[tuple[Token, Body]], faults: Faults) -> None:
 
 def _check_classes(token: Token, state: State, scene: Scene, faults: Faults) -> None:
     for member in token.classes:
-        complaint = member.consistent_start(token, state, scene.tokens) if faults.sound(_path(token)) else None
+        if not faults.sound(_path(token)):
+            continue
+        with authored(f"{member.name}.consistent_start", {"token": token}):
+            complaint = member.consistent_start(token, state, scene.tokens)
         if complaint is not None:
             faults.at(_path(token)[:-1], f"{subject(_path(token)[:-1])} is not valid: {complaint}", key=True)
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from hybrid_tamp.geometry.shapes import LARGEST_ANGLE, MeshFile, Shape, WrittenShape
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.token import PropertyConflictError, Token, union_of
 from hybrid_tamp.motion.arrays import FloatArray
@@ -197,8 +198,11 @@ def _needed_by(outline: Token, key: str) -> str:
 
 
 def _complaints(token: Token) -> list[str]:
-    checks = [member.consistent for member in token.classes if member.consistent is not None]
-    return [complaint for check in checks if (complaint := check(token)) is not None]
+    found = []
+    for member in token.classes:
+        with authored(f"{member.name}.consistent", {"token": token}):
+            found.append(member.consistent(token))
+    return [complaint for complaint in found if complaint is not None]
 
 
 def _read_pose(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, scene: Scene) -> None:

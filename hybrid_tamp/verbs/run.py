@@ -130,7 +130,7 @@ def judge(outcome: PlanOutcome, recording: Recording, seconds: float) -> RunResu
     assert outcome.refinement is not None, "a plan must be refined before it is executed"
     task = outcome.task
     recording = add_predictions(recording, outcome.refinement.expected)
-    own = task.domain.metrics(task, recording) if task.domain.metrics else {}
+    own = task.domain.measure(task, recording)
     metrics = {".".join(key): value for key, value in own.items()} | dict(run_measures(outcome.required(), recording))
     figures = {key: float(figure[0]) for key, figure in measure_run(task, recording).figures.items()}
     return RunResult(

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import AfterValidator, ValidationError
 
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.change import SetProperty
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
@@ -111,6 +112,7 @@ def _with(task: Task, token: Token, key: str, component: int | None, value: floa
         made = Token.make(token.name, own, {**token.properties, key: number}, token.shape, token.unknown)
     except ValidationError:
         return None
-    if any(member.consistent(made) for member in made.classes):
-        return None
+    with authored(f"consistent of a class of {token.name}", {"token": made}):
+        if any(member.consistent(made) for member in made.classes):
+            return None
     return replace(made, classes=token.classes)

@@ -18,6 +18,7 @@ from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.geometry.features import resting_poses
 from hybrid_tamp.geometry.warp import Warp, warp
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.membership import MembershipResult, Trial, Verdict
@@ -83,7 +84,7 @@ class Prober:
             LimitReached: if the deadline passes.
         """
         token = _token(task, name)
-        ranked = sorted(_classes(task, token, classes), key=lambda each: (-each.features(token.solid), each.name))
+        ranked = sorted(_classes(task, token, classes), key=lambda each: (-_likelihood(each, token), each.name))
         verdicts = []
         for number, object_class in enumerate(ranked):
             self.tell(number / len(ranked), f"probing {token.name} as {object_class.name}")
@@ -92,7 +93,7 @@ class Prober:
 
     def _verdict(self, task: Task, token: Token, object_class: type[ObjectClass], seed: int) -> Verdict:
         recipe = next((each for each in task.domain.trials if each.object_class is object_class), None)
-        likelihood = object_class.features(token.solid)
+        likelihood = _likelihood(object_class, token)
         untried = Verdict(object_class.name, likelihood)
         if recipe is None:
             return replace(untried, obstacle=f"the domain {task.domain.name} defines no trial for this class")
@@ -100,14 +101,15 @@ class Prober:
         if found is None:
             return replace(untried, obstacle="the task has no labelled member of this class whose shape can be warped")
         labelled, warped = found
-        estimate = recipe.estimate(task, token, labelled, warped.carry)
+        with authored(f"the trial of {object_class.name}", {"token": token, "labelled": labelled}):
+            estimate = recipe.estimate(task, token, labelled, warped.carry)
         known = Verdict(
             object_class.name, likelihood, labelled.name, warped.residual, estimate.properties, estimate.contacts
         )
         member = as_member(token, {object_class: estimate.properties})
         task = task.replaced(domain=with_time_bounds(task.domain))
         try:
-            plan = self.find_plan(recipe.task(task, member, None))
+            plan = self.find_plan(_trial_task(recipe, task, member, None))
         except NoPlan as error:
             return replace(known, obstacle=str(error))
         return self.run_trials(known, recipe, task, member, plan, seed)
@@ -124,7 +126,9 @@ class Prober:
         for number, rng in enumerate(map(np.random.default_rng, children)):
             if number >= self.starts and known.verdict != "unsure":
                 break
-            known = replace(known, trials=(*known.trials, self.run_trial(recipe, recipe.task(task, member, rng), plan)))
+            known = replace(
+                known, trials=(*known.trials, self.run_trial(recipe, _trial_task(recipe, task, member, rng), plan))
+            )
         return known
 
     def run_trial(self, recipe: TrialRecipe[Task], task: Task, plan: TaskPlan) -> Trial:
@@ -137,7 +141,7 @@ class Prober:
             recording = execute(task, plan, self.backend, self._watch, deadline=self.deadline)
         except _NeverSettles:
             return Trial(False, f"the trial did not end within {self.most_seconds:g} s of simulated time", {})
-        measured = dict(task.domain.metrics(task, recording)) if task.domain.metrics else {}
+        measured = task.domain.measure(task, recording)
         faults = list(_faults(recipe, recording, measured))
         _logger.info("%s: %s", task.name, "; ".join(faults) or "succeeded")
         return Trial(not faults, "; ".join(faults), {".".join(key): value for key, value in measured.items()})
@@ -181,12 +185,24 @@ def _classes(task: Task, token: Token, names: Sequence[str]) -> tuple[type[Objec
     return tuple(known[name] for name in names) or token.unknown
 
 
+def _likelihood(object_class: type[ObjectClass], token: Token) -> float:
+    with authored(f"{object_class.name}.features", {"token": token}):
+        return object_class.features(token.solid)
+
+
+def _trial_task(recipe: TrialRecipe[Task], task: Task, member: Token, rng: np.random.Generator | None) -> Task:
+    with authored(f"the trial of {recipe.object_class.name}", {"member": member}):
+        return recipe.task(task, member, rng)
+
+
 def _nearest(task: Task, token: Token, recipe: TrialRecipe[Task]) -> tuple[Token, Warp] | None:
     """Return the pair (labelled member, warp) with the best fit of the warped surface to the token."""
     found = []
     for labelled in task.tokens:
         if labelled.is_member(recipe.object_class) and labelled.shape is not None and labelled.name != token.name:
-            found.append((labelled, warp(labelled.shape, token.solid, recipe.align(task, token, labelled))))
+            with authored(f"the trial of {recipe.object_class.name}", {"token": token, "labelled": labelled}):
+                turn = recipe.align(task, token, labelled)
+            found.append((labelled, warp(labelled.shape, token.solid, turn)))
     return min(found, key=lambda each: each[1].residual, default=None)
 
 
