@@ -93,6 +93,7 @@ class Thing(AffordanceClass):
 DOMAIN = Domain(
     name="bench",
     classes=(Hand, Clumsy, Tool, Thing),
+    disjoint=((Hand, Clumsy),),
     predicates=(),
     blocks=(Block("RESTING", (Slot("token", TOKEN),), "token", Duration(0.1, 60.0, lambda *_: 0.1), hold=True),),
     network=ReassignmentNetwork([("RESTING.token", "RESTING.token")]),
