@@ -43,18 +43,18 @@ class UnknownProperty(KeyError):
 
 
 def _declarations(object_class: type[ObjectClass]) -> dict[str, dict[str, str]]:
-    """Return the parts of each declaration that must be equal in all classes with the same declaration."""
-    found = {f"property {name!r}": _parts(field) for name, field in object_class.model_fields.items()}
+    """Return what each declaration of a class says, which must be equal in all classes with this declaration."""
+    found = {f"property {name!r}": _describe(field) for name, field in object_class.model_fields.items()}
     for varying in object_class.varying:
-        parts = {"size": str(varying.size), "unit": varying.unit, "default": str(varying.default)}
-        found[f"varying property {varying.name!r}"] = parts
+        described = {"size": str(varying.size), "unit": varying.unit, "default": str(varying.default)}
+        found[f"varying property {varying.name!r}"] = described
     for action in object_class.basic_actions:
-        parts = {"size": str(action.size), "unit": action.unit, "limit": str(action.limit)}
-        found[f"basic action {action.name!r}"] = parts
+        described = {"size": str(action.size), "unit": action.unit, "limit": str(action.limit)}
+        found[f"basic action {action.name!r}"] = described
     return found
 
 
-def _parts(field: FieldInfo) -> dict[str, str]:
+def _describe(field: FieldInfo) -> dict[str, str]:
     extra, kind = field.json_schema_extra, field.annotation
     return {
         "type": kind.__name__ if isinstance(kind, type) and not get_args(kind) else str(kind),
