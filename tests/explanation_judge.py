@@ -60,6 +60,9 @@ def is_true(task: Task, reason: Reason) -> bool:
         values = [task.token_by_name.get(each, each) for each in reason.atom.arguments]
         margin = float(task.domain.predicate_by_name[reason.atom.predicate].evaluate(task.state, *values))
         return margin < 0 if reason.atom.positive else margin >= 0
+    if reason.kind == "unreachable":
+        assert reason.atom is not None
+        return task.margin(reason.atom) < 0 and not solvable(task.replaced(goal=(reason.atom,)))
     if reason.kind in ("no_token", "too_few_tokens"):
         have = sum(lacks in _classes(task, token.name) for token in task.tokens)
         needed = max(sum(slot.object_class.name == lacks for slot in block.slots) for block in blocks)

@@ -25,11 +25,11 @@ class Ways:
     """The ways to achieve an atom.
 
     Attributes:
-        waits: ordered set of the ways. Each way is a tuple of the atoms that must be achieved first.
+        waits: maps each way to the name of its block. A way is the tuple of the atoms that must be achieved first.
         reasons: reasons why blocks that have the atom as an effect cannot run.
     """
 
-    waits: dict[tuple[Atom, ...], None] = field(default_factory=dict)
+    waits: dict[tuple[Atom, ...], str] = field(default_factory=dict)
     reasons: list[Reason] = field(default_factory=list)
 
 
@@ -100,7 +100,7 @@ class BackwardSearch:
             elif missing := self._missing(block, conditions, allowed):
                 ways.reasons.extend(missing)
             elif bounds := find_feasible(self._static, conditions, allowed):
-                ways.waits |= dict.fromkeys(self._waits(block, bounds, allowed))
+                ways.waits |= dict.fromkeys(self._waits(block, bounds, allowed), block.name)
                 ways.reasons.extend(self._passages.explain_missing(block, allowed))
             else:
                 ways.reasons.extend(self._infeasible(block, conditions, allowed))

@@ -17,6 +17,7 @@ ReasonKind = Literal[
     "too_few_tokens",
     "no_edge",
     "not_feasible",
+    "unreachable",
     "together",
     "class_unknown",
     "forward models",

@@ -76,7 +76,7 @@ class _Space:
         elif reason.lacks is not None and reason.lacks in self.task.domain.classes:
             yield from self.tokens(reason.lacks)
             yield from self.classes(reason.lacks)
-        elif reason.atom is not None:
+        elif reason.atom is not None and self.task.domain.predicate_by_name[reason.atom.predicate].static:
             yield from find_property_changes(self.task, reason.atom)
             yield self.fact(reason.atom)
 

@@ -43,7 +43,7 @@ def _tasks_without(task: Task, reason: Reason) -> Iterator[Task]:
     """Yield tasks in which the cause of the reason is removed."""
     for change in islice(find_answers(task, reason), MOST_ANSWERS):
         yield apply_change(task, change)
-    if reason.atom is not None:
+    if reason.atom is not None and task.domain.predicate_by_name[reason.atom.predicate].static:
         # The reason names one symbol, for example one face of a box, but may also hold for other symbols.
         parameters = task.domain.predicate_by_name[reason.atom.predicate].parameters
         choices = [

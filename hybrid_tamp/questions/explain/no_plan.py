@@ -6,6 +6,9 @@ then the blocks that could achieve the preconditions of these blocks. A block ca
 - no token can fill one of its slots,
 - the task has too few tokens for its slots, or
 - its feasibility facts fail for every choice of tokens. The reason then states the margin of the best choice.
+
+If every block can run, but only after an atom that these blocks themselves achieve, the reason is this atom (see
+`unreachable`).
 """
 
 import math
@@ -25,6 +28,7 @@ from hybrid_tamp.questions.explain.candidates import points_to
 from hybrid_tamp.questions.explain.minimal_reasons import keep_necessary, remove_together
 from hybrid_tamp.questions.explain.repairs import Repairs, find_counterfactual_reasons, find_repairs
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
+from hybrid_tamp.questions.explain.unreachable import explain_cycle, name_atom
 
 MOST_EXPLAINED = 5
 """Maximum number of alternatives to explain if the goal allows a choice. The nearest alternatives come first."""
@@ -168,7 +172,7 @@ def _hidden(atoms: list[Atom]) -> Reason:
 
 def _reasons(search: BackwardSearch, goal: Atom) -> list[Reason]:
     try:
-        return [] if search.explore(goal) else _Walk(search).reasons(goal)
+        return [] if search.explore(goal) else _Walk(search).reasons(goal) or explain_cycle(search, goal)
     except TooMany:
         return []
 
@@ -189,11 +193,15 @@ class _Walk:
             ways = self._search.ways[atom]
             at_hand = [] if ways.reasons else self._search.explain_infeasible(atom, self._reached)
             missing = {next(wait for wait in waits if wait not in self._reached): None for waits in ways.waits}
-            behind = [found for wait in missing if (found := self.reasons(wait))]
+            behind = [found for wait in missing if (found := self._named(wait))]
             # If blocks only lack preconditions, the reason is the condition that is closest to being satisfied.
             nearest = max(behind, key=lambda reasons: min(map(self._violation, reasons)), default=[])
             self._known[atom] = [*ways.reasons, *(at_hand or nearest)]
         return self._known[atom]
+
+    def _named(self, atom: Atom) -> list[Reason]:
+        """Return the reasons for a precondition. If no block could achieve the atom at all, the atom is the reason."""
+        return name_atom(self._search.task, atom, self.reasons(atom))
 
     def _violation(self, reason: Reason) -> float:
         """Return the margin of a reason divided by its predicate's scale, or minus infinity if it has no margin."""
