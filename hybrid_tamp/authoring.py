@@ -55,6 +55,7 @@ from hybrid_tamp.model.grasp import CAPTURE as CAPTURE
 from hybrid_tamp.model.grasp import FINGER_SPEED as FINGER_SPEED
 from hybrid_tamp.model.grasp import GRIP_FRICTION as GRIP_FRICTION
 from hybrid_tamp.model.grasp import aperture_property as aperture_property
+from hybrid_tamp.model.kind import Kind as Kind
 from hybrid_tamp.model.margins import without_rounding as without_rounding
 from hybrid_tamp.model.network import ReassignmentNetwork as ReassignmentNetwork
 from hybrid_tamp.model.plan import BlockInstance as BlockInstance
@@ -62,7 +63,6 @@ from hybrid_tamp.model.plan import split_mode as split_mode
 from hybrid_tamp.model.predicate import ANY as ANY
 from hybrid_tamp.model.predicate import Atom as Atom
 from hybrid_tamp.model.predicate import Binding as Binding
-from hybrid_tamp.model.predicate import Kind as Kind
 from hybrid_tamp.model.predicate import Literal as Literal
 from hybrid_tamp.model.predicate import Parameter as Parameter
 from hybrid_tamp.model.predicate import Predicate as Predicate

@@ -8,7 +8,8 @@ from serial import COLOURS, Part, Tool, block, changing, domain, in_series, pred
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.predicate import Kind, Literal, SymbolSort
+from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.predicate import Literal, SymbolSort
 from hybrid_tamp.model.task import Task
 
 Sorts = Mapping[str, type[ObjectClass] | SymbolSort]

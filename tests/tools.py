@@ -8,8 +8,9 @@ from serial import RESTING, block, changing, predicate
 from hybrid_tamp.model.affordance import AffordanceClass, BasicAction, CapabilityClass, ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.network import ReassignmentNetwork
-from hybrid_tamp.model.predicate import Atom, Kind, Predicate
+from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

@@ -11,9 +11,10 @@ from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, BasicAction, Ca
 from hybrid_tamp.model.block import FLOOR, Block, Duration, Slot, Target
 from hybrid_tamp.model.control import Commands, ContinuousSystem, Hyperparameter, Parameters
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import Atom, Binding, Kind, Parameter, Predicate
+from hybrid_tamp.model.predicate import Atom, Binding, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

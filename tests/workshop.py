@@ -14,8 +14,9 @@ from hybrid_tamp.model.affordance import (
 )
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.network import ReassignmentNetwork
-from hybrid_tamp.model.predicate import Atom, Kind, Literal, Parameter, Predicate
+from hybrid_tamp.model.predicate import Atom, Literal, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

@@ -13,8 +13,9 @@ import numpy as np
 
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.predicate import Kind, Literal, Parameter, Predicate, Value, name_of
+from hybrid_tamp.model.predicate import Literal, Parameter, Predicate, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray

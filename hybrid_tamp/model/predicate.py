@@ -6,13 +6,13 @@ during execution, the goal and the optimiser's constraint term. So symbolic and 
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import Any
 
 import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.margins import evaluate_margin
 from hybrid_tamp.model.relation import Membership, order_rows, row_faults
 from hybrid_tamp.model.stacking import stack
@@ -28,19 +28,6 @@ Value = Token | str
 
 Binding = Mapping[str, Value]
 """Maps each role (slot or target) of an instance to its token or symbol."""
-
-
-class Kind(Enum):
-    """The kind of a predicate, which determines when atoms become true and false."""
-
-    CHANGING = "changing"
-    """Blocks add and delete the atoms."""
-    FUNCTIONAL = "functional"
-    """Given the other parameters, one parameter has at most one value. A new value replaces the old value."""
-    MAINTAINED = "maintained"
-    """An atom holds only while the instance that added the atom runs."""
-    STATIC = "static"
-    """The atoms are feasibility facts, which depend only on fixed properties and the initial state."""
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,9 @@ from scenes import rolling_task
 from serial import COLOURS, Part
 
 from hybrid_tamp.errors import DomainError
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.margins import ROUNDING
-from hybrid_tamp.model.predicate import Kind, Literal, Parameter, Predicate
+from hybrid_tamp.model.predicate import Literal, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import different
 from hybrid_tamp.questions.changes import with_copy

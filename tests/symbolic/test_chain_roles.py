@@ -12,9 +12,10 @@ from serial import COLOURS, Part, Station, Tool, block, changing, domain, effort
 from validation import val_accepts
 
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.model.predicate import Kind, Predicate
+from hybrid_tamp.model.predicate import Predicate
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.pddl.text import domain_text

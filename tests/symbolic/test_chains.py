@@ -20,7 +20,7 @@ from serial import (
     task,
 )
 
-from hybrid_tamp.model.predicate import Kind
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess

@@ -11,8 +11,9 @@ from serial import COLOURS, Part, block, changing, domain, task
 
 import hybrid_tamp
 from hybrid_tamp.errors import InputError, LimitReached
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.predicate import ANY, Atom, Kind, Parameter, Predicate
+from hybrid_tamp.model.predicate import ANY, Atom, Parameter, Predicate
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.symbolic.encoding.problem import compile_task

@@ -13,9 +13,10 @@ from serial import Part, Station, Tool, block, changing, predicate
 from serial import domain as made_of
 from validation import val_accepts, val_accepts_temporal
 
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
-from hybrid_tamp.model.predicate import Atom, Kind, SymbolSort
+from hybrid_tamp.model.predicate import Atom, SymbolSort
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

@@ -22,8 +22,9 @@ from hybrid_tamp.model.affordance import (
 )
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.network import ReassignmentNetwork
-from hybrid_tamp.model.predicate import Kind, Parameter, Predicate, SymbolSort
+from hybrid_tamp.model.predicate import Parameter, Predicate, SymbolSort
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.taskfile.places import shown
