@@ -56,6 +56,7 @@ from hybrid_tamp.model.grasp import FINGER_SPEED as FINGER_SPEED
 from hybrid_tamp.model.grasp import GRIP_FRICTION as GRIP_FRICTION
 from hybrid_tamp.model.grasp import aperture_property as aperture_property
 from hybrid_tamp.model.kind import Kind as Kind
+from hybrid_tamp.model.margins import SafetyFactor as SafetyFactor
 from hybrid_tamp.model.margins import without_rounding as without_rounding
 from hybrid_tamp.model.network import ReassignmentNetwork as ReassignmentNetwork
 from hybrid_tamp.model.plan import BlockInstance as BlockInstance

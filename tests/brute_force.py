@@ -298,12 +298,12 @@ def _decreed(task: Task, wanted: Any, margin: float = 1.0) -> Task:
             if wanted(predicate, values) and predicate.static:
                 return np.full(state.values.shape[:-1], margin)
             try:
-                return predicate.margin(state, *values)
+                return predicate.evaluate(state, *values)
             except KeyError:
                 return np.full(state.values.shape[:-1], -1.0)
 
         of_symbols = all(isinstance(p.sort, SymbolSort) for p in predicate.parameters)
-        return predicate if of_symbols else replace(predicate, margin=decided)
+        return predicate if of_symbols else replace(predicate, margin=decided, safety=None)
 
     new = {predicate: changed(predicate) for predicate in task.domain.predicates}
 

@@ -19,15 +19,15 @@ length_predicate = partial(Predicate, unit="m", scale=0.01)
 
 def everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
     """Turn a margin that depends only on fixed properties into a margin for batches of states."""
-    return lambda state, *values: np.full(state.values.shape[:-1], margin(*values))
+    return lambda state, *values, **factor: np.full(state.values.shape[:-1], margin(*values, **factor))
 
 
 def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
     """Turn a static predicate's margin for one state into a margin for batches, which loops over the states."""
 
-    def batched(state: State, *values: Value) -> FloatArray:
+    def batched(state: State, *values: Value, **factor: float) -> FloatArray:
         rows = state.values.reshape(-1, state.values.shape[-1])
-        found = [float(margin(State(state.layout, row), *values)) for row in rows]
+        found = [float(margin(State(state.layout, row), *values, **factor)) for row in rows]
         return np.array(found).reshape(state.values.shape[:-1])
 
     return batched

@@ -1,8 +1,9 @@
 """Loads that hands bear by friction, in closed form. Feasibility facts and the squeeze are computed from these loads.
 
 Each of n hands bears the share W = m g/n of the weight. A hand that presses on its face with a force S can bear mu S by
-friction. Each hand squeezes RESERVE times as hard as necessary: S = RESERVE W/mu. The hand's total force is the vector
-sum of S and W, so sqrt(S^2 + W^2) <= F_max. The hand can thus bear at most W_max = F_max/sqrt(1 + (RESERVE/mu)^2).
+friction. A hand that squeezes k times as hard as necessary has the squeeze S = k W/mu. The hand's total force is the
+vector sum of S and W, so sqrt(S^2 + W^2) <= F_max. The hand can thus bear at most W_max = F_max/sqrt(1 + (k/mu)^2). The
+safety factor k is RESERVE by default. The physical bound has k = 1.
 """
 
 import numpy as np
@@ -28,15 +29,15 @@ def load(thing: Token, crew: str) -> float:
 
 
 def squeeze_for(thing: Token, crew: str) -> float:
-    """Return the squeeze [N] of each hand in a crew that lifts an object, or infinity if the friction is zero."""
+    """Return the squeeze [N] of strong hands in a crew that lifts an object, or infinity if the friction is zero."""
     coefficient = friction(thing)
     return RESERVE * load(thing, crew) / coefficient if coefficient > 0.0 else np.inf
 
 
-def bearable(hand: Token, thing: Token) -> float:
-    """Return the largest part of an object's weight [N] that a hand can bear by friction."""
+def bearable(hand: Token, thing: Token, factor: float) -> float:
+    """Return the largest part of an object's weight [N] that a hand can bear by friction with a safety factor."""
     coefficient = friction(thing)
-    return float(hand["maximal_force"] * coefficient / np.hypot(coefficient, RESERVE))
+    return float(hand["maximal_force"] * coefficient / np.hypot(coefficient, factor))
 
 
 def largest_squeeze(hand: Token, thing: Token, crew: str) -> float:

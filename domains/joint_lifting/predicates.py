@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token, rotate
+from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, SafetyFactor, State, Token, rotate
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import everywhere, length_predicate, near
 from ..common.roles import POSE
 from ..common.vectors import UP
 from .classes import Liftable
-from .load import bearable, load
+from .load import RESERVE, bearable, load
 from .places import (
     ABOVE_CENTRE,
     CREW,
@@ -82,12 +82,12 @@ def _room(hand: Token, thing: Token, place: str) -> float:
     return float(min(wide - 2.0 * hand["radius"], min(half_z - ABOVE_CENTRE, hand["length"]) - _TOUCHING))
 
 
-def _share(state: State, hand: Token, thing: Token, crew: str) -> tuple[float, float]:
-    return load(thing, crew), bearable(hand, thing)
+def _share(state: State, hand: Token, thing: Token, crew: str, factor: float) -> tuple[float, float]:
+    return load(thing, crew), bearable(hand, thing, factor)
 
 
-def _strength(hand: Token, thing: Token, crew: str) -> float:
-    return bearable(hand, thing) - load(thing, crew)
+def _strength(hand: Token, thing: Token, crew: str, factor: float) -> float:
+    return bearable(hand, thing, factor) - load(thing, crew)
 
 
 STANDS = length_predicate(
@@ -175,6 +175,9 @@ BEARS = Predicate(
     description="{hand}, as one of {crew}, can bear its share of the weight of {object} by friction",
     denial="{hand}, as one of {crew}, cannot bear its share of the weight of {object} by friction",
     share=_share,
+    safety=SafetyFactor(
+        RESERVE, "ratio of the squeeze to the smallest squeeze without slip; covers acceleration and unequal shares"
+    ),
 )
 FEASIBLE = (UPRIGHT, ON_SIDE, WITHIN_REACH, FITS, BEARS)
 PREDICATES = (STANDS, RAISED, AT_PLACE, CLEAR_OF, *FEASIBLE)

@@ -9,6 +9,7 @@ from hybrid_tamp.authoring import (
     Kind,
     Parameter,
     Predicate,
+    SafetyFactor,
     State,
     Token,
 )
@@ -22,15 +23,13 @@ from .geometry import foot, half_depth, handle_length, point, way
 from .predicates import HAND, OPEN, TOOL
 from .swing import swing_of
 
-_RESERVE = 1.5
-"""Ratio of the load that a grip must be able to bear to the tool's weight."""
 _FLOOR_FRICTION = 1.0
 _SQUARE_TOLERANCE = np.radians(5.0)
 _GRASPS = 31
 
 
-def _lift(hand: Token, tool: Token) -> float:
-    weight = _RESERVE * GRAVITY * tool["mass"]
+def _lift(hand: Token, tool: Token, factor: float) -> float:
+    weight = factor * GRAVITY * tool["mass"]
     return float(min(GRIP_FRICTION * hand["maximal_grip"], hand["maximal_force"]) - weight)
 
 
@@ -94,6 +93,7 @@ LIFTABLE = Predicate(
     kind=Kind.STATIC,
     description="{hand} can grip hard enough to lift {tool}",
     denial="{hand} cannot grip hard enough to lift {tool}",
+    safety=SafetyFactor(1.5, "ratio of the load that the grip can bear to the weight of the tool; covers acceleration"),
 )
 WIDE_ENOUGH = length_predicate(
     "wide_enough",

@@ -8,9 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from hybrid_tamp.feasibility.bindings import MOST, Bound, TooMany, complete, find_feasible, order_conditions
-from hybrid_tamp.feasibility.load_shares import explain_unmet, find_best_choice, with_unit
+from hybrid_tamp.feasibility.load_shares import explain_unmet, find_best_choice
 from hybrid_tamp.feasibility.mode_names import BLOCK
 from hybrid_tamp.feasibility.reachable_slots import Passages
+from hybrid_tamp.feasibility.safety_figures import describe_shortfall
 from hybrid_tamp.model.bindings import Choices
 from hybrid_tamp.model.block import Block, Slot
 from hybrid_tamp.model.explanation import Reason, ReasonKind
@@ -182,9 +183,11 @@ class BackwardSearch:
             return found
         literal, bound, margin = find_best_choice(self._static, conditions, allowed)
         atom, unit = literal.ground(bound), literal.predicate.unit
+        values = tuple(bound.get(argument, argument) for argument in literal.arguments)
+        shortfall = describe_shortfall(self.task, literal.predicate, values, margin)
         message = (
             f"{BLOCK} is impossible, because no binding satisfies all conditions at once; with the best binding, "
-            f"{literal.predicate.sentence(atom.arguments, not literal.positive)} (off by {with_unit(-margin, unit)})"
+            f"{literal.predicate.sentence(atom.arguments, not literal.positive)} ({shortfall})"
         )
         return [Reason((), block.name, "not_feasible", message, atom, margin, unit)]
 

@@ -11,12 +11,13 @@ from typing import NamedTuple
 
 from hybrid_tamp.feasibility.bindings import Bound, complete, find_feasible
 from hybrid_tamp.feasibility.mode_names import BLOCK
-from hybrid_tamp.model.authored import authored
+from hybrid_tamp.feasibility.safety_figures import describe_shortfall, evaluate_share, with_unit
 from hybrid_tamp.model.bindings import Choices, enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.predicate import Literal, Value, name_of
+from hybrid_tamp.model.safety import with_factor
 from hybrid_tamp.model.task import Task
 
 _MANY = 100
@@ -108,7 +109,7 @@ def _reason(task: Task, block: Block, group: _Group, best: list[_Candidate], can
     margin, literal, _, bound = best[-1]
     predicate, atom = literal.predicate, literal.ground(bound)
     message = f"{BLOCK} is impossible: {predicate.sentence(atom.arguments, not literal.positive)} "
-    message += f"(off by {with_unit(-margin, predicate.unit)})"
+    message += f"({_describe_margin(task, literal, bound, margin)})"
     meeting = [name_of(one.bound[one.slot]) for one in best if one.margin >= 0 and one.slot]
     if meeting:
         verb = "does" if len(meeting) == 1 else "do"
@@ -118,9 +119,11 @@ def _reason(task: Task, block: Block, group: _Group, best: list[_Candidate], can
     return Reason((), block.name, "not_feasible", message, atom, margin, predicate.unit)
 
 
-def with_unit(number: float, unit: str) -> str:
-    """Return a number with its unit as text."""
-    return f"{number:.4g}" if unit == "1" else f"{number:.4g} {unit}"
+def _describe_margin(task: Task, literal: Literal, bound: Bound, margin: float) -> str:
+    if literal.predicate.share is not None:  # The description of the load has both figures.
+        return f"off by {with_unit(-margin, literal.predicate.unit)}"
+    values = tuple(bound.get(argument, argument) for argument in literal.arguments)
+    return describe_shortfall(task, literal.predicate, values, margin)
 
 
 def _describe_load(task: Task, group: _Group, best: list[_Candidate], candidates: int) -> str:
@@ -136,6 +139,13 @@ def _describe_load(task: Task, group: _Group, best: list[_Candidate], candidates
     said += f", but {best_of} can bear " + ", ".join(f"{with_unit(has, unit)} ({name})" for name, _, has in shares)
     if short:
         said += f" and {with_unit(sum_there, unit)} in total"
+    safety = literal.predicate.safety
+    if safety is not None and safety.factor > 1.0:
+        figures = [_share(task, one, 1.0)[-1] for one in best]
+        without = [sum(figures)] if short else list(dict.fromkeys(figures))
+        said += (
+            f" with safety factor {safety.factor:g}, {' and '.join(with_unit(has, unit) for has in without)} without"
+        )
     name, need, has = shares[-1]
     each = ceil(need / has) if has > 0 else _MANY
     if each >= _MANY or any(one.margin >= 0 for one in best):
@@ -147,13 +157,18 @@ def _describe_load(task: Task, group: _Group, best: list[_Candidate], candidates
     return said + (f", but no block of {task.domain.name} uses more than {most} of them" * (each * places > most))
 
 
-def _share(task: Task, candidate: _Candidate) -> tuple[str, float, float]:
-    """Return a triple of (name of the bearing token, its share of the load, load that the token can bear)."""
+def _share(task: Task, candidate: _Candidate, factor: float | None = None) -> tuple[str, float, float]:
+    """Return a triple of (name of the bearing token, its share of the load, load that the token can bear).
+
+    Args:
+        task: the task.
+        candidate: the token with its best binding.
+        factor: safety factor that replaces the factor of the task, or None.
+    """
     literal = candidate.literal
-    assert literal.predicate.share is not None
+    predicate = literal.predicate if factor is None else with_factor(literal.predicate, factor)
     values = [candidate.bound.get(argument, argument) for argument in literal.arguments]
-    with authored(f"predicate {literal.predicate.name}", candidate.bound):
-        need, has = literal.predicate.share(task.state, *values)
+    need, has = evaluate_share(predicate, task.state, values)
     return name_of(values[0]), float(need), float(has)
 
 

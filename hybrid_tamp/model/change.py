@@ -11,7 +11,7 @@ from hybrid_tamp.model.network import SlotName, slot_text
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.token import Token
 
-ChangeKind = Literal["token", "class", "edge", "fact", "property"]
+ChangeKind = Literal["token", "class", "edge", "fact", "property", "safety"]
 
 
 class _Described:
@@ -136,5 +136,27 @@ class SetProperty(_Described):
         return (self.name, self.label, self.atom.text), f"{self.label.replace('.', ', ')} of {self.name} {values}"
 
 
-Change = CopyToken | IdealToken | JoinClass | AddEdge | GrantFact | SetProperty
+@dataclass(frozen=True)
+class SetFactor(_Described):
+    """Change of a predicate's safety factor to a lower value.
+
+    Attributes:
+        predicate: name of the predicate.
+        factor: new safety factor, at least 1.
+        before: old safety factor.
+        atom: feasibility fact that holds with the new factor.
+    """
+
+    kind: ClassVar[ChangeKind] = "safety"
+    predicate: str
+    factor: float
+    before: float = field(compare=False)
+    atom: Atom = field(compare=False)
+
+    def _description(self) -> tuple[tuple[str, ...], str]:
+        what = f"safety factor of {self.predicate} lowered from {self.before:.4g} to {self.factor:.4g}"
+        return (self.predicate, self.atom.text), what
+
+
+Change = CopyToken | IdealToken | JoinClass | AddEdge | GrantFact | SetProperty | SetFactor
 """A single change of a task."""

@@ -12,6 +12,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.declarations import Declarations
 from hybrid_tamp.model.domain_checks import faults_of
 from hybrid_tamp.model.predicate import Predicate
+from hybrid_tamp.model.safety import use_predicates, with_factors
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +72,15 @@ class Domain(Declarations):
         return {block.name: block for block in self.blocks}
 
     @property
+    def _with_safety(self) -> dict[str, Predicate]:
+        return {predicate.name: predicate for predicate in self.predicates if predicate.safety is not None}
+
+    @property
+    def safety(self) -> dict[str, float]:
+        """Maps the name of each predicate with a safety factor to the factor."""
+        return {each.name: each.safety.factor for each in self.predicates if each.safety is not None}
+
+    @property
     def resting_block(self) -> Block:
         """Block with one slot, for tokens that no other block manipulates."""
         return self.block_by_name[self.resting]
@@ -82,7 +92,19 @@ class Domain(Declarations):
 
     def with_blocks(self, blocks: Iterable[Block], predicates: Iterable[Predicate] = ()) -> "Domain":
         """Return the domain with replaced blocks and added predicates. A block replaces the block of the same name."""
-        changed = {block.name: block for block in blocks}
+        changed = {block.name: use_predicates(block, self._with_safety) for block in blocks}
         mine = tuple(changed.get(block.name, block) for block in self.blocks)
         known = {predicate.name: predicate for predicate in (*self.predicates, *predicates)}
         return replace(self, blocks=mine, predicates=tuple(known.values()))
+
+    def with_safety(self, factors: Mapping[str, float]) -> "Domain":
+        """Return the domain with other safety factors. `factors` maps names of predicates to factors of at least 1."""
+        return self.with_predicates(with_factors(self.predicate_by_name, factors))
+
+    def with_predicates(self, changed: Mapping[str, Predicate]) -> "Domain":
+        """Return the domain, and its blocks, with the predicates in `changed` instead of those of the same names."""
+        if not changed:
+            return self
+        predicates = tuple(changed.get(each.name, each) for each in self.predicates)
+        blocks = tuple(use_predicates(block, changed) for block in self.blocks)
+        return replace(self, predicates=predicates, blocks=blocks)

@@ -1,6 +1,11 @@
-"""Evaluation of margins. A margin that is negative by rounding only must not decide whether a condition holds."""
+"""Evaluation, rounding errors and safety factors of margins.
 
-from collections.abc import Callable, Sequence
+A margin that is negative by rounding only must not decide whether a condition holds. A margin that is negative only
+because of a safety factor proves nothing.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -16,6 +21,19 @@ ROUNDING = 1e-9
 Rounding errors of a margin are about 1e-16 times its terms, so they stay below 1e-9 scales unless a term is larger than
 1e6 scales. A difference of 1e-9 scales is far below every tolerance and every measurement.
 """
+
+
+@dataclass(frozen=True)
+class SafetyFactor:
+    """The factor by which a static predicate is stricter than its physical bound.
+
+    Attributes:
+        factor: factor, at least 1. The margin of the predicate with the factor 1 is the physical bound.
+        description: what the factor multiplies, and what it covers.
+    """
+
+    factor: float
+    description: str
 
 
 def without_rounding(margin: FloatArray, scale: float) -> FloatArray:
@@ -52,6 +70,10 @@ class Margin(Protocol):
         """Function ``margin(state, *values)`` that returns the margin, shape ``(...)``."""
 
     @property
+    def keywords(self) -> Mapping[str, float]:
+        """Keyword arguments of the margin function."""
+
+    @property
     def scale(self) -> float:
         """Scale of the margin [unit]."""
 
@@ -63,7 +85,7 @@ def evaluate_margin(predicate: Margin, state: State, values: Sequence[Token | st
         DomainError: the margin function raised an exception.
     """
     try:
-        return without_rounding(predicate.margin(state, *values), predicate.scale)
+        return without_rounding(predicate.margin(state, *values, **predicate.keywords), predicate.scale)
     except OWN_ERRORS:
         raise
     except Exception as error:

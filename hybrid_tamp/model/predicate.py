@@ -13,7 +13,7 @@ import numpy as np
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.kind import Kind
-from hybrid_tamp.model.margins import evaluate_margin
+from hybrid_tamp.model.margins import SafetyFactor, evaluate_margin
 from hybrid_tamp.model.relation import Membership, order_rows, row_faults
 from hybrid_tamp.model.stacking import stack
 from hybrid_tamp.model.state import State
@@ -54,7 +54,8 @@ class Predicate:
     Attributes:
         name: name of the predicate in task files, messages and PDDL.
         parameters: parameters of the predicate.
-        margin: function ``margin(state, *values)`` that returns the margin, shape ``(...)``.
+        margin: function ``margin(state, *values)`` that returns the margin, shape ``(...)``. If the predicate has a
+            safety factor, `margin`, `share` and `bound` get the factor as the keyword argument ``factor``.
         unit: unit of the margin.
         scale: divisor that makes violations dimensionless [unit]. A margin of ``-scale`` is a violation of 1.
         reads: maps each parameter to the varying properties that the margin reads from the parameter's token.
@@ -64,6 +65,7 @@ class Predicate:
         by_name: whether the margin depends on the names of tokens, in addition to the tokens' properties and states.
         share: function ``share(state, *values)`` for a load that several tokens bear together. The function returns the
             load on the first value and the capacity of the first value [unit]. None for other predicates.
+        safety: safety factor of a static predicate, or None.
         description: sentence with parameters in braces, e.g. ``"{object} is within {region}"``.
         denial: sentence for a predicate that does not hold, e.g. ``"{object} is not within {region}"``.
 
@@ -84,6 +86,7 @@ class Predicate:
     share: Callable[..., tuple[float, float]] | None = None
     rows: tuple[tuple[str, ...], ...] | None = None
     by_name: bool = False
+    safety: SafetyFactor | None = None
 
     def __post_init__(self) -> None:
         faults = list(self._faults())
@@ -153,6 +156,11 @@ class Predicate:
         """Index of the parameter that has at most one value, or None if the predicate is not functional."""
         names = [parameter.name for parameter in self.parameters]
         return names.index(self.value_of) if self.value_of is not None else None
+
+    @property
+    def keywords(self) -> dict[str, float]:
+        """Keyword arguments of `margin`, `share` and `bound`, which are the safety factor if there is one."""
+        return {} if self.safety is None else {"factor": self.safety.factor}
 
     def evaluate(self, state: State, *values: Value) -> FloatArray:
         """Return the margin for the given arguments, shape ``(...)``. A margin within rounding errors is zero."""

@@ -88,6 +88,7 @@ class Task:
         seed: seed of all random numbers.
         objective: quantity that is minimised: ``length`` (number of actions) or ``makespan`` (duration of the plan).
         midlevel: settings for the optimisation of hyperparameters.
+        safety: maps predicates to the safety factors that the task chooses. The domain already contains the factors.
         source: path of the task file, or None.
         primitives: maps a block or action to the file of a learnt motor primitive, which the domain already contains.
     """
@@ -104,6 +105,7 @@ class Task:
     seed: int = 0
     objective: str = "length"
     midlevel: MidLevel = field(default_factory=MidLevel)
+    safety: Mapping[str, float] = field(default_factory=dict)
     source: Path | None = None
     primitives: Mapping[str, Path] = field(default_factory=dict)
 
@@ -124,6 +126,10 @@ class Task:
     def replaced(self, **changes: object) -> "Task":
         """Return a copy of the task with new values of some attributes."""
         return replace(self, **changes)  # type: ignore[arg-type]
+
+    def with_safety(self, factors: Mapping[str, float]) -> "Task":
+        """Return the task with other safety factors. `factors` maps names of predicates to factors of at least 1."""
+        return self.replaced(domain=self.domain.with_safety(factors), safety={**self.safety, **factors})
 
     def restrict(self, names: Collection[str], **changes: object) -> "Task":
         """Return the task with only the named tokens and with new values of some attributes."""

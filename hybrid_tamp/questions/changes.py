@@ -14,10 +14,19 @@ import numpy as np
 from hybrid_tamp.geometry.surfaces import points_of
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.change import AddEdge, Change, CopyToken, GrantFact, IdealToken, JoinClass, SetProperty
+from hybrid_tamp.model.change import (
+    AddEdge,
+    Change,
+    CopyToken,
+    GrantFact,
+    IdealToken,
+    JoinClass,
+    SetFactor,
+    SetProperty,
+)
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import SlotName
-from hybrid_tamp.model.predicate import Atom, Literal, Predicate, Value, name_of
+from hybrid_tamp.model.predicate import Atom, Predicate, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -39,6 +48,8 @@ def apply_change(task: Task, change: Change) -> Task:
             return with_facts(task, [atom])
         case SetProperty():
             return with_token(task, change.token)
+        case SetFactor(predicate, factor):
+            return task.with_safety({predicate: factor})
 
 
 def apply_together(task: Task, changes: Collection[Change]) -> Task:
@@ -197,28 +208,21 @@ def grant(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collectio
         names: names of the predicates to change. If empty, all predicates are changed.
     """
     changed = {
-        predicate: _granted(predicate, wanted, margin)
+        predicate.name: _granted(predicate, wanted, margin)
         for predicate in domain.predicates
         if (not names or predicate.name in names) and any(isinstance(each.sort, type) for each in predicate.parameters)
     }
-
-    def literals(some: tuple[Literal, ...]) -> tuple[Literal, ...]:
-        return tuple(replace(each, predicate=changed.get(each.predicate, each.predicate)) for each in some)
+    granted = domain.with_predicates(changed)
 
     def block(old: Block) -> Block:
         return replace(
             old,
-            entry=literals(old.entry),
-            exit=literals(old.exit),
-            invariants=literals(old.invariants),
-            keeps=tuple(changed.get(each, each) for each in old.keeps),
             duration=replace(old.duration, expected=lambda *_: old.duration.minimum),
             hyperparameters=(),
             outcome=None,
         )
 
-    predicates = tuple(changed.get(each, each) for each in domain.predicates)
-    return replace(domain, predicates=predicates, blocks=tuple(map(block, domain.blocks)))
+    return replace(granted, blocks=tuple(map(block, granted.blocks)))
 
 
 def _granted(predicate: Predicate, wanted: Granted, margin: float) -> Predicate:
@@ -232,4 +236,4 @@ def _granted(predicate: Predicate, wanted: Granted, margin: float) -> Predicate:
         except KeyError:
             return np.full(state.values.shape[:-1], -1.0)
 
-    return replace(predicate, margin=decided, by_name=True)
+    return replace(predicate, margin=decided, by_name=True, safety=None)

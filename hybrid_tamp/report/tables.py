@@ -137,7 +137,7 @@ def reasons(explanation: Json) -> list[str]:
     found = explanation["suggestions"]
     lines = [f"{reason['goal']}: {reason['message']}" for reason in explanation["reasons"]]
     lines += [f"There is a plan of {each['length']} actions with {each['what']}." for each in found]
-    if explanation["kind"] == "unsolvable" and not found:
+    if explanation["kind"] in ("unsolvable", "safety") and not found:
         lines.append(_NO_SINGLE_CHANGE if explanation["all_looked_at"] else _NONE_FOUND)
     if explanation["together"]:
         lines.append(f"There is a plan with all of these changes together: {'; '.join(explanation['together'])}.")

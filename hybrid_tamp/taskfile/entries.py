@@ -16,6 +16,7 @@ Text = Annotated[str, Strict(), Field(min_length=1)]
 Whole = Annotated[int, Strict()]
 Bounded = Annotated[Number, Field(ge=-1000, le=1000)]
 """A coordinate or a component. The bounds prevent an overflow when the number is squared."""
+Factor = Annotated[Number, Field(ge=1, le=1000)]
 
 
 def _has_length(quaternion: tuple[float, ...]) -> tuple[float, ...]:
@@ -150,6 +151,10 @@ class TaskFile(_Entry):
     limits: LimitsEntry = Field(default=LimitsEntry(), description="limits of the planner")
     midlevel: MidLevelEntry = Field(
         default=MidLevelEntry(), description="settings for the optimisation of a plan's hyperparameters"
+    )
+    safety: dict[str, Factor] = Field(
+        default_factory=dict,
+        description="maps predicates to safety factors; with the factor 1, only the physical bound counts",
     )
     seed: Whole = quantity("1", "seed of all random numbers", default=0, ge=0, le=2**32 - 1)
     name: Text | None = Field(default=None, description="name of the task; default: the file's name without its ending")

@@ -17,6 +17,7 @@ from hybrid_tamp.taskfile.names import check_printable
 from hybrid_tamp.taskfile.places import Faults
 from hybrid_tamp.taskfile.primitives import teach
 from hybrid_tamp.taskfile.roles import read_agents, read_assignment
+from hybrid_tamp.taskfile.safety import read_safety
 from hybrid_tamp.taskfile.starts import check_starts
 from hybrid_tamp.taskfile.tokens import read_scene
 from hybrid_tamp.taskfile.wording import add_validation_faults
@@ -72,7 +73,8 @@ def read_task(
         InputError: the data have faults; the issues list all faults.
     """
     file = _check_form(data, faults)
-    domain = read_midlevel(data, faults, teach(data, faults, _find(data, faults, find_domain), folder))
+    found = teach(data, faults, _find(data, faults, find_domain), folder)
+    domain = read_safety(data, faults, read_midlevel(data, faults, found))
     scene = read_scene(data, faults, domain, folder)
     goal = read_goal(data, faults, domain, scene)
     agents = read_agents(data, faults, scene)
@@ -95,6 +97,7 @@ def read_task(
         seed=file.seed,
         objective=file.objective,
         midlevel=_midlevel(file.midlevel),
+        safety=file.safety,
         primitives={key: (folder / named).absolute() for key, named in file.primitives.items()},
     )
     check_bindings(task, data, faults)

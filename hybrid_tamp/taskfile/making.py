@@ -30,6 +30,7 @@ def make_task(
     objective: str | None = None,
     limits: Limits | None = None,
     midlevel: MidLevel | None = None,
+    safety: Mapping[str, float] | None = None,
     seed: int = 0,
     name: str = "task",
 ) -> Task:
@@ -48,6 +49,7 @@ def make_task(
         objective: quantity to minimise, ``length`` or ``makespan``.
         limits: limits of the planner.
         midlevel: settings for the optimisation of hyperparameters, including bounds and weights of measures.
+        safety: maps names of predicates to safety factors of at least 1; the domain's factors by default.
         seed: seed of all random numbers.
         name: name of the task.
 
@@ -63,6 +65,7 @@ def make_task(
         "objective": objective,
         "limits": limits,
         "midlevel": midlevel,
+        "safety": safety,
     }
     required = {"domain": found.name, "tokens": tokens, "goal": goal, "seed": seed, "name": name}
     data = _plain(required | {key: value for key, value in optional.items() if value is not None})

@@ -101,6 +101,8 @@ def _notes(predicate: Predicate) -> str:
     notes = []
     if predicate.static:
         notes.append("static: never changes during a task")
+    if predicate.safety is not None:
+        notes.append(f"safety factor {predicate.safety.factor:g} (key `safety`): {predicate.safety.description}")
     if predicate.value_of is not None:
         notes.append(f"at most one {predicate.value_of} at a time")
     if predicate.maintained:

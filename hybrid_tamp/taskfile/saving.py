@@ -107,6 +107,7 @@ def task_text(
         "objective": task.objective,
         "limits": one_line(_changed(task.limits, Limits())),
         "midlevel": _changed(task.midlevel, MidLevel()),
+        "safety": one_line(dict(task.safety)),
         "seed": task.seed,
     }
     return dump(quoted({key: value for key, value in data.items() if value not in (None, {})})), files
@@ -194,7 +195,7 @@ def differences(task: Task, other: Task) -> list[str]:
     """Return a phrase for each difference between two tasks of one domain. Numbers may differ by `TOLERANCE`."""
     found = [
         f"{name} differs"
-        for name in ("name", "goal", "agents", "planner", "limits", "seed", "objective", "midlevel")
+        for name in ("name", "goal", "agents", "planner", "limits", "seed", "objective", "midlevel", "safety")
         if getattr(task, name) != getattr(other, name)
     ]
     if [token.name for token in task.tokens] != [token.name for token in other.tokens]:

@@ -63,6 +63,7 @@ def _of_domain(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) 
             "tokens": {"additionalProperties": _token(domain, prefix, definitions)},
             "goal": {"items": _atom(domain.predicates, negatable=True)},
             "assignment": {"additionalProperties": {"anyOf": starts}},
+            "safety": _safety(domain),
             "midlevel": {"properties": {"weights": weights, "hyperparameters": ranges}},
         }
     }
@@ -72,6 +73,15 @@ def _section(domain: Domain, kind: Declared, prefix: str, words: Callable[[Block
     keys = {
         key: {"description": prefix + "; ".join(dict.fromkeys(words(block, name) for block, name in meant))}
         for key, meant in names_of(domain, kind).items()
+    }
+    return {"properties": keys, "additionalProperties": False}
+
+
+def _safety(domain: Domain) -> JsonObject:
+    keys = {
+        each.name: {"description": f"default: {each.safety.factor:g}. {each.safety.description}"}
+        for each in domain.predicates
+        if each.safety is not None
     }
     return {"properties": keys, "additionalProperties": False}
 

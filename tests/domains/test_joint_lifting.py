@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hybrid_tamp_domains.joint_lifting.bearing import SLOTS, Roles
 from hybrid_tamp_domains.joint_lifting.classes import Liftable
-from hybrid_tamp_domains.joint_lifting.load import HAND_FRICTION, bearable, largest_squeeze, load, squeeze_for
+from hybrid_tamp_domains.joint_lifting.load import HAND_FRICTION, RESERVE, bearable, largest_squeeze, load, squeeze_for
 from hybrid_tamp_domains.joint_lifting.places import CREWS, SPOTS, corner_heights, gap_at, place_at
 from hybrid_tamp_domains.joint_lifting.predicates import BEARS, FEASIBLE, FITS, ON_SIDE, PREDICATES, UPRIGHT
 from pydantic import ValidationError
@@ -84,7 +84,8 @@ def test_a_hand_bears_as_much_as_its_force_and_friction_allow() -> None:
     """W^2 + (1.5 W / mu)^2 = F^2, mu the product of the frictions: 300 N and .4 bear 77.3 N."""
     task = lifting("four")
     hand, thing = task.tokens[0], crate(task)
-    assert bearable(hand, thing) == pytest.approx(300.0 / np.sqrt(1.0 + (1.5 / 0.4) ** 2))
+    assert bearable(hand, thing, 1.5) == pytest.approx(300.0 / np.sqrt(1.0 + (1.5 / 0.4) ** 2))
+    assert bearable(hand, thing, 1.0) == pytest.approx(300.0 / np.sqrt(1.0 + (1.0 / 0.4) ** 2))
     assert load(thing, "two hands") == pytest.approx(24 * 9.81 / 2)
     assert load(thing, "four hands") == pytest.approx(24 * 9.81 / 4)
     assert float(BEARS.evaluate(task.state, hand, thing, "two hands")) == pytest.approx(-40.42, abs=0.01)
@@ -93,7 +94,7 @@ def test_a_hand_bears_as_much_as_its_force_and_friction_allow() -> None:
 
 def test_what_is_just_borne_takes_all_the_force_of_the_hand() -> None:
     hand, thing = lifting("four").tokens[0], crate(lifting("four"))
-    most = Token.make("box", [Liftable], {**thing.properties, "mass": 4.0 * bearable(hand, thing) / 9.81})
+    most = Token.make("box", [Liftable], {**thing.properties, "mass": 4.0 * bearable(hand, thing, RESERVE) / 9.81})
     assert squeeze_for(most, "four hands") == pytest.approx(largest_squeeze(hand, most, "four hands"))
     assert np.hypot(squeeze_for(most, "four hands"), load(most, "four hands")) == pytest.approx(hand["maximal_force"])
 
@@ -101,7 +102,7 @@ def test_what_is_just_borne_takes_all_the_force_of_the_hand() -> None:
 def test_without_friction_nothing_is_borne() -> None:
     hand, thing = lifting("two").tokens[0], crate(lifting("two"))
     smooth = Token.make("box", [Liftable], {**thing.properties, "friction": 0.0})
-    assert bearable(hand, smooth) == 0.0
+    assert bearable(hand, smooth, 1.0) == 0.0
     assert squeeze_for(smooth, "two hands") == np.inf
 
 

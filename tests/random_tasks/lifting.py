@@ -4,7 +4,7 @@ import numpy as np
 from hybrid_tamp_domains.common.classes import StaticEndEffector
 from hybrid_tamp_domains.joint_lifting import DOMAIN
 from hybrid_tamp_domains.joint_lifting.classes import Liftable
-from hybrid_tamp_domains.joint_lifting.load import bearable
+from hybrid_tamp_domains.joint_lifting.load import RESERVE, bearable
 from numpy.typing import ArrayLike
 
 from hybrid_tamp.model.predicate import Atom
@@ -42,7 +42,7 @@ def random_lifting(seed: int, hands: int = 2) -> Task:
     ends = [Token.make(f"hand {number + 1}", [StaticEndEffector], _HAND) for number in range(hands)]
     own = {"half_extents": tuple(halves), "friction": friction, "mass": 1.0}
     light = Token.make("box", [Liftable], own)
-    mass = float(rng.uniform(*_LOADS[hands])) * 2.0 * bearable(ends[0], light) / GRAVITY
+    mass = float(rng.uniform(*_LOADS[hands])) * 2.0 * bearable(ends[0], light, RESERVE) / GRAVITY
     box = Token.make("box", [Liftable], {**own, "mass": mass})
     x, y = rng.uniform(-0.03, 0.03, 2)
     given: dict[tuple[str, str], ArrayLike] = {

@@ -4,12 +4,21 @@ from collections.abc import Iterable, Iterator, Mapping, Set
 from itertools import product
 
 from hybrid_tamp.feasibility.bindings import order_conditions
-from hybrid_tamp.feasibility.load_shares import with_unit
 from hybrid_tamp.feasibility.reachable_slots import Passages
+from hybrid_tamp.feasibility.safety_figures import with_unit
 from hybrid_tamp.model.affordance import ObjectClass, is_place
 from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.change import AddEdge, Change, CopyToken, GrantFact, IdealToken, JoinClass, SetProperty
+from hybrid_tamp.model.change import (
+    AddEdge,
+    Change,
+    CopyToken,
+    GrantFact,
+    IdealToken,
+    JoinClass,
+    SetFactor,
+    SetProperty,
+)
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.network import SlotName
@@ -17,7 +26,7 @@ from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import Atom, Literal, Value
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.changes import propose_copies, task_root
-from hybrid_tamp.questions.explain.property_changes import find_property_changes
+from hybrid_tamp.questions.explain.property_changes import find_factor_changes, find_property_changes
 
 
 def propose_changes(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
@@ -44,7 +53,7 @@ def points_to(reason: Reason, change: Change) -> bool:
             return reason.lacks is object_class
         case AddEdge(_, target):
             return reason.lacks == target
-        case GrantFact(atom) | SetProperty(atom=atom):
+        case GrantFact(atom) | SetProperty(atom=atom) | SetFactor(atom=atom):
             return reason.atom == atom
 
 
@@ -67,6 +76,7 @@ class _Space:
         yield from map(self.fact, failing)
         yield from self.edges()
         for atom in failing:
+            yield from find_factor_changes(self.task, atom)
             yield from find_property_changes(self.task, atom)
 
     def pointed(self, reason: Reason) -> Iterator[Change]:
@@ -77,6 +87,7 @@ class _Space:
             yield from self.tokens(reason.lacks)
             yield from self.classes(reason.lacks)
         elif reason.atom is not None and self.task.domain.predicate_by_name[reason.atom.predicate].static:
+            yield from find_factor_changes(self.task, reason.atom)
             yield from find_property_changes(self.task, reason.atom)
             yield self.fact(reason.atom)
 

@@ -21,7 +21,15 @@ from hybrid_tamp.feasibility.mode_names import merge_reasons
 from hybrid_tamp.feasibility.relevance import keep_relevant
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.explanation import Explanation, Reason, Suggestion
-from hybrid_tamp.model.outcome import CLASS_UNKNOWN, MESSAGES, NOT_REFINED, Exclusion, PlanningFailure, PlanOutcome
+from hybrid_tamp.model.outcome import (
+    CLASS_UNKNOWN,
+    MESSAGES,
+    NOT_REFINED,
+    SAFETY,
+    Exclusion,
+    PlanningFailure,
+    PlanOutcome,
+)
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.explain.candidates import points_to
@@ -63,11 +71,13 @@ def explain_failure(outcome: PlanOutcome, trials: int = 0, most: int = 1, deadli
         return Explanation(failure.kind, failure.message, _unknown_classes(task))
     if failure.kind == NOT_REFINED:
         return Explanation(failure.kind, failure.message, tuple(_excluded(task, each) for each in outcome.excluded))
-    if failure.detail:
+    if failure.detail and failure.kind != SAFETY:
         return Explanation(failure.kind, failure.message)
-    if failure.kind == "unsolvable" and trials:
-        return explain_wholly(task, trials, most, deadline)
-    reasons = explain_alternatives(task, failure.kind == "unsolvable")
+    proven = failure.kind in ("unsolvable", SAFETY)  # With its safety factors, the task has no plan.
+    if proven and trials:
+        found = explain_wholly(task, trials, most, deadline)
+        return replace(found, kind=failure.kind, message=failure.message)
+    reasons = explain_alternatives(task, proven)
     return Explanation(failure.kind, failure.message, tuple(reasons))
 
 

@@ -1,4 +1,4 @@
-"""Smallest property changes that make a feasibility fact hold, for example a stronger hand or a lighter box."""
+"""Smallest changes of a property or a safety factor that make a feasibility fact hold, e.g. a stronger hand."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -8,8 +8,9 @@ from typing import Any
 from pydantic import AfterValidator, ValidationError
 
 from hybrid_tamp.model.authored import authored
-from hybrid_tamp.model.change import SetProperty
+from hybrid_tamp.model.change import SetFactor, SetProperty
 from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.model.safety import with_factor
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.questions.changes import task_root
@@ -30,6 +31,30 @@ def find_property_changes(task: Task, atom: Atom) -> Iterator[SetProperty]:
                 found = _least(task, token, key, component, atom)
                 if found is not None:
                     yield _change(token, key, component, found, atom)
+
+
+def find_factor_changes(task: Task, atom: Atom) -> Iterator[SetFactor]:
+    """Yield the smallest reduction of a safety factor that makes a feasibility fact hold, if there is one.
+
+    The new factor is rounded down to `_DIGITS` digits.
+    """
+    predicate = task.domain.predicate_by_name[atom.predicate]
+    if predicate.safety is None or not atom.positive:
+        return
+    values = [task.value(name) for name in atom.arguments]
+
+    def holds(factor: float) -> bool:
+        return float(with_factor(predicate, factor).evaluate(task.state, *values)) >= 0
+
+    enough, strict = 1.0, predicate.safety.factor
+    if holds(strict) or not holds(enough):
+        return
+    for _ in range(_HALVINGS):
+        middle = (enough + strict) / 2.0
+        enough, strict = (middle, strict) if holds(middle) else (enough, middle)
+    unit = 10.0 ** (floor(log10(enough)) + 1 - _DIGITS)
+    rounded = float(f"{floor(enough / unit) * unit:.{_DIGITS}g}")
+    yield SetFactor(predicate.name, max(rounded, 1.0), predicate.safety.factor, atom)
 
 
 def _change(token: Token, key: str, component: int | None, changed: Token, atom: Atom) -> SetProperty:

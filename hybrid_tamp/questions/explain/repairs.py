@@ -12,7 +12,16 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 
 from hybrid_tamp.model.affordance import ObjectClass
-from hybrid_tamp.model.change import AddEdge, Change, CopyToken, GrantFact, IdealToken, JoinClass, SetProperty
+from hybrid_tamp.model.change import (
+    AddEdge,
+    Change,
+    CopyToken,
+    GrantFact,
+    IdealToken,
+    JoinClass,
+    SetFactor,
+    SetProperty,
+)
 from hybrid_tamp.model.explanation import Reason, Suggestion
 from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.network import slot_text
@@ -133,7 +142,7 @@ def _counterfactual(task: Task, change: Change) -> Reason:
         case AddEdge(source, target):
             message = f"the network has no edge {slot_text(source)} -> {slot_text(target)}"
             reason = Reason(task.goal, target[0], "no_edge", message, lacks=target)
-        case GrantFact(atom) | SetProperty(atom=atom):
+        case GrantFact(atom) | SetProperty(atom=atom) | SetFactor(atom=atom):
             unit = task.domain.predicate_by_name[atom.predicate].unit
             message = f"{atom.text} does not hold"
             reason = Reason(task.goal, "", "not_feasible", message, atom, task.margin(atom), unit)

@@ -1,0 +1,85 @@
+"""Feasibility facts that fail only because of a safety factor, and messages with both figures of such facts."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from hybrid_tamp.model.authored import authored
+from hybrid_tamp.model.facts import margins
+from hybrid_tamp.model.predicate import Atom, Predicate, Value
+from hybrid_tamp.model.safety import with_factor
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+
+
+def with_unit(number: float, unit: str) -> str:
+    """Return a number with its unit as text."""
+    return f"{number:.4g}" if unit == "1" else f"{number:.4g} {unit}"
+
+
+def evaluate_share(predicate: Predicate, state: State, values: Sequence[Value]) -> tuple[float, float]:
+    """Return the load on the first value of a predicate with a share, and the capacity of the first value [unit].
+
+    Raises:
+        DomainError: the function `share` of the predicate raised an exception.
+    """
+    assert predicate.share is not None, "the predicate must have a share"
+    roles = {each.name: value for each, value in zip(predicate.parameters, values, strict=True)}
+    with authored(f"predicate {predicate.name}", roles):
+        need, has = predicate.share(state, *values, **predicate.keywords)
+    return need, has
+
+
+def find_blocked(task: Task) -> list[Atom]:
+    """Return the atoms that fail with the safety factors of a task but hold with the physical bounds."""
+    found: list[Atom] = []
+    for predicate in task.domain.predicates:
+        if predicate.safety is not None and predicate.safety.factor > 1.0:
+            bounds = margins(task, task.state, with_factor(predicate, 1.0))
+            strict = margins(task, task.state, predicate)
+            found += [atom for (atom, margin), (_, bound) in zip(strict, bounds, strict=True) if margin < 0 <= bound]
+    return found
+
+
+def describe_shortfall(task: Task, predicate: Predicate, values: tuple[Value, ...], margin: float) -> str:
+    """Return the amount by which a fact fails. If the predicate has a safety factor, the text has both figures."""
+    off = f"off by {with_unit(abs(margin), predicate.unit)}"
+    if predicate.safety is None or predicate.safety.factor == 1.0:
+        return off
+    bound = float(with_factor(predicate, 1.0).evaluate(task.state, *values))
+    spare = f"{with_unit(abs(bound), predicate.unit)} to spare"
+    without = f"off by {with_unit(-bound, predicate.unit)}" if bound < 0 else spare
+    return f"{off} with safety factor {predicate.safety.factor:g}, {without} without"
+
+
+def describe_blocked(task: Task, atoms: Iterable[Atom]) -> str:
+    """Return a sentence for each group of facts that fail only because of a safety factor, with both figures.
+
+    Facts about tokens that bear a load together are one group.
+    """
+    groups: dict[tuple[str, ...], list[Atom]] = {}
+    for atom in sorted(set(atoms)):
+        shared = task.domain.predicate_by_name[atom.predicate].share is not None
+        groups.setdefault((atom.predicate, *atom.arguments[shared:]), []).append(atom)
+    return " ".join(f"{sentence}." for group in groups.values() for sentence in _describe(task, group))
+
+
+def _describe(task: Task, group: list[Atom]) -> Iterator[str]:
+    predicate = task.domain.predicate_by_name[group[0].predicate]
+    assert predicate.safety is not None, "the predicate must have a safety factor"
+    values = [tuple(map(task.value, atom.arguments)) for atom in group]
+    named = " and ".join(atom.text for atom in group)
+    if predicate.share is None:
+        for atom, each in zip(group, values, strict=True):
+            margin = float(predicate.evaluate(task.state, *each))
+            yield f"{atom.text} is {describe_shortfall(task, predicate, each, margin)}"
+        return
+    bound = with_factor(predicate, 1.0)
+    shares = [evaluate_share(predicate, task.state, each) for each in values]
+    without = [evaluate_share(bound, task.state, each) for each in values]
+    need, has, most = (sum(figures) for figures in (*zip(*shares, strict=True), [has for _, has in without]))
+    bearers = " and ".join(atom.arguments[0] for atom in group)
+    verb = "bear" if len(group) > 1 else "bears"
+    unit = predicate.unit
+    yield (
+        f"{named}: {with_unit(need, unit)} needed; {bearers} {verb} {with_unit(has, unit)} with safety factor "
+        f"{predicate.safety.factor:g}, {with_unit(most, unit)} without"
+    )
