@@ -1,4 +1,4 @@
-"""Planning of tasks with safety factors. A fact that fails only because of its safety factor proves nothing."""
+"""Proofs without safety factors. A fact that fails only because of its safety factor proves nothing."""
 
 from dataclasses import replace
 
@@ -11,23 +11,19 @@ from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.symbolic.strategies.search import Planner
 
 
-def plan_safely(task: Task, planner: Planner, deadline: Deadline | None = None) -> PlanOutcome:
-    """Plan a task with its safety factors.
+def blame_factors(outcome: PlanOutcome, planner: Planner, deadline: Deadline) -> PlanOutcome:
+    """Return an outcome of planning that is 'unsolvable' only if the physical bounds exclude every plan.
 
-    If the facts allow no plan, the task is planned again with physical bounds, i.e. with all safety factors at 1. If
-    these facts do not exclude a plan, either, the failure is of the kind `SAFETY`, and the detail states the facts and
-    their figures.
+    If the facts exclude every plan, the task is planned again with physical bounds, i.e. with all safety factors at 1.
+    If these facts do not exclude a plan, the failure is of the kind `SAFETY`, and its detail states the facts and their
+    figures.
 
     Args:
-        task: the task to plan.
+        outcome: the outcome of planning a task with its safety factors.
         planner: a running planner process.
-        deadline: deadline of the command. By default, the time limit of the task counts from now.
-
-    Raises:
-        InputError: if the planning engine is unknown or not installed, or if the goal cannot be compiled.
+        deadline: deadline of the command.
     """
-    deadline = deadline or Deadline.after(task.limits.time)
-    outcome = plan_task(task, planner, deadline)
+    task = outcome.task
     if outcome.status != "unsolvable":
         return outcome
     blocked = find_blocked(task)

@@ -4,7 +4,8 @@ from pathlib import Path
 
 from hybrid_tamp.model.explanation import TaskExplanation
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.safety import plan_safely
+from hybrid_tamp.planning.plan import plan_task
+from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.explain.causal_links import find_causes
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
@@ -37,7 +38,7 @@ def explain(
     # Start the planner process first, so that its start-up overlaps with the reading of the task file.
     with PlannerProcess() as process:
         task, deadline = load_timed(source, settings, plans=True)
-        outcome = plan_safely(task, process, deadline)
+        outcome = blame_factors(plan_task(task, process, deadline), process, deadline)
     if outcome.plan is not None:
         return TaskExplanation(task, outcome.status, None, tuple(find_causes(outcome.chosen or task, outcome.plan)))
     outcome = explain_outcome(outcome, trials, most, deadline)

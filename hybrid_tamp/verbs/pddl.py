@@ -6,7 +6,8 @@ from typing import Literal
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.safety import plan_safely
+from hybrid_tamp.planning.plan import plan_task
+from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
@@ -53,7 +54,7 @@ def pddl(
     plan = None
     if solve:
         with PlannerProcess() as process:
-            plan = plan_safely(task, process, deadline).required()
+            plan = blame_factors(plan_task(task, process, deadline), process, deadline).required()
     return export(task, target, plan, encoding)
 
 

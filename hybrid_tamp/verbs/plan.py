@@ -6,8 +6,9 @@ from pathlib import Path
 
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.planning.replanning import Progress, plan_and_refine
-from hybrid_tamp.planning.safety import plan_safely
+from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.report.convergence import convergence_picture
 from hybrid_tamp.report.documents import document
@@ -58,10 +59,11 @@ def plan(
         task, deadline = load_timed(source, settings, plans=True)
         target = None if folder is None else RunFolder.open(folder, force=force)
         if optimise:
-            planning = partial(plan_safely, planner=process, deadline=deadline)
+            planning = partial(plan_task, planner=process, deadline=deadline)
             outcome = plan_and_refine(task, planning, progress, deadline=deadline)
         else:
-            outcome = plan_safely(task, process, deadline)
+            outcome = plan_task(task, process, deadline)
+        outcome = blame_factors(outcome, process, deadline)
     if outcome.plan is None:
         outcome = explain_outcome(outcome, trials, 1, deadline)
     if target is not None:

@@ -8,7 +8,8 @@ from hybrid_tamp.errors import ExecutionFailed, InputError, Issue
 from hybrid_tamp.model.membership import MembershipResult
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.safety import plan_safely
+from hybrid_tamp.planning.plan import plan_task
+from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.explain.no_plan import explain_failure
 from hybrid_tamp.questions.probe.membership import MOST_STARTS, STARTS, Prober, Tell
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
@@ -52,7 +53,7 @@ def probe(
         task, deadline = load_timed(source, settings)
 
         def find_plan(trial: Task) -> TaskPlan:
-            outcome = plan_safely(trial, process, deadline)
+            outcome = blame_factors(plan_task(trial, process, deadline), process, deadline)
             if outcome.plan is None:
                 outcome = replace(outcome, explanation=explain_failure(outcome))
             return outcome.required()

@@ -19,8 +19,9 @@ from hybrid_tamp.model.run_result import RunResult
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.pictures.rendering import open_renderer
 from hybrid_tamp.physics.protocol import open_backend
+from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.planning.replanning import FindPlan, Progress, plan_and_refine
-from hybrid_tamp.planning.safety import plan_safely
+from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.folder import RunFolder
@@ -77,9 +78,10 @@ def run(
         target = RunFolder.open(folder, force=force)
         check_video(video)
         physics = stack.enter_context(open_backend(backend))
-        planning = find_plan or partial(plan_safely, planner=process, deadline=deadline)
+        planning = find_plan or partial(plan_task, planner=process, deadline=deadline)
         outcome = plan_and_refine(task, planning, tell, backend, deadline=deadline)
         if outcome.plan is None:
+            outcome = blame_factors(outcome, process, deadline)
             outcome = explain_outcome(outcome, TRIALS, 1, deadline)
         save_plan(outcome, target)
         write_page(target, task.domain.resting)  # shows the plan, or the reasons why there is no plan

@@ -7,12 +7,13 @@ from bank import problem
 
 from hybrid_tamp.feasibility.safety_figures import find_blocked
 from hybrid_tamp.model.change import SetFactor
-from hybrid_tamp.model.deadline import NEVER
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.facts import static_facts
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.safety import plan_safely
+from hybrid_tamp.planning.plan import plan_task
+from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.changes import apply_change
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.questions.explain.property_changes import find_factor_changes
@@ -30,6 +31,10 @@ def planner() -> Iterator[PlannerProcess]:
 def crate(mass: float, factor: float = 1.5) -> Task:
     """Return the task of two hands that lift a crate with a safety factor. Two hands bear 222.8 N by friction."""
     return problem("lift_heavy_two_hands", ("mass: 24", f"mass: {mass}")).with_safety({"bears": factor})
+
+
+def plan_safely(task: Task, planner: PlannerProcess, deadline: Deadline = NEVER) -> PlanOutcome:
+    return blame_factors(plan_task(task, planner), planner, deadline)
 
 
 @pytest.mark.parametrize(
@@ -95,20 +100,6 @@ def test_every_condition_of_every_block_has_the_factor_of_the_task() -> None:
     assert set(used) <= set(task.domain.predicates)
 
 
-def test_a_limit_during_the_second_search_is_a_limit(planner: PlannerProcess, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_limit_during_the_second_search_is_a_limit(planner: PlannerProcess) -> None:
     """Without an answer of the second search, nothing is known about the physical bounds."""
-    import hybrid_tamp.planning.safety as module
-
-    outcomes: list[PlanOutcome] = []
-    plan = module.plan_task
-
-    def once(task: Task, planner: PlannerProcess, deadline: object) -> PlanOutcome:
-        if outcomes:
-            task = task.replaced(limits=task.limits)
-            outcomes.append(plan(task, planner, module.Deadline.after(1e-9)))
-        else:
-            outcomes.append(plan(task, planner, deadline))  # type: ignore[arg-type]
-        return outcomes[-1]
-
-    monkeypatch.setattr(module, "plan_task", once)
-    assert plan_safely(crate(20), planner).status == "limit"
+    assert plan_safely(crate(20), planner, Deadline.after(1e-9)).status == "limit"
