@@ -100,6 +100,10 @@ def read_task(
         safety=file.safety,
         primitives={key: (folder / named).absolute() for key, named in file.primitives.items()},
     )
+    return _checked(task, data, faults)
+
+
+def _checked(task: Task, data: dict[str, Any], faults: Faults) -> Task:
     check_bindings(task, data, faults)
     with faults.collecting(("goal",)):
         # Raises InputError if a wildcard of the goal has no value, or if the wildcards have too many combinations.

@@ -81,8 +81,7 @@ def run(
         planning = find_plan or partial(plan_task, planner=process, deadline=deadline)
         outcome = plan_and_refine(task, planning, tell, backend, deadline=deadline)
         if outcome.plan is None:
-            outcome = blame_factors(outcome, process, deadline)
-            outcome = explain_outcome(outcome, TRIALS, 1, deadline)
+            outcome = explain_outcome(blame_factors(outcome, process, deadline), TRIALS, 1, deadline)
         save_plan(outcome, target)
         write_page(target, task.domain.resting)  # shows the plan, or the reasons why there is no plan
         plan = outcome.required()
