@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import networkx as nx
 
 from hybrid_tamp.feasibility.backward_search import BackwardSearch
-from hybrid_tamp.feasibility.load_shares import with_unit
+from hybrid_tamp.feasibility.safety_figures import with_unit
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
