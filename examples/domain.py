@@ -157,6 +157,7 @@ RESTING = Block(
     slots=(Slot("token", TOKEN),),
     anchor="token",
     entry=(AT_REST("token"),),
+    invariants=(AT_REST("token"),),
     duration=Duration(0.1, 3600.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
     description="nothing manipulates the token",

@@ -49,6 +49,7 @@ class ReachGoal:
         targets: roles that determine the goal, e.g. an object and a region.
         position: ``position(binding, state)`` returns the position ``(..., 3)`` [m] of the hand's centre at the goal.
         entry: conditions that must hold when the reach begins.
+        lasting: the entry conditions that must hold until the reach ends.
         arrived: conditions that must hold when the reach ends.
         hand_class: capability class that a hand needs for the reach.
         keeps: predicates whose truth the reach does not change, although their margins read the hand's position.
@@ -58,6 +59,7 @@ class ReachGoal:
     position: Callable[[Binding, State], FloatArray]
     entry: tuple[Literal, ...]
     arrived: tuple[Literal, ...]
+    lasting: tuple[Literal, ...] = ()
     hand_class: type[StaticEndEffector] = StaticEndEffector
     keeps: tuple[Predicate, ...] = ()
 
@@ -117,7 +119,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         targets=goal.targets,
         entry=goal.entry,
         exit=(*goal.arrived, AT_REST("hand")),
-        invariants=(IN_WORKSPACE("hand"),),
+        invariants=(IN_WORKSPACE("hand"), *goal.lasting),
         writes={"hand": MOTION},
         keeps=goal.keeps,
         hyperparameters=(chosen,),

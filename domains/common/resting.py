@@ -35,6 +35,7 @@ RESTING = Block(
     slots=(Slot("token", TOKEN),),
     anchor="token",
     entry=(AT_REST("token"),),
+    waived={AT_REST("token"): "a resting token may be touched, and the contact limit of the task bounds the force"},
     # Tokens may rest on each other.
     allowed_contacts=(("token", FLOOR), ("token", "token")),
     duration=Duration(0.1, 3600.0, lambda binding, state, hyperparameters: 0.1),

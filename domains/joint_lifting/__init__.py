@@ -53,6 +53,7 @@ _BESIDE = ReachGoal(
         FITS("hand", "object", "place"),
     ),
     arrived=(AT_PLACE("hand", "object", "place"),),
+    lasting=(STANDS("object"),),
 )
 _BLOCKS = (reaching(_BESIDE, "place"), *BEARING, RESTING)
 

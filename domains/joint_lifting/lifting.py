@@ -212,6 +212,7 @@ def holding(mode: str) -> Block:
         exit=(RAISED("object"), *_at_places(crew), *block.exit),
         keeps=(*block.keeps, STANDS),
         hold=True,
+        invariants=(*block.invariants, RAISED("object")),
         allowed_contacts=tuple((slot, "object") for slot, _ in places_of(crew)),
         description=f"{crew} keep a box in the air",
     )

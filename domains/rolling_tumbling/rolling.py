@@ -59,6 +59,7 @@ REACH_BEHIND = ReachGoal(
     position=_standby_position,
     entry=(*_FEASIBLE, AT_REST("object")),
     arrived=(BEHIND("hand", "object", "region"), IN_WORKSPACE("hand")),
+    lasting=(AT_REST("object"),),
 )
 
 

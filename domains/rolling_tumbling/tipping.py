@@ -152,7 +152,7 @@ TILTING = Block(
         STRONG_ENOUGH("hand", "object"),
     ),
     exit=(AT_FACE("hand", "object", "face"), AT_REST("hand")),
-    invariants=(IN_WORKSPACE("hand"),),
+    invariants=(IN_WORKSPACE("hand"), POSTURE("object", "posture")),
     writes={"hand": MOTION},
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),

@@ -156,6 +156,11 @@ def _carrying(
         entry=(HELD("tool", "hand"), *entry),
         exit=(*arrived, HELD("tool", "hand"), AT_REST("hand"), AT_REST("tool")),
         invariants=(HELD("tool", "hand"), IN_WORKSPACE("hand")),
+        waived={
+            literal: "only the initial pose of the object is used, so other hands may move the object meanwhile"
+            for literal in entry
+            if literal.predicate is AT_REST
+        },
         writes={"hand": BODY, "tool": BODY},
         # These facts depend only on the initial place of the tool.
         keeps=(HANDLE_WITHIN_REACH, HOME),

@@ -113,6 +113,7 @@ REACH_HANDLE = ReachGoal(
     position=_beside,
     entry=(*_GRASPABLE, EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     arrived=(AT_HANDLE("hand", "tool"),),
+    lasting=(EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     hand_class=DexterousHand,
     # Only an empty hand can reach, so no hand leaves a tool behind.
     keeps=(HELD,),
@@ -124,7 +125,8 @@ GRASPING = Block(
     anchor="hand",
     entry=(*_GRASPABLE, AT_HANDLE("hand", "tool"), EMPTY("hand"), STANDS("tool"), AT_REST("tool")),
     exit=(HELD("tool", "hand"), ~EMPTY("hand"), AT_REST("hand")),
-    invariants=(IN_WORKSPACE("hand"),),
+    invariants=(IN_WORKSPACE("hand"), STANDS("tool")),
+    waived={AT_REST("tool"): "the fingers may shake the tool when they close"},
     writes={"hand": (*MOTION, "aperture")},
     allowed_contacts=(("hand", "tool"), ("tool", FLOOR)),
     hyperparameters=(
@@ -156,7 +158,7 @@ RELEASING = Block(
     entry=(HELD("tool", "hand"), STANDS("tool")),
     # The exit requires STANDS, because the tool must not fall over when the hand opens.
     exit=(~HELD("tool", "hand"), EMPTY("hand"), STANDS("tool"), AT_REST("hand"), AT_REST("tool")),
-    invariants=(IN_WORKSPACE("hand"),),
+    invariants=(IN_WORKSPACE("hand"), STANDS("tool")),
     writes={"hand": (*MOTION, "aperture")},
     allowed_contacts=(("hand", "tool"), ("tool", FLOOR)),
     duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05),

@@ -139,6 +139,8 @@ class Block:
         entry: conditions over roles that must hold when tokens enter the slots.
         exit: conditions over roles that must hold when the tokens leave. The exit conditions are also the effects.
         invariants: conditions over roles that must hold as long as an instance runs.
+        waived: maps entry conditions to reasons why they are not invariants, although they hold as long as an instance
+            runs in the forward model.
         writes: maps each slot to the varying properties that the continuous system changes.
         keeps: predicates that read a written property, but whose atoms the block does not change.
         hyperparameters: policy parameters whose values are optimised.
@@ -164,6 +166,7 @@ class Block:
     entry: tuple[Literal, ...] = ()
     exit: tuple[Literal, ...] = ()
     invariants: tuple[Literal, ...] = ()
+    waived: Mapping[Literal, str] = field(default_factory=dict)
     writes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     keeps: tuple[Predicate, ...] = ()
     hyperparameters: tuple[Hyperparameter, ...] = ()

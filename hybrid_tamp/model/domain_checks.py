@@ -139,6 +139,10 @@ def _conditions(domain: Declarations) -> Iterator[Issue]:
             if literal.predicate.static or ANY in literal.arguments:
                 wanted = "an invariant must be a condition on a predicate that changes, without a wildcard"
                 yield Issue(f"{block.name}: {literal.text}", wanted, remedy="make it an entry condition")
+        for literal, reason in block.waived.items():
+            if literal not in block.entry or literal in block.invariants or not reason:
+                wanted = "'waived' must map entry conditions that are not invariants to reasons"
+                yield Issue(f"{block.name}: {literal.text}", wanted, remedy="remove the condition from 'waived'")
         for literal in block.exit:
             yield from _exit(block, literal)
 

@@ -51,4 +51,5 @@ def use_predicates(block: Block, changed: Mapping[str, Predicate]) -> Block:
     keeps = tuple(map(of, block.keeps))
     if (entry, leaving, throughout, keeps) == (block.entry, block.exit, block.invariants, block.keeps):
         return block
-    return replace(block, entry=entry, exit=leaving, invariants=throughout, keeps=keeps)
+    waived = dict(zip(literals(tuple(block.waived)), block.waived.values(), strict=True))
+    return replace(block, entry=entry, exit=leaving, invariants=throughout, waived=waived, keeps=keeps)
