@@ -81,7 +81,8 @@ def servo(binding: Binding, start: State, parameters: Parameters) -> Any:
     pusher, spot = cast(Token, binding["pusher"]), cast(Token, binding["spot"])
 
     def policy(elapsed: Any, state: State) -> Commands:
-        pull = parameters.hyperparameters["stiffness"] * (state[spot, "position"] - state[pusher, "position"])
+        stiffness = np.asarray(parameters.hyperparameters["stiffness"])[..., None]
+        pull = stiffness * (state[spot, "position"] - state[pusher, "position"])
         return {(pusher.name, "force"): pull - 40.0 * state[pusher, "velocity"]}
 
     return policy
@@ -115,14 +116,16 @@ RESTING = Block(
     slots=(Slot("token", TOKEN),),
     anchor="token",
     entry=(AT_REST("token"),),
+    waived={AT_REST("token"): "toys may touch"},
     allowed_contacts=(("token", FLOOR), ("token", "token")),
     duration=Duration(0.1, 3600.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
 )
 
 
-def domain(moving: Block = MOVING) -> Domain:
-    more = {literal.predicate: None for literal in moving.invariants}
+def domain(moving: Block = MOVING, facts: tuple[Predicate, ...] = ()) -> Domain:
+    stated = (literal.predicate for literal in (*moving.entry, *moving.invariants))
+    more = dict.fromkeys(each for each in (*stated, *moving.keeps, *facts) if each not in (NEAR, AT_REST))
     return Domain(
         name="toy",
         classes=(Pusher, Twister, Thing, Spot),
@@ -145,6 +148,7 @@ class World:
     tokens: tuple[Token, ...] = ()
     given: Mapping[tuple[str, str], Any] = field(default_factory=dict)
     moving: Block = MOVING
+    facts: tuple[Predicate, ...] = ()
 
     def _with(self, token: Token, **state: Any) -> "World":
         new = {(token.name, name): value for name, value in state.items()}
@@ -170,7 +174,7 @@ class World:
 
     def task(self, *goal: Atom) -> Task:
         state = State.of(self.tokens, self.given)
-        return Task("toy", domain(self.moving), self.tokens, state, goal)
+        return Task("toy", domain(self.moving, self.facts), self.tokens, state, goal)
 
 
 @dataclass(frozen=True)

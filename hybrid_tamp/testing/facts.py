@@ -1,0 +1,143 @@
+"""Checks of facts that a block must not change: predicates that the block keeps, fixed facts and declared bounds."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from hybrid_tamp.model.bindings import enumerate_bindings
+from hybrid_tamp.model.margins import ROUNDING
+from hybrid_tamp.model.predicate import Predicate, Value
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.testing.disagreement import Disagreements, atom_text, with_unit
+from hybrid_tamp.testing.rollouts import Rollouts
+
+_RADII = (0.01, 3.0)
+"""Least and greatest radius within which tokens are displaced to test a bound [m]."""
+_DISPLACEMENTS = 4
+"""Number of displacements of the tokens for each atom and state to test a bound."""
+
+_POSITION = "position"
+
+Values = tuple[Value, ...]
+
+
+def check_facts(task: Task, first: State, rolled: Rollouts, found: Disagreements, rng: np.random.Generator) -> None:
+    """Compare the facts before and after rollouts that reached their exit conditions.
+
+    Args:
+        task: task that has the tokens and the predicates.
+        first: state at the start of the walk to which the rollouts belong.
+        rolled: rollouts of a block. At least one of the rollouts reached its exit conditions.
+        found: collection to which disagreements are added.
+        rng: random generator.
+    """
+    for predicate in rolled.block.keeps:
+        _check_kept(task, predicate, rolled, found)
+    for predicate in task.domain.static_predicates:
+        if predicate.rows is None and not predicate.reads:
+            _check_fixed(task, predicate, rolled, found)
+        if getattr(predicate, "bound", None) is not None:
+            _check_bound(task, predicate, first, rolled, found, rng)
+
+
+def _check_kept(task: Task, predicate: Predicate, rolled: Rollouts, found: Disagreements) -> None:
+    if getattr(predicate, "at_start", False):
+        return
+    for values, before, after in _changed(predicate, _involved(task, predicate, rolled), rolled.start, rolled.ends):
+        measured = f"{atom_text(predicate, values)} {_from_to(predicate, before, after)}"
+        found.add("keeps", rolled.block, rolled.binding, f"the block keeps {predicate.name}", measured)
+
+
+def _check_fixed(task: Task, predicate: Predicate, rolled: Rollouts, found: Disagreements) -> None:
+    every = [tuple(bound.values()) for bound in enumerate_bindings(_sorts(task, predicate))]
+    for values, before, after in _changed(predicate, every, rolled.start, rolled.ends):
+        declared = f"{predicate.name} reads no varying property"
+        measured = f"{atom_text(predicate, values)} {_from_to(predicate, before, after)}"
+        found.add("fixed", rolled.block, rolled.binding, declared, measured)
+
+
+def _changed(
+    predicate: Predicate, atoms: Sequence[Values], before: State, after: State
+) -> Iterator[tuple[Values, float, float]]:
+    """Yield (arguments, margin before, margin after) of each atom that is true before or after, but not both.
+
+    `after` has the shape ``(m,)``.
+    """
+    if not atoms:
+        return
+    old, new = predicate.margins(before, atoms)[:, None], predicate.margins(after, atoms)
+    for atom, row in np.argwhere((old >= 0) != (new >= 0)):
+        yield atoms[atom], float(old[atom, 0]), float(new[atom, row])
+
+
+def _from_to(predicate: Predicate, before: float, after: float) -> str:
+    return f"changes its margin from {with_unit(before, predicate)} to {with_unit(after, predicate)}"
+
+
+def _check_bound(
+    task: Task, predicate: Predicate, first: State, rolled: Rollouts, found: Disagreements, rng: np.random.Generator
+) -> None:
+    """Compare margins with the bound at places where tokens were, where they are, and at drawn places."""
+    moving = _moving_tokens(task)
+    for values in _involved(task, predicate, rolled):
+        tokens = [value for value in values if isinstance(value, Token) and value in moving]
+        for row in rolled.rows[:1] + rolled.rows[-1:]:
+            state = rolled.end(row)
+            for elsewhere, radius in _elsewhere(state, (first, rolled.start), tokens, rng):
+                bound = float(getattr(predicate, "bound")(elsewhere, radius, *values))  # noqa: B009
+                margin = float(predicate.evaluate(state, *values))
+                if margin > bound + ROUNDING * predicate.scale:
+                    declared = f"{predicate.name} does not exceed its bound"
+                    atom, shown = atom_text(predicate, values), with_unit(margin, predicate)
+                    limit = f"{with_unit(bound, predicate)} for displacements of up to {radius:.3g} m"
+                    measured = f"the margin of {atom} is {shown}, and the bound is {limit}"
+                    found.add("bound", rolled.block, rolled.binding, declared, measured)
+                    return
+
+
+def _elsewhere(
+    state: State, visited: Sequence[State], tokens: Sequence[Token], rng: np.random.Generator
+) -> Iterator[tuple[State, float]]:
+    """Yield pairs of (state with other positions of the tokens, radius that covers the displacements [m])."""
+    yield state, 0.0
+    yield state, np.inf
+    for other in visited:
+        yield _displaced(state, {t.name: other[t, "position"] - state[t, "position"] for t in tokens})
+    for _ in range(_DISPLACEMENTS):
+        radius = float(np.exp(rng.uniform(*np.log(_RADII))))
+        angles, sizes = rng.uniform(0.0, 2.0 * np.pi, len(tokens)), radius * np.sqrt(rng.random(len(tokens)))
+        ways = np.stack([np.cos(angles), np.sin(angles)], axis=-1) * sizes[:, None]
+        moved, _ = _displaced(state, dict(zip((t.name for t in tokens), ways, strict=True)))
+        yield moved, radius
+
+
+def _displaced(state: State, ways: dict[str, FloatArray]) -> tuple[State, float]:
+    """Return the state with tokens displaced horizontally, and the largest displacement [m]."""
+    horizontal = {name: np.array([way[0], way[1], 0.0]) for name, way in ways.items()}
+    moved = state.replace({(name, "position"): state[name, "position"] + way for name, way in horizontal.items()})
+    return moved, max((float(np.linalg.norm(way)) for way in horizontal.values()), default=0.0)
+
+
+def _moving_tokens(task: Task) -> set[Token]:
+    """Return the tokens whose position some block writes."""
+    classes = [
+        block.slot(slot).object_class
+        for block in task.domain.blocks
+        for slot, names in block.writes.items()
+        if "position" in names
+    ]
+    return {token for token in task.tokens if any(map(token.is_member, classes))}
+
+
+def _involved(task: Task, predicate: Predicate, rolled: Rollouts) -> list[Values]:
+    """Return the well-typed arguments of the predicate that contain a token in a slot of the rolled-out block."""
+    held = {rolled.binding[slot.name] for slot in rolled.block.slots}
+    every = (tuple(bound.values()) for bound in enumerate_bindings(_sorts(task, predicate)))
+    return [values for values in every if not held.isdisjoint(values)]
+
+
+def _sorts(task: Task, predicate: Predicate) -> dict[str, tuple[Value, ...]]:
+    return {parameter.name: task.values_of(parameter.sort) for parameter in predicate.parameters}

@@ -1,0 +1,136 @@
+"""Rollouts of a block for several values of its hyperparameters at once."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.control import Parameters
+from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
+from hybrid_tamp.model.predicate import Binding, Literal
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
+
+_CHUNK = 48
+"""Number of time steps between two tests of the exit conditions. Each test covers all states of the chunk."""
+_LONGEST_HOLD = 30.0
+"""Longest rollout of a block that can continue after its exit conditions hold [s]."""
+_SLOWEST = 3
+"""Longest rollout with drawn hyperparameters, as a multiple of the rollout with initial guesses."""
+_STILL = 1e-7
+"""Largest change of a state within a chunk at which the state counts as at rest, in SI units."""
+_GUESSED = 0.5
+"""Probability with which a hyperparameter keeps its initial guess, so that some rollouts reach their exits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rollouts:
+    """Rollouts of one block from one state, one for each row of hyperparameters. Row 0 has the initial guesses.
+
+    Attributes:
+        block: block that was rolled out.
+        binding: maps each role of the block to its token or symbol.
+        start: state before the rollouts, without batch dimensions.
+        states: states over time, shape ``(t, n)``. The states of a row after its end are meaningless.
+        lengths: number of time steps of each row until its exit conditions hold, or until the row ends without success,
+            shape ``(n,)``.
+        reached: whether the exit conditions of each row hold at its end, shape ``(n,)``.
+    """
+
+    block: Block
+    binding: Binding
+    start: State
+    states: State
+    lengths: NDArray[np.int64]
+    reached: BoolArray
+
+    @property
+    def rows(self) -> list[int]:
+        """Indices of the rows that reached their exit conditions."""
+        return [int(row) for row in np.flatnonzero(self.reached)]
+
+    def end(self, row: int) -> State:
+        """Return the final state of a row."""
+        return State(self.states.layout, self.states.values[self.lengths[row], row])
+
+    @property
+    def ends(self) -> State:
+        """Final states of the rows that reached their exit conditions, shape ``(m,)``."""
+        return State(self.states.layout, self.states.values[self.lengths[self.rows], self.rows])
+
+    def least(self, literal: Literal) -> float:
+        """Return the least margin of a condition during the rows that reached their exit conditions."""
+        margins = np.broadcast_to(literal.margin(self.states, self.binding), self.states.values.shape[:-1])
+        return float(min(margins[: self.lengths[row] + 1, row].min() for row in self.rows))
+
+
+def draw_hyperparameters(
+    block: Block, binding: Binding, state: State, count: int, rng: np.random.Generator
+) -> dict[str, FloatArray]:
+    """Return the values of each hyperparameter, shape ``(1 + count,)``. Row 0 contains the initial guesses.
+
+    Every other row draws each hyperparameter uniformly from its range, or keeps its initial guess.
+    """
+    chosen = {}
+    for hyperparameter in block.hyperparameters:
+        guess = float(hyperparameter.initial_value(binding, state))
+        drawn = rng.uniform(*hyperparameter.bounds(binding), count)
+        chosen[hyperparameter.name] = np.append(guess, np.where(rng.random(count) < _GUESSED, guess, drawn))
+    return chosen
+
+
+def roll_out_rows(
+    block: Block, binding: Binding, start: State, chosen: Mapping[str, FloatArray], count: int, dt: float
+) -> Rollouts:
+    """Roll a block out until the exit conditions of every row hold, or its longest duration is over.
+
+    A rollout also ends if it is at rest after its expected duration, or if it takes much longer than the rollout with
+    the initial guesses.
+
+    Args:
+        block: block that is rolled out.
+        binding: maps each role of the block to its token or symbol.
+        start: state before the rollouts, without batch dimensions.
+        chosen: maps each hyperparameter to its values, shape ``(count,)``.
+        count: number of rows.
+        dt: time step [s].
+    """
+    longest = min(block.duration.maximum, _LONGEST_HOLD) if block.hold else block.duration.maximum
+    most, least = int(np.ceil(longest / dt - 1e-6)), int(np.ceil(block.duration.minimum / dt - 1e-6))
+    expected = [_expected(block, binding, start, chosen, row) for row in range(count)]
+    state = start.repeated(count)
+    model = ForwardModel(block, binding, state, Parameters(chosen))
+    history = [state.values]
+    lengths, reached, running = np.full(count, most), np.zeros(count, bool), np.ones(count, bool)
+    while running.any() and len(history) <= most:
+        begun = len(history)
+        while len(history) < min(begun + _CHUNK, most + 1):
+            state, _, finite = model.step(np.float64((len(history) - 1) * dt), state, dt)
+            history.append(state.values)
+            running &= finite
+        passed = len(history) - 1
+        chunk = State(start.layout, np.array(history[begun:]))
+        done = _exits_hold(block, binding, chunk) & (np.arange(begun, passed + 1) >= least)[:, None] & running
+        found = done.any(axis=0)
+        lengths[found], reached[found] = begun + done.argmax(axis=0)[found], True
+        still = np.abs(np.diff(chunk.values, axis=0)).max(axis=(0, 2), initial=0.0) < _STILL
+        halted = running & ~found & still & (passed * dt > np.array(expected))
+        lengths[halted] = passed
+        running &= ~found & ~halted
+        if reached[0] and passed >= _SLOWEST * lengths[0]:
+            break
+    lengths = np.minimum(lengths, len(history) - 1)
+    return Rollouts(block, binding, start, State(start.layout, np.array(history)), lengths, reached)
+
+
+def _exits_hold(block: Block, binding: Binding, states: State) -> BoolArray:
+    holds = np.ones(states.values.shape[:-1], dtype=bool)
+    for literal in block.measured_exits:
+        holds &= literal.margin(states, binding) >= 0
+    return holds
+
+
+def _expected(block: Block, binding: Binding, start: State, chosen: Mapping[str, FloatArray], row: int) -> float:
+    return float(block.duration.expected(binding, start, {name: values[row] for name, values in chosen.items()}))
