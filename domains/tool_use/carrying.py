@@ -56,6 +56,8 @@ Pose = tuple[FloatArray, FloatArray, FloatArray]
 """Triple of (position of the hand ``(..., 3)`` [m], yaw of the tool [rad], swing angle of the tool [rad])."""
 Goal = Callable[[Binding, State], Pose]
 
+_UNSEEN = "the block uses only the initial pose of the object, so another hand may move the object meanwhile"
+"""Reason why the object need not stay at rest."""
 _SETTLING = 0.1
 _TURN = (0.3, 0.4)
 """Beginning and duration of the tool's turn, as fractions of the reach's duration."""
@@ -156,11 +158,7 @@ def _carrying(
         entry=(HELD("tool", "hand"), *entry),
         exit=(*arrived, HELD("tool", "hand"), AT_REST("hand"), AT_REST("tool")),
         invariants=(HELD("tool", "hand"), IN_WORKSPACE("hand")),
-        waived={
-            literal: "only the initial pose of the object is used, so other hands may move the object meanwhile"
-            for literal in entry
-            if literal.predicate is AT_REST
-        },
+        waived={literal: _UNSEEN for literal in entry if literal.predicate is AT_REST},
         writes={"hand": BODY, "tool": BODY},
         # These facts depend only on the initial place of the tool.
         keeps=(HANDLE_WITHIN_REACH, HOME),
