@@ -21,8 +21,8 @@ from hybrid_tamp.testing.starts import draw_start
 _WALKS = 4  # Maximum number of random walks for each of the `samples`.
 _STEPS = 100  # Maximum number of steps of a random walk.
 _REPETITIONS = 20  # Maximum number of successive steps of a random walk that repeat earlier steps.
-_DRAWN = 3  # Number of rollouts with drawn hyperparameters for each rollout with initial guesses.
-_GUESSED = 0.5  # Probability that a walk continues after the rollout with the initial guesses.
+_DRAWN = 3  # Number of rollouts with drawn hyperparameters for each rollout with initial values.
+_INITIAL = 0.5  # Probability that a walk continues after the rollout with the initial values.
 
 _Key = tuple[str, tuple[str, ...]]
 
@@ -32,7 +32,7 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
 
     Random walks start in the initial state of the task, with displaced and turned tokens. Each step of a walk rolls out
     a block whose entry conditions and invariants hold, preferably a block and targets that were rolled out least often.
-    One rollout uses the initial guesses of the hyperparameters, and further rollouts use drawn values. The next step
+    One rollout uses the initial values of the hyperparameters, and further rollouts use drawn values. The next step
     starts in the final state of one of these rollouts. A walk can thus tip a box and then lower the box.
 
     Args:
@@ -83,7 +83,7 @@ class _Check:
         """
         self._due = min(self._due + 1, self._samples)
         first = state = draw_start(self._task, self._rng, lambda drawn: self._enter(drawn) >= self._allowed)
-        guessed, repetitions = True, 0
+        initial, repetitions = True, 0
         for _ in range(_STEPS):
             choice = self._choose(first, state)
             if choice is None or repetitions == _REPETITIONS:
@@ -93,15 +93,15 @@ class _Check:
             rolled = self._roll_out(choice, state, 0 if repeated else _DRAWN)
             if not rolled.rows:
                 self._failed.setdefault(choice.key, rolled)
-                self._count(choice, 0 if guessed else -1)
+                self._count(choice, 0 if initial else -1)
                 return
             self._succeeded.add(choice.key)
             self._standing.note(rolled)
             if not repeated:
                 check_facts(self._task, first, rolled, self._found, self._rng)
                 check_ends(rolled, choice.bindings, self._found, self._rng)
-            row = rolled.rows[0 if self._rng.random() < _GUESSED else -1]
-            guessed &= row == 0
+            row = rolled.rows[0 if self._rng.random() < _INITIAL else -1]
+            initial &= row == 0
             state = rolled.end(row)
 
     def report(self) -> list[Disagreement]:

@@ -18,16 +18,16 @@ _CHUNK = 48
 _LONGEST_HOLD = 30.0
 """Longest rollout of a block that can continue after its exit conditions hold [s]."""
 _SLOWEST = 3
-"""Longest rollout with drawn hyperparameters, as a multiple of the rollout with initial guesses."""
+"""Longest rollout with drawn hyperparameters, as a multiple of the rollout with initial values."""
 _STILL = 1e-7
 """Largest change of a state within a chunk at which the state counts as at rest, in SI units."""
-_GUESSED = 0.5
-"""Probability with which a hyperparameter keeps its initial guess, so that some rollouts reach their exits."""
+_INITIAL = 0.5
+"""Probability with which a hyperparameter keeps its initial value, so that some rollouts reach their exits."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rollouts:
-    """Rollouts of one block from one state, one for each row of hyperparameters. Row 0 has the initial guesses.
+    """Rollouts of one block from one state, one for each row of hyperparameters. Row 0 has the initial values.
 
     Attributes:
         block: block that was rolled out.
@@ -69,15 +69,15 @@ class Rollouts:
 def draw_hyperparameters(
     block: Block, binding: Binding, state: State, count: int, rng: np.random.Generator
 ) -> dict[str, FloatArray]:
-    """Return the values of each hyperparameter, shape ``(1 + count,)``. Row 0 contains the initial guesses.
+    """Return the values of each hyperparameter, shape ``(1 + count,)``. Row 0 contains the initial values.
 
-    Every other row draws each hyperparameter uniformly from its range, or keeps its initial guess.
+    Every other row draws each hyperparameter uniformly from its range, or keeps its initial value.
     """
     chosen = {}
     for hyperparameter in block.hyperparameters:
-        guess = float(hyperparameter.initial_value(binding, state))
+        initial = float(hyperparameter.initial_value(binding, state))
         drawn = rng.uniform(*hyperparameter.bounds(binding), count)
-        chosen[hyperparameter.name] = np.append(guess, np.where(rng.random(count) < _GUESSED, guess, drawn))
+        chosen[hyperparameter.name] = np.append(initial, np.where(rng.random(count) < _INITIAL, initial, drawn))
     return chosen
 
 
@@ -87,7 +87,7 @@ def roll_out_rows(
     """Roll a block out until the exit conditions of every row hold, or its longest duration is over.
 
     A rollout also ends if it is at rest after its expected duration, or if it takes much longer than the rollout with
-    the initial guesses.
+    the initial values.
 
     Args:
         block: block that is rolled out.

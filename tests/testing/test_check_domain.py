@@ -129,7 +129,7 @@ def test_a_waiver_must_have_a_reason_and_an_entry_condition(changes: dict[str, A
 
 
 def test_faults_of_drawn_hyperparameters_are_found() -> None:
-    """With the initial guess, the pusher keeps the predicate."""
+    """With the initial value, the pusher keeps the predicate."""
     aside = Hyperparameter("aside", "m", 0.0, 0.3, lambda binding, state: np.asarray(0.0))
     wide = replace(steered(lambda start, chosen: chosen["aside"], aside), exit=(toys.AT_REST("pusher"),))
     south = Predicate(
