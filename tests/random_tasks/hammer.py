@@ -16,7 +16,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 
-_HAND = {
+HAND = {
     "radius": 0.03,
     "length": 0.08,
     "mass": 1.5,
@@ -30,7 +30,7 @@ _HAND = {
     "strike_torque": 4.0,
     "strike_angle": np.pi / 2,
 }
-_HAMMER = {
+HAMMER = {
     "mass": 0.6,
     "friction": 0.2,
     "inertia": (0.0003, 0.00199, 0.00199),
@@ -89,8 +89,8 @@ def hammer_task(name: str, scene: Scene, goal: Sequence[str] = ("push", "strike"
         goal: ``push``, ``strike``, or both.
         seed: seed of everything random in planning.
     """
-    hand = Token.make("hand", [DexterousHand], _HAND)
-    hammer = Token.make("hammer", [Striker, Pusher], _HAMMER, hammer_shape())
+    hand = Token.make("hand", [DexterousHand], HAND)
+    hammer = Token.make("hammer", [Striker, Pusher], HAMMER, hammer_shape())
     own = {"half_extents": _HALF_EXTENTS, "mass": scene.mass, "friction": scene.friction, "impulse_needed": 0.5}
     block = Token.make("block", [Pushable, Strikable], own)
     regions = [Token.make(each, [Region], {"radius": 0.03}) for each in ("goal", "rack")]
