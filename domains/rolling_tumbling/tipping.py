@@ -19,11 +19,14 @@ from hybrid_tamp.authoring import (
     GRAVITY,
     Binding,
     Block,
+    Commands,
     Duration,
     FloatArray,
     Hyperparameter,
     Hyperparameters,
     Movement,
+    Parameters,
+    Policy,
     Predicate,
     Profile,
     Slot,
@@ -35,14 +38,16 @@ from ..common.classes import StaticEndEffector
 from ..common.predicates import AT_REST, IN_WORKSPACE, REST_SPEED
 from ..common.primitives import profile_of
 from ..common.resting import stay
-from ..common.roles import BODY, MOTION, get_symbol, get_token
+from ..common.roles import BODY, MOTION, get_symbol, get_tokens
 from ..common.servos import hand_system
 from ..common.timetable import round_up
+from ..common.vectors import UP, dot
 from .classes import Tumblable
-from .faces import FACE, POSTURES
+from .faces import FACE, POSTURES, faces_of
 from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .sliding import steady_squeeze
 from .standing import FLAT_TOLERANCE
-from .tumbling_geometry import half_extent, nominal_tilt
+from .tumbling_geometry import edge_axis, edge_position, half_extent, nominal_tilt, normal
 from .tumbling_predicates import (
     AT_FACE,
     FEASIBLE_TUMBLING,
@@ -51,7 +56,6 @@ from .tumbling_predicates import (
     LOW_ENOUGH,
     LOWERS,
     POSTURE,
-    SQUEEZE,
     STRONG_ENOUGH,
     TIPS,
     WITHIN_REACH,
@@ -68,11 +72,37 @@ _KEPT = (*FEASIBLE_TUMBLING, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKS
 
 
 def _opposed(binding: Binding, state: State) -> FloatArray:
-    return np.asarray(SQUEEZE * GRAVITY * get_token(binding, "object")["mass"])
+    """Return the squeeze [N] with which the hands tip the flat box, or lower the box until it is flat."""
+    first, second, thing = get_tokens(binding, "first", "second", "object")
+    postures = (faces_of(get_symbol(binding, role)) for role in ("before", "outcome"))
+    (down,) = next(faces for faces in postures if len(faces) == 1)
+    force = min(first["maximal_force"], second["maximal_force"])
+    return np.asarray(steady_squeeze(thing, get_symbol(binding, "near"), down, force))
 
 
 def _light(binding: Binding, state: State) -> FloatArray:
     return np.asarray(_LEAN_SQUEEZE)
+
+
+def _hold(binding: Binding, start: State, parameters: Parameters) -> Policy:
+    """Return the policy of a hand that stays in place and bears the box, which leans on the hand."""
+    hand, thing = get_tokens(binding, "hand", "object")
+    face, posture = get_symbol(binding, "face"), get_symbol(binding, "posture")
+    down, forward = faces_of(posture)
+    weight = -GRAVITY * thing["mass"] * UP
+    servo = stay(binding, start, parameters, slot="hand")
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        pivot, axis = edge_position(state, thing, down, forward), edge_axis(state, thing, down, forward)
+        moment = dot(np.cross(state[thing, "position"] - pivot, weight), axis)
+        outward = normal(state, thing, face)
+        arm = dot(np.cross(state[hand, "position"] - pivot, outward), axis)
+        # Without this force, the hand would sink until its servo bears the box.
+        push = -outward * (np.maximum(moment, 0.0) / np.maximum(np.abs(arm), 1e-3))[..., None]
+        commands = servo(elapsed, state)
+        return {**commands, (hand.name, "force"): commands[hand.name, "force"] + push}
+
+    return policy
 
 
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
@@ -157,7 +187,7 @@ TILTING = Block(
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,
-    policy=partial(stay, slot="hand"),
+    policy=_hold,
     system=hand_system,
     description="one hand holds the tipped box, which leans on this hand",
 )

@@ -18,6 +18,8 @@ The value was found by experiment. With a smaller value, the tipping force is to
 lift the pivot edge.
 """
 _HIGHEST = 0.9
+_SAG = float(np.radians(3.0))
+"""Angle by which a leaning box may sink onto a hand [rad]."""
 STANDBY_GAP = 0.012
 """Gap between a face and a hand in its standby position [m]."""
 PAST_BALANCE = float(np.radians(6.0))
@@ -92,8 +94,9 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
     halves = np.asarray(thing["half_extents"])
     below = side_below(state, hand, thing, face)
     extent = 2.0 * dot(np.abs(below), halves)
-    # Angle between the face and the floor if the box leans over the face. A hand at the face must not touch the floor.
-    angle = np.arctan2(extent / 2.0, half_extent(thing, face)) - PAST_BALANCE
+    # Angle between the face and the floor if the box leans over the face. A hand at the face must not touch the floor,
+    # even if the weight of the box presses the hand down.
+    angle = np.arctan2(extent / 2.0, half_extent(thing, face)) - PAST_BALANCE - _SAG
     clear = hand["radius"] * (1.0 + np.cos(angle)) / np.sin(angle) + FLOOR_CLEARANCE
     height = np.clip(clear, GRIP * extent, _HIGHEST * extent)
     return np.asarray(NORMALS[face] * contact_distance(thing, face) + below * (extent / 2.0 - height)[..., None])

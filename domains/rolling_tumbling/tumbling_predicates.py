@@ -10,6 +10,7 @@ from ..common.roles import POSE
 from ..common.vectors import depth_in_workspace, dot
 from .classes import Tumblable
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, NORMALS, POSTURES, TIPS_HOLD
+from .sliding import SQUEEZE
 from .standing import SLENDERNESS, standing
 from .tumbling_geometry import GRIP, hand_axis, normal, outlook, place_at, sides_across, to_the_right
 
@@ -22,11 +23,6 @@ FACE_TOLERANCE = 0.06
 _ABOVE = 0.05
 _LEAST_OUTLOOK = 0.1
 _ALIGNMENT = np.sin(np.radians(6.0))
-SQUEEZE = 0.5
-"""Force with which two hands squeeze a box, as a fraction of the box's weight.
-
-With a larger force, the hands would carry the weight, and the unloaded pivot edge would slide.
-"""
 
 
 def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray:

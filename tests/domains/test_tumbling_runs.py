@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
+from random_tasks.corners import Corner
 from random_tasks.tumbling import random_tumbling
 
 import hybrid_tamp
@@ -17,9 +18,9 @@ from hybrid_tamp.taskfile.loader import load_task
 PROBLEMS = Path(__file__).parents[2] / "problems"
 
 
-def measured(seed: int, hands: int) -> dict[str, float]:
+def measured(seed: int, hands: int, rng: Corner | None = None) -> dict[str, float]:
     """Plan and run a random task and return all measures; the run is lawful and every tumble is controlled."""
-    task = random_tumbling(seed, hands=hands)
+    task = random_tumbling(seed, hands=hands, rng=rng)
     plan = hybrid_tamp.plan(task).required()
     with open_backend("pybullet") as physics:
         recording = execute(task, plan, physics)
@@ -58,3 +59,9 @@ def test_two_one_handed_robots_tumble_a_box_together() -> None:
     for agent in task.agents:
         alone = without_token(task, task.token_by_name[task.agents[agent][0]])
         assert hybrid_tamp.plan(alone, trials=0).status == "unsolvable"
+
+
+@pytest.mark.parametrize("corner", [0, 4, 12])
+def test_a_box_at_a_corner_of_the_ranges_is_controlled(corner: int) -> None:
+    """With a squeeze of half the weight, box 0 slides, box 4 drops at 2.9 rad/s and box 12 presses a hand down."""
+    assert measured(corner, 2, Corner(corner, 5))[CONTACT] < 5.0

@@ -1,0 +1,83 @@
+"""Forces with which two hands turn a box about its edge without letting the edge slide, in closed form.
+
+A box of weight W lies on a side of width L. Two hands press on opposite faces at height h: one with the force S + D/2
+and the other with S - D/2, where S is the squeeze. Let mu be the friction coefficient of the floor and the box, and nu
+that of the hands and the box. The friction of the hands lifts the far end of the box with the force nu (S + D/2), and
+presses the edge onto the floor with the force nu (S - D/2). The moments about the edge balance if
+D (h + nu L/2) = L (W/2 - nu S). The edge does not slide if D <= mu (W - nu D), i.e. D <= mu W/(1 + mu nu). The same
+equations hold while hands tip the box, and while hands lower the box onto the side.
+"""
+
+import numpy as np
+
+from hybrid_tamp.authoring import GRAVITY, Token
+
+from .tumbling_geometry import GRIP, half_extent
+
+HAND_FRICTION = 0.5
+"""Friction coefficient of a hand. Physics backends assume this value for tokens without the property `friction`."""
+FLOOR_FRICTION = 1.0
+"""Friction coefficient of the floor. A backend multiplies the coefficients of two bodies in contact."""
+SQUEEZE = 0.5
+"""Smallest squeeze, as a fraction of the weight of the box."""
+_STEPS = 60
+
+
+def squeeze_needed(weight: float, width: float, height: float, friction: float) -> float:
+    """Return the smallest squeeze [N] with which the edge does not slide, or infinity without friction.
+
+    Args:
+        weight: weight of the box [N].
+        width: width of the side on which the box lies [m].
+        height: height of the hands above the floor [m].
+        friction: friction coefficient of the box.
+    """
+    floor, hand = FLOOR_FRICTION * friction, HAND_FRICTION * friction
+    if hand == 0.0:
+        return float("inf")
+    most = floor * weight / (1.0 + floor * hand)
+    needed = (weight * width / 2.0 - most * (height + hand * width / 2.0)) / (hand * width)
+    return max(needed, SQUEEZE * weight)
+
+
+def press(weight: float, width: float, height: float, friction: float, squeeze: float) -> float:
+    """Return the force [N] of the hand that presses harder. See `squeeze_needed` for the arguments."""
+    hand = HAND_FRICTION * friction
+    if not np.isfinite(squeeze):
+        return float("inf")
+    difference = width * (weight / 2.0 - hand * squeeze) / (height + hand * width / 2.0)
+    return squeeze + max(difference, 0.0) / 2.0
+
+
+def friction_needed(weight: float, width: float, height: float, force: float) -> float:
+    """Return the smallest friction coefficient of a box with which hands of a maximal force [N] can turn the box.
+
+    The result is at most 5, the largest coefficient of a task.
+    """
+    low, high = 0.0, 5.0
+    for _ in range(_STEPS):
+        middle = (low + high) / 2.0
+        enough = press(weight, width, height, middle, squeeze_needed(weight, width, height, middle)) <= force
+        low, high = (low, middle) if enough else (middle, high)
+    return high
+
+
+def steady_squeeze(thing: Token, near: str, down: str, force: float) -> float:
+    """Return the squeeze [N] with which hands turn a box that lies on one face, or will lie on this face.
+
+    Args:
+        thing: the box.
+        near: face of one of the hands. The other hand is at the opposite face.
+        down: the face on which the box lies before or after the turn.
+        force: smaller of the maximal forces of the hands [N]. If the force is too small for the ideal squeeze, the
+            result is the largest possible squeeze.
+    """
+    weight, friction = GRAVITY * thing["mass"], thing["friction"]
+    width, height = 2.0 * half_extent(thing, near), 2.0 * GRIP * half_extent(thing, down)
+    needed = squeeze_needed(weight, width, height, friction)
+    if press(weight, width, height, friction, needed) <= force:
+        return needed
+    hand = HAND_FRICTION * friction
+    arm = height + hand * width / 2.0
+    largest = (force - width * weight / (4.0 * arm)) / (1.0 - hand * width / (2.0 * arm))
+    return float(max(largest, SQUEEZE * weight))
