@@ -1,8 +1,8 @@
 """Rolling and tumbling (paper, Sec. III-A, Figs. 2 and 3): hands move heavy objects in a controlled manner.
 
 Modules of rolling, in reading order: `classes`, `geometry`, `predicates`, `rolling` (D1).
-Modules of tumbling, in reading order: `faces`, `tumbling_geometry`, `standing`, `tumbling_predicates`, `turning`,
-`tipping` (D2 to D4), `detours`, `reaching_around` (D5).
+Modules of tumbling, in reading order: `faces`, `tumbling_geometry`, `standing`, `tumbling_predicates`, `sliding`,
+`control_predicates`, `turning`, `tipping` (D2 to D4), `detours`, `reaching_around` (D5).
 `..common` provides RESTING (D6) and, for rolling, REACHING (D5). `probing_rolling` and `probing_tumbling` test whether
 new objects can be rolled and tumbled.
 """
@@ -14,6 +14,7 @@ from ..common.predicates import AT_REST, IN_WORKSPACE
 from ..common.reaching import reaching
 from ..common.resting import RESTING
 from .classes import Rollable, Tumblable
+from .control_predicates import CONTROL_PREDICATES
 from .metrics import CONTROLLED, metrics
 from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .probing_rolling import TRY_ROLLING
@@ -74,6 +75,7 @@ DOMAIN = Domain(
         WITHIN_WORKSPACE,
         IN_WORKSPACE,
         *TUMBLING_PREDICATES,
+        *CONTROL_PREDICATES,
     ),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_EDGES, [block.name for block in _BLOCKS]),

@@ -36,6 +36,7 @@ from ..common.servos import hand_system, position_servo
 from ..common.timetable import round_up
 from ..common.vectors import HORIZONTAL
 from .classes import Tumblable
+from .control_predicates import CLEAR_OF_FLOOR, ROUGH_ENOUGH
 from .detours import Curve, corners_away, corners_to_face, curve_through, off_the_face
 from .faces import FACE, POSTURES
 from .tumbling_geometry import above_floor, place_at
@@ -147,7 +148,7 @@ def _reaching(
         targets=targets,
         entry=entry,
         exit=(*arrived, AT_REST("hand")),
-        invariants=(IN_WORKSPACE("hand"), *lasting),
+        invariants=(IN_WORKSPACE("hand"), CLEAR_OF_FLOOR("hand"), *lasting),
         writes={"hand": MOTION},
         hyperparameters=(_SPEED,),
         duration=Duration(shortest, 15.0, partial(_expected, profile=profile)),
@@ -171,6 +172,7 @@ REACH_BESIDE = _reaching(
         ON_SIDE("hand", "object", "face", "posture"),
         WITHIN_REACH("hand", "object"),
         STRONG_ENOUGH("hand", "object"),
+        ROUGH_ENOUGH("hand", "object"),
         LOW_ENOUGH("hand", "object"),
     ),
     (AT_FACE("hand", "object", "face"),),

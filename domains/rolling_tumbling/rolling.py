@@ -35,6 +35,7 @@ from ..common.roles import BODY, MOTION, get_tokens
 from ..common.servos import force_on, position_servo
 from ..common.vectors import HORIZONTAL, UP, dot
 from .classes import Rollable
+from .control_predicates import CLEAR_OF_FLOOR, CONTROL_PREDICATES
 from .geometry import STANDOFF, standby, touching, way, working_height
 from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .tumbling_predicates import FEASIBLE_TUMBLING, POSTURE
@@ -60,6 +61,8 @@ REACH_BEHIND = ReachGoal(
     entry=(*_FEASIBLE, AT_REST("object")),
     arrived=(BEHIND("hand", "object", "region"), IN_WORKSPACE("hand")),
     lasting=(AT_REST("object"),),
+    # The reach ends above the floor, and passes over the object.
+    keeps=(CLEAR_OF_FLOOR,),
 )
 
 
@@ -162,7 +165,7 @@ ROLLING = Block(
     writes={"hand": MOTION, "object": BODY},
     # Rolling keeps the axis level and the centre on its line, so the feasibility facts do not change.
     # Objects that tumble are boxes, which do not roll.
-    keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, POSTURE, *FEASIBLE_TUMBLING),
+    keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, POSTURE, *FEASIBLE_TUMBLING, *CONTROL_PREDICATES),
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     hyperparameters=(
         Hyperparameter("distance", "m", 0.0, 10.0, _initial_distance, "distance that the object rolls"),

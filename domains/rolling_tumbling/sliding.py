@@ -20,6 +20,8 @@ FLOOR_FRICTION = 1.0
 """Friction coefficient of the floor. A backend multiplies the coefficients of two bodies in contact."""
 SQUEEZE = 0.5
 """Smallest squeeze, as a fraction of the weight of the box."""
+STEADY = 0.75
+"""Smallest ratio of the squeeze to the ideal squeeze with which tumbles in physics were controlled."""
 _STEPS = 60
 
 
@@ -50,34 +52,37 @@ def press(weight: float, width: float, height: float, friction: float, squeeze: 
 
 
 def friction_needed(weight: float, width: float, height: float, force: float) -> float:
-    """Return the smallest friction coefficient of a box with which hands of a maximal force [N] can turn the box.
+    """Return the smallest friction of a box that hands of a maximal force [N] turn with `STEADY` of the ideal squeeze.
 
     The result is at most 5, the largest coefficient of a task.
     """
     low, high = 0.0, 5.0
     for _ in range(_STEPS):
         middle = (low + high) / 2.0
-        enough = press(weight, width, height, middle, squeeze_needed(weight, width, height, middle)) <= force
+        squeeze = max(STEADY * squeeze_needed(weight, width, height, middle), SQUEEZE * weight)
+        enough = press(weight, width, height, middle, squeeze) <= force
         low, high = (low, middle) if enough else (middle, high)
     return high
 
 
-def steady_squeeze(thing: Token, near: str, down: str, force: float) -> float:
-    """Return the squeeze [N] with which hands turn a box that lies on one face, or will lie on this face.
+def squeeze_range(thing: Token, near: str, down: str, force: float) -> tuple[float, float, float]:
+    """Return the smallest, the ideal and the largest squeeze [N] of a box that lies on a face, or will lie on a face.
+
+    The smallest squeeze is `STEADY` times the squeeze with which the edge does not slide. The ideal squeeze is at most
+    the largest squeeze, which leaves a hand the force to turn the box.
 
     Args:
         thing: the box.
         near: face of one of the hands. The other hand is at the opposite face.
         down: the face on which the box lies before or after the turn.
-        force: smaller of the maximal forces of the hands [N]. If the force is too small for the ideal squeeze, the
-            result is the largest possible squeeze.
+        force: smaller of the maximal forces of the hands [N].
     """
     weight, friction = GRAVITY * thing["mass"], thing["friction"]
     width, height = 2.0 * half_extent(thing, near), 2.0 * GRIP * half_extent(thing, down)
-    needed = squeeze_needed(weight, width, height, friction)
-    if press(weight, width, height, friction, needed) <= force:
-        return needed
     hand = HAND_FRICTION * friction
     arm = height + hand * width / 2.0
-    largest = (force - width * weight / (4.0 * arm)) / (1.0 - hand * width / (2.0 * arm))
-    return float(max(largest, SQUEEZE * weight))
+    # With a large squeeze, friction alone lifts the box, and no hand presses harder than the other.
+    turning = (force - width * weight / (4.0 * arm)) / (1.0 - hand * width / (2.0 * arm))
+    largest = max(turning if hand * force < weight / 2.0 else force, SQUEEZE * weight)
+    needed = squeeze_needed(weight, width, height, friction)
+    return min(max(STEADY * needed, SQUEEZE * weight), largest), min(needed, largest), largest

@@ -43,9 +43,10 @@ from ..common.servos import hand_system
 from ..common.timetable import round_up
 from ..common.vectors import UP, dot
 from .classes import Tumblable
+from .control_predicates import CLEAR_OF_FLOOR, ROUGH_ENOUGH, TURNS_SLOWLY
 from .faces import FACE, POSTURES, faces_of
 from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
-from .sliding import steady_squeeze
+from .sliding import squeeze_range
 from .standing import FLAT_TOLERANCE
 from .tumbling_geometry import edge_axis, edge_position, half_extent, nominal_tilt, normal
 from .tumbling_predicates import (
@@ -66,18 +67,29 @@ _LEAN_SQUEEZE = 25.0
 _SETTLING = 0.05
 _AT_FACES = (AT_FACE("first", "object", "near"), AT_FACE("second", "object", "far"))
 _ABLE = tuple(
-    feasible(hand, "object") for hand in ("first", "second") for feasible in (STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
+    feasible(hand, "object")
+    for hand in ("first", "second")
+    for feasible in (STRONG_ENOUGH, ROUGH_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
 )
-_KEPT = (*FEASIBLE_TUMBLING, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
+_KEPT = (*FEASIBLE_TUMBLING, ROUGH_ENOUGH, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
 
 
-def _opposed(binding: Binding, state: State) -> FloatArray:
-    """Return the squeeze [N] with which the hands tip the flat box, or lower the box until it is flat."""
+def _squeezes(binding: Binding) -> tuple[float, float, float]:
+    """Return the smallest, ideal and largest squeeze [N] to tip the flat box, or to lower the box until it is flat."""
     first, second, thing = get_tokens(binding, "first", "second", "object")
     postures = (faces_of(get_symbol(binding, role)) for role in ("before", "outcome"))
     (down,) = next(faces for faces in postures if len(faces) == 1)
     force = min(first["maximal_force"], second["maximal_force"])
-    return np.asarray(steady_squeeze(thing, get_symbol(binding, "near"), down, force))
+    return squeeze_range(thing, get_symbol(binding, "near"), down, float(force))
+
+
+def _opposed(binding: Binding, state: State) -> FloatArray:
+    return np.asarray(_squeezes(binding)[1])
+
+
+def _opposed_range(binding: Binding) -> tuple[float, float]:
+    smallest, _, largest = _squeezes(binding)
+    return smallest, largest
 
 
 def _light(binding: Binding, state: State) -> FloatArray:
@@ -128,7 +140,10 @@ def _tipping(
         targets=(Target("near", FACE), Target("far", FACE), Target("before", POSTURES), Target("outcome", POSTURES)),
         entry=(relation("near", "far", "before", "outcome"), POSTURE("object", "before"), *_AT_FACES, *_ABLE),
         exit=(POSTURE("object", "outcome"), *_AT_FACES, *map(AT_REST, ("object", "first", "second"))),
-        invariants=(IN_WORKSPACE("first"), IN_WORKSPACE("second")),
+        invariants=(
+            *(always(hand) for hand in ("first", "second") for always in (IN_WORKSPACE, CLEAR_OF_FLOOR)),
+            TURNS_SLOWLY("object"),
+        ),
         writes={"first": MOTION, "second": MOTION, "object": BODY},
         # A box turns only about the axis of the hands and moves by little more than its own size, so its feasibility
         # facts do not change. Boxes do not roll, so the facts of rolling do not change either.
@@ -149,17 +164,20 @@ def _tipping(
     )
 
 
+_SQUEEZE = Hyperparameter(
+    "squeeze", "N", 0.0, 500.0, _opposed, "force with which each hand squeezes the box", within=_opposed_range
+)
 TIPPING = (
     _tipping(
         "opposite",
         TIPS,
-        Hyperparameter("squeeze", "N", 0.0, 500.0, _opposed, "force with which each hand squeezes the box"),
+        _SQUEEZE,
         "two hands on opposite sides tip the box onto an edge and hold the box there",
     ),
     _tipping(
         "lower",
         LOWERS,
-        Hyperparameter("squeeze", "N", 0.0, 500.0, _opposed, "force with which each hand squeezes the box"),
+        _SQUEEZE,
         "two hands, one below and one above the box, lower the box onto its next face and hold the box",
     ),
     _tipping(
@@ -182,7 +200,12 @@ TILTING = Block(
         STRONG_ENOUGH("hand", "object"),
     ),
     exit=(AT_FACE("hand", "object", "face"), AT_REST("hand")),
-    invariants=(IN_WORKSPACE("hand"), POSTURE("object", "posture")),
+    invariants=(
+        IN_WORKSPACE("hand"),
+        CLEAR_OF_FLOOR("hand"),
+        POSTURE("object", "posture"),
+        TURNS_SLOWLY("object"),
+    ),
     writes={"hand": MOTION},
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),

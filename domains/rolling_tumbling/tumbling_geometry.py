@@ -129,6 +129,13 @@ def sides_across(state: State, hand: Token, thing: Token) -> tuple[str, ...]:
     return tuple(face for face in NORMALS if not NORMALS[face][own])
 
 
+def sections(state: State, hand: Token, thing: Token) -> tuple[float, float]:
+    """Return the lengths [m] of the two edges of the box that are perpendicular to the hand's axis."""
+    across = {int(np.argmax(np.abs(NORMALS[face]))) for face in sides_across(state, hand, thing)}
+    one, other = (2.0 * thing["half_extents"][axis] for axis in sorted(across))
+    return one, other
+
+
 def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> float:
     """Return the component, from -1 to 1, of a face's normal towards the hand's right if the box is in a posture.
 

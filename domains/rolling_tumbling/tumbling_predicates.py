@@ -9,10 +9,19 @@ from ..common.predicates import length_predicate, near, one_by_one
 from ..common.roles import POSE
 from ..common.vectors import depth_in_workspace, dot
 from .classes import Tumblable
-from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, NORMALS, POSTURES, TIPS_HOLD
+from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, POSTURES, TIPS_HOLD
 from .sliding import SQUEEZE
 from .standing import SLENDERNESS, standing
-from .tumbling_geometry import GRIP, hand_axis, normal, outlook, place_at, sides_across, to_the_right
+from .tumbling_geometry import (
+    GRIP,
+    hand_axis,
+    normal,
+    outlook,
+    place_at,
+    sections,
+    sides_across,
+    to_the_right,
+)
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
@@ -31,13 +40,6 @@ def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray
     return np.asarray(_ALIGNMENT - np.maximum(np.abs(dot(along, normal(state, thing, face))), np.abs(along[..., 2])))
 
 
-def _sections(state: State, hand: Token, thing: Token) -> tuple[float, float]:
-    """Return the lengths [m] of the two edges of the box that are perpendicular to the hand's axis."""
-    across = {int(np.argmax(np.abs(NORMALS[face]))) for face in sides_across(state, hand, thing)}
-    one, other = (2.0 * thing["half_extents"][axis] for axis in sorted(across))
-    return one, other
-
-
 def strength_needed(state: State, hand: Token, thing: Token) -> float:
     """Return the force [N] that each of two hands needs to tumble the box about the hand's axis.
 
@@ -45,7 +47,7 @@ def strength_needed(state: State, hand: Token, thing: Token) -> float:
     moments about the edge balance: h F = m g w/2. F is largest if the box lies on its long side, with h = GRIP times
     the short side. Each hand squeezes with `SQUEEZE` m g. One hand pushes with F/2 more and the other with F/2 less.
     """
-    short, long = sorted(_sections(state, hand, thing))
+    short, long = sorted(sections(state, hand, thing))
     tipping = long / (2.0 * GRIP * short)
     return float(thing["mass"] * GRAVITY * (SQUEEZE + tipping / 2.0))
 
@@ -70,13 +72,13 @@ def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
         for face in sides_across(state, hand, thing)
         if abs(float(normal(state, thing, face)[2])) < 0.5
     ]
-    diagonal = float(np.hypot(*_sections(state, hand, thing)))
+    diagonal = float(np.hypot(*sections(state, hand, thing)))
     points = [*beside, *(np.array([*point[:2], diagonal + hand["radius"]]) for point in beside)]
     return np.asarray(min((float(depth_in_workspace(hand, point)) for point in points), default=-1.0))
 
 
 def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
-    short, long = sorted(_sections(state, hand, thing))
+    short, long = sorted(sections(state, hand, thing))
     return np.asarray(SLENDERNESS - long / short)
 
 

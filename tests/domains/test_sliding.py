@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.classes import Tumblable
-from hybrid_tamp_domains.rolling_tumbling.sliding import friction_needed, press, squeeze_needed, steady_squeeze
+from hybrid_tamp_domains.rolling_tumbling.sliding import STEADY, friction_needed, press, squeeze_needed, squeeze_range
 from scipy.optimize import linprog
 
 from hybrid_tamp.model.token import Token
@@ -40,18 +40,18 @@ def test_without_friction_no_squeeze_holds_the_edge() -> None:
     assert press(100.0, 0.2, 0.3, 0.0, np.inf) == np.inf
 
 
-@pytest.mark.parametrize("force", [150.0, 300.0])
+@pytest.mark.parametrize("force", [150.0, 250.0])
 def test_the_friction_needed_is_that_at_which_the_hands_press_with_their_whole_force(force: float) -> None:
     needed = friction_needed(196.2, 0.352, 0.16, force)
-    squeeze = squeeze_needed(196.2, 0.352, 0.16, needed)
+    squeeze = max(STEADY * squeeze_needed(196.2, 0.352, 0.16, needed), 0.5 * 196.2)
     assert press(196.2, 0.352, 0.16, needed, squeeze) == pytest.approx(force, rel=1e-6)
     assert friction_needed(196.2, 0.352, 0.16, 2.0 * force) < needed
 
 
-def test_the_squeeze_leaves_a_hand_the_force_to_turn_the_box() -> None:
-    box = Token.make("box", [Tumblable], {"half_extents": (0.11, 0.1, 0.176), "mass": 20.0, "friction": 0.4})
-    ample, scarce = (steady_squeeze(box, "bottom", "right", force) for force in (400.0, 250.0))
-    height = 0.72 * 0.22
-    assert press(196.2, 0.352, height, 0.4, ample) < 400.0
-    assert press(9.81 * 20.0, 0.352, height, 0.4, scarce) == pytest.approx(250.0)
-    assert scarce < ample
+@pytest.mark.parametrize(("friction", "force"), [(0.4, 250.0), (0.4, 400.0), (0.9, 300.0)])
+def test_a_hand_presses_with_its_whole_force_at_the_largest_squeeze(friction: float, force: float) -> None:
+    box = Token.make("box", [Tumblable], {"half_extents": (0.11, 0.1, 0.176), "mass": 20.0, "friction": friction})
+    smallest, ideal, largest = squeeze_range(box, "bottom", "right", force)
+    assert press(9.81 * 20.0, 0.352, 0.72 * 0.22, friction, largest) == pytest.approx(force)
+    assert smallest <= ideal <= largest
+    assert ideal == min(largest, squeeze_needed(9.81 * 20.0, 0.352, 0.72 * 0.22, friction))

@@ -10,7 +10,7 @@ from hybrid_tamp.model.predicate import Atom
 def test_facts_are_read_off_the_numbers() -> None:
     task = rolling_task()
     resting = {Atom("at_rest", ("drum 0",)), Atom("at_rest", ("hand 0",))}
-    assert facts(task) == resting | {Atom("in_workspace", ("hand 0",))}
+    assert facts(task) == resting | {Atom(name, ("hand 0",)) for name in ("clear_of_floor", "in_workspace")}
     there = task.state.replace({("drum 0", "position"): (0.69, 0.0, 0.1)})
     assert Atom("inside", ("drum 0", "region 0")) in facts(task, there)
     moving = task.state.replace({("drum 0", "velocity"): (0.1, 0.0, 0.0)})

@@ -3,10 +3,13 @@
 from pathlib import Path
 
 import pytest
+from hybrid_tamp_domains.rolling_tumbling.sliding import friction_needed
+from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import GRIP
 from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import strength_needed
 from texts import load_task_text
 
 import hybrid_tamp
+from hybrid_tamp.authoring import GRAVITY
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
@@ -42,6 +45,17 @@ def test_one_hand_too_few() -> None:
     assert (reason.kind, reason.block) == ("too_few_tokens", "TIPPING:lower")
     assert "no token can fill slot second of TIPPING:lower" in reason.message
     assert "END-EFFECTOR, but the task has 1; 1 more token like the present one would be enough" in reason.message
+
+
+def test_too_smooth_and_the_figure_is_the_friction_that_is_missing() -> None:
+    smooth = task("tumble_two_hands", ("friction: 0.6", "friction: 0.1"))
+    reason = only(explain(smooth))
+    box = smooth.token_by_name["box"]
+    width, height = 2.0 * max(box["half_extents"]), 2.0 * GRIP * min(box["half_extents"][0::2])
+    needed = friction_needed(GRAVITY * box["mass"], width, height, 300.0)
+    assert reason.atom == Atom("rough_enough", ("hand-2", "box"))
+    assert reason.margin == pytest.approx(0.1 - needed)
+    assert "box is too smooth: its edge slides on the floor" in reason.message
 
 
 @pytest.mark.parametrize("name", ["tumble_two_hands", "tumble_four_hands"])

@@ -1,0 +1,70 @@
+"""Predicates of a controlled tumble: the edge does not slide, the box does not fall, and hands avoid the floor."""
+
+import numpy as np
+
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
+
+from ..common.classes import StaticEndEffector
+from ..common.predicates import length_predicate, one_by_one
+from ..common.vectors import UP
+from .classes import Tumblable
+from .geometry import reach_of
+from .metrics import CONTROLLED
+from .sliding import friction_needed
+from .tumbling_geometry import GRIP, sections
+from .tumbling_predicates import strength_needed
+
+_HAND = Parameter("hand", StaticEndEffector)
+_OBJECT = Parameter("object", Tumblable)
+_FASTEST = CONTROLLED["touchdown [rad/s]"][1]
+
+
+def _grip(state: State, hand: Token, thing: Token) -> FloatArray:
+    """Return the friction of a box minus the friction needed, if the box lies on its longer side.
+
+    If the hand is too weak even for a rough box, STRONG_ENOUGH states this reason, and friction is not to blame.
+    """
+    short, long = sorted(sections(state, hand, thing))
+    force = max(float(hand["maximal_force"]), strength_needed(state, hand, thing))
+    return np.asarray(thing["friction"] - friction_needed(GRAVITY * thing["mass"], long, GRIP * short, force))
+
+
+def _slowness(state: State, thing: Token) -> FloatArray:
+    return np.asarray(_FASTEST - np.linalg.norm(state[thing, "angular_velocity"], axis=-1))
+
+
+def _clearance(state: State, hand: Token) -> FloatArray:
+    position = state[hand, "position"]
+    return np.asarray(position[..., 2] - reach_of(hand, state, np.broadcast_to(UP, position.shape)))
+
+
+ROUGH_ENOUGH = Predicate(
+    "rough_enough",
+    (_HAND, _OBJECT),
+    one_by_one(_grip),
+    unit="1",
+    scale=0.1,
+    reads={"object": ("orientation",)},
+    kind=Kind.STATIC,
+    description="the friction of {object} is large enough for {hand} and a second hand to tumble it without slipping",
+    denial="{object} is too smooth: its edge slides on the floor when {hand} and a second hand tumble it",
+)
+TURNS_SLOWLY = Predicate(
+    "turns_slowly",
+    (_OBJECT,),
+    _slowness,
+    unit="rad/s",
+    scale=0.2,
+    reads={"object": ("angular_velocity",)},
+    description="{object} turns no faster than a controlled tumble allows",
+    denial="{object} falls: it turns faster than a controlled tumble allows",
+)
+CLEAR_OF_FLOOR = length_predicate(
+    "clear_of_floor",
+    (_HAND,),
+    _clearance,
+    reads={"hand": ("position",)},
+    description="{hand} is clear of the floor",
+    denial="{hand} is pressed onto the floor",
+)
+CONTROL_PREDICATES = (ROUGH_ENOUGH, TURNS_SLOWLY, CLEAR_OF_FLOOR)
