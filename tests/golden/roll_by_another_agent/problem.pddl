@@ -9,6 +9,7 @@
   (:init
     (at_rest barrel)
     (at_rest paddle)
+    (clear_of_floor paddle)
     (completed barrel)
     (completed paddle)
     (exposed back flat-bottom)

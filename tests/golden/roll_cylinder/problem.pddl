@@ -9,6 +9,7 @@
   (:init
     (at_rest drum)
     (at_rest hand)
+    (clear_of_floor hand)
     (completed drum)
     (completed hand)
     (exposed back flat-bottom)

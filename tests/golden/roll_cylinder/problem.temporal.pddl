@@ -12,6 +12,7 @@
     (at_rest hand)
     (behind drum no-object-of-behind no-region-of-behind)
     (behind hand no-object-of-behind no-region-of-behind)
+    (clear_of_floor hand)
     (completed drum)
     (completed hand)
     (= (crew drum) 0)
