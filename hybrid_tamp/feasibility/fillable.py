@@ -1,15 +1,16 @@
-"""Checks of whether tokens can fill blocks, by class alone or also by feasibility facts and edges."""
+"""Checks of whether tokens can fill blocks, by class alone or also by feasibility facts, edges and preconditions."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence, Set
 from functools import cached_property
 
+from hybrid_tamp.feasibility.backward_search import BackwardSearch
 from hybrid_tamp.feasibility.bindings import MOST, Bound, TooMany, order_conditions
 from hybrid_tamp.feasibility.reachable_slots import Passages
 from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts
-from hybrid_tamp.model.predicate import Literal, SymbolSort, Value, name_of
+from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort, Value, name_of
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
@@ -40,11 +41,16 @@ class Members:
 
 
 class FillableBlocks:
-    """The blocks that a task's tokens can fill and can reach through other blocks that tokens can fill."""
+    """The blocks that a task's tokens can fill and can reach through other blocks that tokens can fill.
+
+    A block can be filled only if every atom that it needs holds initially or may be achieved (see `backward_search`).
+    """
 
     def __init__(self, task: Task) -> None:
         self._task = task
         self._facts = StaticFacts(task)
+        self._search = BackwardSearch(task)
+        self._achievable: dict[Atom, bool] = {}
 
     def witness(self, block: Block, fixed: Bound) -> Mapping[str, str] | None:
         """Return a feasible binding of a block that includes `fixed`, or None. The binding maps roles to names.
@@ -71,7 +77,8 @@ class FillableBlocks:
             blocks = fewer
 
     def _find(self, block: Block, fixed: Bound, passages: Passages) -> Bound | None:
-        conditions = order_conditions(block)
+        needed = tuple(each for each in block.changing_entry if each.positive and ANY not in each.arguments)
+        conditions = (*order_conditions(block), *needed)
         examined = 0
 
         def holds(literal: Literal, bound: Mapping[str, Value]) -> bool:
@@ -79,8 +86,20 @@ class FillableBlocks:
             examined += 1
             if examined > MOST:
                 raise TooMany
-            return self._facts.margin(literal, bound) >= 0
+            return (
+                self._facts.margin(literal, bound) >= 0 if literal.predicate.static else self._may_hold(literal, bound)
+            )
 
         choices = order_roles(self._task.choices(block, fixed), conditions)
         found = enumerate_bindings(choices, conditions, holds)
         return next((bound for bound in found if passages.allow(block, bound)), None)
+
+    def _may_hold(self, literal: Literal, bound: Mapping[str, Value]) -> bool:
+        """Return False if no plan can achieve a precondition. True does not mean that a plan achieves the condition."""
+        atom = literal.ground(bound)
+        if atom not in self._achievable:
+            try:
+                self._achievable[atom] = self._search.holds(atom) or self._search.explore(atom)
+            except TooMany:
+                self._achievable[atom] = True
+        return self._achievable[atom]

@@ -2,8 +2,8 @@
 
 An object affords a block if the object can fill one of the block's slots. The *environment's* perspective considers
 only the classes of the object. In an *agent's* perspective, tokens of the agent must fill the other slots. Every
-feasibility fact of this binding must hold, and edges must lead every token to its slot. The binding is the witness of
-the affordance. Conditions that depend on the state are ignored.
+feasibility fact of this binding must hold, edges must lead every token to its slot, and each precondition must hold
+initially or be achievable when effects that delete atoms are ignored. The binding is the witness of the affordance.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
