@@ -20,11 +20,14 @@ class Trial:
         success: whether the trial reached the goal with every measure within its bounds.
         why: reason why the trial failed. Empty if the trial succeeded.
         measures: maps the name of each metric of the domain to its value.
+        conclusive: whether the trial is evidence for or against the class. If another block fails, e.g. if the hand
+            does not reach the token, the trial says nothing about the class.
     """
 
     success: bool
     why: str
     measures: Mapping[str, float]
+    conclusive: bool = True
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,8 @@ class Verdict:
         properties: estimated properties of the token as a member of the class.
         contacts: maps the name of each expected contact point of a hand to its position in the token's body frame [m].
         trials: trials of membership, one for each initial state.
-        obstacle: reason why no trial was possible. Empty if trials were possible.
+        obstacle: reason why no trial was possible, or why no trial was conclusive. Empty otherwise.
+        impossible: whether it is proven that the trial task has no plan.
     """
 
     object_class: str
@@ -50,6 +54,7 @@ class Verdict:
     contacts: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     trials: tuple[Trial, ...] = ()
     obstacle: str = ""
+    impossible: bool = False
 
     @property
     def successes(self) -> int:
@@ -57,18 +62,26 @@ class Verdict:
         return sum(trial.success for trial in self.trials)
 
     @property
-    def interval(self) -> tuple[float, float]:
-        """Bounds of the 95 % confidence interval of the success rate."""
-        return wilson_interval(self.successes, len(self.trials))
+    def conclusive(self) -> int:
+        """Number of trials that are evidence for or against the class."""
+        return sum(trial.conclusive for trial in self.trials)
 
     @property
-    def verdict(self) -> Literal["yes", "no", "unsure", "not tried"]:
+    def interval(self) -> tuple[float, float]:
+        """Bounds of the 95 % confidence interval of the success rate of the conclusive trials."""
+        return wilson_interval(self.successes, self.conclusive)
+
+    @property
+    def verdict(self) -> Literal["yes", "no", "unsure", "unknown", "not tried"]:
         """``yes`` if the interval is above 0.5, ``no`` if the interval is below 0.5, and ``unsure`` otherwise.
 
-        Without trials, the verdict is ``no`` if properties were estimated, and ``not tried`` otherwise.
+        The verdict is ``unknown`` if no trial is conclusive. Without trials, the verdict is ``no`` if the trial task is
+        proven to have no plan, ``unknown`` if no plan was found, and ``not tried`` if there was no trial task.
         """
+        if self.trials and not self.conclusive:
+            return "unknown"
         if self.obstacle:
-            return "no" if self.properties else "not tried"
+            return "no" if self.impossible else "unknown" if self.properties else "not tried"
         low, high = self.interval
         return "yes" if low > 0.5 else "no" if high < 0.5 else "unsure"
 

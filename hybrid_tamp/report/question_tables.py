@@ -8,7 +8,7 @@ from rich.text import Text
 
 from hybrid_tamp.model.affordances import Affordance, AffordanceResult, Implication
 from hybrid_tamp.model.explanation import Cause, TaskExplanation
-from hybrid_tamp.model.membership import MembershipResult
+from hybrid_tamp.model.membership import MembershipResult, Verdict
 from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.tables import explanation_text, new_table, roles_text
 
@@ -85,10 +85,15 @@ def membership_table(result: MembershipResult) -> RenderableType:
             f"{verdict.likelihood:.2f}",
             verdict.labelled or "",
             verdict.verdict,
-            f"{verdict.successes} of {len(verdict.trials)}",
-            f"{low:.2f} to {high:.2f}" if verdict.trials else "",
+            f"{verdict.successes} of {verdict.conclusive}{_without_evidence(verdict)}",
+            f"{low:.2f} to {high:.2f}" if verdict.conclusive else "",
         )
     return table
+
+
+def _without_evidence(verdict: Verdict) -> str:
+    count = len(verdict.trials) - verdict.conclusive
+    return f" ({count} without evidence)" if count else ""
 
 
 def membership_lines(result: MembershipResult) -> list[str]:

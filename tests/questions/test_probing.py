@@ -4,10 +4,13 @@ import json
 import subprocess
 from collections.abc import Callable
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 from texts import load_task_text
 
 import hybrid_tamp
@@ -31,6 +34,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy, quaternion_of_rotation, rotate
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.questions.probe.membership import Prober
+from hybrid_tamp.report.question_tables import membership_table
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.meshfile import read_mesh
@@ -131,8 +135,16 @@ def test_a_verdict_needs_an_interval_beyond_one_half() -> None:
     assert all(Verdict("C", 0.5, trials=(won,) * n).verdict == word for n, word in said.items())
     assert Verdict("C", 0.5, trials=(lost,) * 4).verdict == "no"
     assert Verdict("C", 0.5, trials=(won, won, won, lost)).verdict == "unsure"
-    assert Verdict("C", 0.5, obstacle="no plan", properties={"mass": 1.0}).verdict == "no"
+    assert Verdict("C", 0.5, obstacle="no plan", properties={"mass": 1.0}, impossible=True).verdict == "no"
+    assert Verdict("C", 0.5, obstacle="no plan", properties={"mass": 1.0}).verdict == "unknown"
     assert Verdict("C", 0.5, obstacle="nobody knows how").verdict == "not tried"
+
+
+def shown(verdict: Verdict) -> str:
+    """Return the table of one verdict as text."""
+    console = Console(width=120, record=True, file=StringIO())
+    console.print(membership_table(MembershipResult("t", "P5", 0, (), (verdict,))))
+    return console.export_text()
 
 
 @pytest.fixture(scope="module")
@@ -166,6 +178,30 @@ def test_it_goes_on_while_the_verdict_is_unsure(
     monkeypatch.setattr(Prober, "run_trial", lambda *_: Trial(next(won) == "1", "", {}))
     (found,) = probe(task, "P5", ["TUMBLABLE"], most_starts=10).verdicts
     assert (found.verdict, len(found.trials)) == (verdict, trials)
+
+
+def test_trials_without_evidence_do_not_count(task: Task, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = iter("x1x111")
+    monkeypatch.setattr(Prober, "run_trial", lambda *_: Trial((c := next(drawn)) == "1", "", {}, conclusive=c == "1"))
+    (found,) = probe(task, "P5", ["TUMBLABLE"], starts=6, most_starts=6).verdicts
+    assert (found.verdict, found.successes, found.conclusive, len(found.trials)) == ("yes", 4, 4, 6)
+    assert "4 of 4 (2 without evidence)" in shown(found)
+
+
+def test_a_hand_that_does_not_reach_says_nothing_about_the_class(task: Task) -> None:
+    def stop(binding: Any, start: Any, parameters: Any) -> Any:
+        hand = binding["hand"].name
+        return lambda elapsed, state: {(hand, "force"): -100.0 * state[hand, "velocity"]}
+
+    blocks = [replace(b, policy=stop) if b.action == "REACHING" else b for b in task.domain.blocks]
+    lazy = task.replaced(domain=task.domain.with_blocks(blocks))
+    (found,) = probe(lazy, "P5", ["TUMBLABLE"], starts=2, most_starts=9, backend="analytic").verdicts
+    assert (found.verdict, len(found.trials), found.interval) == ("unknown", 2, (0.0, 1.0))
+    assert found.obstacle == "no trial is evidence for or against the class"
+    for trial in found.trials:
+        assert trial.why.startswith("no evidence on TUMBLABLE, because another block failed: REACHING-")
+        assert "must measure" not in trial.why
+    assert "0 of 0 (2 without evidence)" in shown(found)
 
 
 def test_p5_slides_and_does_not_roll(task: Task) -> None:

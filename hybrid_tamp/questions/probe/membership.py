@@ -3,7 +3,7 @@
 The classes are ranked by features of the token's shape. For each class, the surface of a labelled (known) member is
 warped onto the new token, and the properties of this member are transferred. The domain's trial tasks assume that the
 new token is a member with these properties. A trial task is planned and then run from several starts. The measurements
-decide the verdict.
+decide the verdict. A trial in which another block fails, e.g. because a hand does not reach the token, is no evidence.
 """
 
 import logging
@@ -17,12 +17,12 @@ from hybrid_tamp.errors import InputError, Issue, NoPlan
 from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.geometry.features import resting_poses
 from hybrid_tamp.geometry.warp import Warp, warp
-from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.affordance import TOKEN, ObjectClass
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.membership import MembershipResult, Trial, Verdict
-from hybrid_tamp.model.plan import TaskPlan
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -93,8 +93,7 @@ class Prober:
 
     def _verdict(self, task: Task, token: Token, object_class: type[ObjectClass], seed: int) -> Verdict:
         recipe = next((each for each in task.domain.trials if each.object_class is object_class), None)
-        likelihood = _likelihood(object_class, token)
-        untried = Verdict(object_class.name, likelihood)
+        untried = Verdict(object_class.name, _likelihood(object_class, token))
         if recipe is None:
             return replace(untried, obstacle=f"the domain {task.domain.name} defines no trial for this class")
         found = _nearest(task, token, recipe)
@@ -104,20 +103,27 @@ class Prober:
         with authored(f"the trial of {object_class.name}", {"token": token, "labelled": labelled}):
             estimate = recipe.estimate(task, token, labelled, warped.carry)
         known = Verdict(
-            object_class.name, likelihood, labelled.name, warped.residual, estimate.properties, estimate.contacts
+            object_class.name,
+            untried.likelihood,
+            labelled.name,
+            warped.residual,
+            estimate.properties,
+            estimate.contacts,
         )
         member = as_member(token, {object_class: estimate.properties})
         task = task.replaced(domain=with_time_bounds(task.domain))
         try:
             plan = self.find_plan(_trial_task(recipe, task, member, None))
         except NoPlan as error:
-            return replace(known, obstacle=str(error))
+            return replace(known, obstacle=str(error), impossible=error.proven)
         return self.run_trials(known, recipe, task, member, plan, seed)
 
     def run_trials(
         self, known: Verdict, recipe: TrialRecipe[Task], task: Task, member: Token, plan: TaskPlan, seed: int
     ) -> Verdict:
-        """Run trials until the verdict is yes or no, or until `most_starts` trials have run. Return the verdict.
+        """Run trials until the verdict is clear, or until `most_starts` trials have run. Return the verdict.
+
+        If none of the first trials is evidence, the verdict is unknown, and no further trials are run.
 
         Raises:
             LimitReached: if the deadline passes.
@@ -126,12 +132,13 @@ class Prober:
         for number, rng in enumerate(map(np.random.default_rng, children)):
             if number >= self.starts and known.verdict != "unsure":
                 break
-            known = replace(
-                known, trials=(*known.trials, self.run_trial(recipe, _trial_task(recipe, task, member, rng), plan))
-            )
+            trial = self.run_trial(recipe, _trial_task(recipe, task, member, rng), member, plan)
+            known = replace(known, trials=(*known.trials, trial))
+        if known.verdict == "unknown":
+            known = replace(known, obstacle="no trial is evidence for or against the class")
         return known
 
-    def run_trial(self, recipe: TrialRecipe[Task], task: Task, plan: TaskPlan) -> Trial:
+    def run_trial(self, recipe: TrialRecipe[Task], task: Task, member: Token, plan: TaskPlan) -> Trial:
         """Run one trial task of a recipe.
 
         Raises:
@@ -144,7 +151,11 @@ class Prober:
         measured = task.domain.measure(task, recording)
         faults = list(_faults(recipe, recording, measured))
         _logger.info("%s: %s", task.name, "; ".join(faults) or "succeeded")
-        return Trial(not faults, "; ".join(faults), {".".join(key): value for key, value in measured.items()})
+        figures = {".".join(key): value for key, value in measured.items()}
+        if _is_evidence(task, recording, member, recipe.object_class):
+            return Trial(not faults, "; ".join(faults), figures)
+        why = f"no evidence on {recipe.object_class.name}, because another block failed: {faults[0]}"
+        return Trial(False, why, figures, conclusive=False)
 
     def _watch(self, simulated: float, expected: float) -> None:
         if simulated > self.most_seconds:
@@ -153,6 +164,20 @@ class Prober:
 
 class _NeverSettles(Exception):
     """Raised if a trial exceeds its maximum simulated time."""
+
+
+def _is_evidence(task: Task, recording: Recording, member: Token, object_class: type[ObjectClass]) -> bool:
+    """Say whether a run is evidence: a block of the class ran, and the block that failed, if any, holds the token."""
+    if recording.failure is None:
+        return True
+
+    def tries(instance: BlockInstance) -> bool:
+        slots = task.domain.block_by_name[instance.block].slots
+        classes = (slot.object_class for slot in slots if instance.slots[slot.name] == member.name)
+        return any(each is not TOKEN and issubclass(object_class, each) for each in classes)
+
+    failed = [each for each in recording.instances if each.name == recording.failure.instance]
+    return any(map(tries, recording.instances)) and all(member.name in each.slots.values() for each in failed)
 
 
 def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]]) -> Token:
