@@ -7,7 +7,7 @@ decide the verdict. A trial in which another block fails, e.g. because a hand do
 """
 
 import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,17 +17,17 @@ from hybrid_tamp.errors import InputError, Issue, NoPlan
 from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.geometry.features import resting_poses
 from hybrid_tamp.geometry.warp import Warp, warp
-from hybrid_tamp.model.affordance import TOKEN, ObjectClass
+from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.membership import MembershipResult, Trial, Verdict
-from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.model.trial import TrialRecipe
 from hybrid_tamp.physics.protocol import Backend
+from hybrid_tamp.questions.probe.evidence import find_faults, is_evidence
 
 STARTS = 4
 """Minimum number of trials for a class. If all or none of four trials succeed, the confidence interval excludes 1/2."""
@@ -149,10 +149,10 @@ class Prober:
         except _NeverSettles:
             return Trial(False, f"the trial did not end within {self.most_seconds:g} s of simulated time", {})
         measured = task.domain.measure(task, recording)
-        faults = list(_faults(recipe, recording, measured))
+        faults = list(find_faults(recipe, recording, measured))
         _logger.info("%s: %s", task.name, "; ".join(faults) or "succeeded")
         figures = {".".join(key): value for key, value in measured.items()}
-        if _is_evidence(task, recording, member, recipe.object_class):
+        if is_evidence(task, recording, member, recipe.object_class):
             return Trial(not faults, "; ".join(faults), figures)
         why = f"no evidence on {recipe.object_class.name}, because another block failed: {faults[0]}"
         return Trial(False, why, figures, conclusive=False)
@@ -164,20 +164,6 @@ class Prober:
 
 class _NeverSettles(Exception):
     """Raised if a trial exceeds its maximum simulated time."""
-
-
-def _is_evidence(task: Task, recording: Recording, member: Token, object_class: type[ObjectClass]) -> bool:
-    """Say whether a run is evidence: a block of the class ran, and the block that failed, if any, holds the token."""
-    if recording.failure is None:
-        return True
-
-    def tries(instance: BlockInstance) -> bool:
-        slots = task.domain.block_by_name[instance.block].slots
-        classes = (slot.object_class for slot in slots if instance.slots[slot.name] == member.name)
-        return any(each is not TOKEN and issubclass(object_class, each) for each in classes)
-
-    failed = [each for each in recording.instances if each.name == recording.failure.instance]
-    return any(map(tries, recording.instances)) and all(member.name in each.slots.values() for each in failed)
 
 
 def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]]) -> Token:
@@ -236,20 +222,3 @@ def with_time_bounds(domain: Domain) -> Domain:
     durations = [replace(block.duration, maximum=min(block.duration.maximum, BLOCK_SECONDS)) for block in domain.blocks]
     blocks = zip(domain.blocks, durations, strict=True)
     return domain.with_blocks([replace(block, duration=duration) for block, duration in blocks])
-
-
-def _faults(
-    recipe: TrialRecipe[Task], recording: Recording, measured: Mapping[tuple[str, str], float]
-) -> Iterator[str]:
-    """Yield the reasons why a trial failed."""
-    if recording.failure is not None:
-        yield f"{recording.failure.instance}: {recording.failure.reason}"
-    for key, (low, high) in recipe.bounds.items():
-        values = [value for (_, name), value in measured.items() if name == key]
-        if not values:
-            yield f"the domain must measure {key}, got no value"
-        yield from (
-            f"{key} must be within {low:g} to {high:g}, got {value:.4g}" for value in values if not low <= value <= high
-        )
-    if recording.failure is None:
-        yield from (f"{margin.atom.text} does not hold" for margin in recording.goal if not margin.holds)
