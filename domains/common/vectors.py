@@ -23,3 +23,10 @@ def depth_in_workspace(hand: Token, position: FloatArray) -> FloatArray:
     """Return the depth ``(...)`` [m] of positions ``(..., 3)`` in a hand's workspace, which is negative outside."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
     return np.asarray(np.minimum(position - lower, upper - position).min(axis=-1))
+
+
+def largest_depth(hand: Token, position: FloatArray, radius: float) -> FloatArray:
+    """Return an upper bound of `depth_in_workspace` for positions displaced horizontally by at most `radius` [m]."""
+    lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
+    depth = np.minimum(position - lower, upper - position) + np.array([radius, radius, 0.0])
+    return np.asarray(np.minimum(depth, (upper - lower) / 2.0).min(axis=-1))

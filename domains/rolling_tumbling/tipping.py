@@ -51,7 +51,6 @@ from .standing import FLAT_TOLERANCE
 from .tumbling_geometry import edge_axis, edge_position, half_extent, nominal_tilt, normal
 from .tumbling_predicates import (
     AT_FACE,
-    FEASIBLE_TUMBLING,
     HOLDS,
     LEANS,
     LOW_ENOUGH,
@@ -71,7 +70,6 @@ _ABLE = tuple(
     for hand in ("first", "second")
     for feasible in (STRONG_ENOUGH, ROUGH_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
 )
-_KEPT = (*FEASIBLE_TUMBLING, ROUGH_ENOUGH, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE)
 
 
 def _squeezes(binding: Binding) -> tuple[float, float, float]:
@@ -145,9 +143,9 @@ def _tipping(
             TURNS_SLOWLY("object"),
         ),
         writes={"first": MOTION, "second": MOTION, "object": BODY},
-        # A box turns only about the axis of the hands and moves by little more than its own size, so its feasibility
-        # facts do not change. Boxes do not roll, so the facts of rolling do not change either.
-        keeps=_KEPT,
+        # Boxes do not roll, so the facts of rolling do not change.
+        keeps=(INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE),
+        ends={"object": ("near", "far", "before", "outcome")},
         allowed_contacts=(("first", "object"), ("second", "object"), ("object", FLOOR)),
         hyperparameters=(
             Hyperparameter("rate", "rad/s", 0.1, 1.0, lambda b, s: np.asarray(0.5), "mean angular speed of the turn"),

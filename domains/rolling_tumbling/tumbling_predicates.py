@@ -7,7 +7,7 @@ from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicat
 from ..common.classes import StaticEndEffector
 from ..common.predicates import length_predicate, near, one_by_one
 from ..common.roles import POSE
-from ..common.vectors import depth_in_workspace, dot
+from ..common.vectors import depth_in_workspace, dot, largest_depth
 from .classes import Tumblable
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, POSTURES, TIPS_HOLD
 from .sliding import SQUEEZE
@@ -67,14 +67,26 @@ def _strength(state: State, hand: Token, thing: Token) -> FloatArray:
 
 def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
     """Return the smallest depth [m] of the hand in its workspace, over its places beside the box and above the box."""
+    places = _places(state, hand, thing)
+    return np.asarray(min((float(depth_in_workspace(hand, point)) for point in places), default=-1.0))
+
+
+def _places(state: State, hand: Token, thing: Token) -> list[FloatArray]:
+    """Return the places [m] of a hand beside the box and above the box."""
     beside = [
         place_at(state, hand, thing, face)
         for face in sides_across(state, hand, thing)
         if abs(float(normal(state, thing, face)[2])) < 0.5
     ]
     diagonal = float(np.hypot(*sections(state, hand, thing)))
-    points = [*beside, *(np.array([*point[:2], diagonal + hand["radius"]]) for point in beside)]
-    return np.asarray(min((float(depth_in_workspace(hand, point)) for point in points), default=-1.0))
+    return [*beside, *(np.array([*point[:2], diagonal + hand["radius"]]) for point in beside)]
+
+
+def _largest_reach(state: State, radius: float, hand: Token, thing: Token) -> FloatArray:
+    """Return an upper bound of `_reach` for a box that is displaced by at most `radius` [m]."""
+    return np.asarray(
+        min((float(largest_depth(hand, point, radius)) for point in _places(state, hand, thing)), default=-1.0)
+    )
 
 
 def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
@@ -89,6 +101,12 @@ def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -
     offset = float((state[hand, "position"] - state[thing, "position"]) @ to_the_right(state, hand))
     facing = outlook(state, hand, thing, face, posture)
     return np.asarray((facing if offset > 0 else -facing) if abs(offset) > _ABOVE else abs(facing)) - _LEAST_OUTLOOK
+
+
+def _best_outlook(state: State, radius: float, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
+    """Return an upper bound of `_outlook` for a box at any position, which is reached for a hand above the box."""
+    exposed = (face, posture) in EXPOSED_HOLD
+    return np.asarray(abs(outlook(state, hand, thing, face, posture)) - _LEAST_OUTLOOK if exposed else -1.0)
 
 
 POSTURE = Predicate(
@@ -132,6 +150,7 @@ ON_SIDE = Predicate(
     # The side on which the hand starts does not change, so `reads` omits the position of the hand.
     reads={"hand": ("orientation",), "object": POSE},
     kind=Kind.STATIC,
+    bound=_best_outlook,
     description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
     denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
 )
@@ -154,6 +173,7 @@ WITHIN_REACH = length_predicate(
     one_by_one(_reach),
     reads={"object": POSE},
     kind=Kind.STATIC,
+    bound=_largest_reach,
     description="{hand} can reach its positions beside and above {object}",
     denial="{hand} cannot reach its positions beside and above {object} within its workspace",
 )

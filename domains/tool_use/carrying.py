@@ -5,7 +5,7 @@ above the object that it will strike. In mode ``down``, the tool ends standing a
 the demonstrated reach and turns the tool in the high part of the reach.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -35,7 +35,7 @@ from ..common.roles import BODY, get_token, get_tokens
 from ..common.timetable import Timetable
 from ..common.vectors import HORIZONTAL, UP
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
-from .feasibility import ABLE_TO_PUSH, ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME, PUSH_WITHIN_REACH, SQUARE_TO
+from .feasibility import ABLE_TO_PUSH, ABLE_TO_STRIKE, HOME, PUSH_WITHIN_REACH, SQUARE_TO
 from .geometry import (
     RAISED,
     foot,
@@ -140,6 +140,7 @@ def _carrying(
     entry: tuple[Literal, ...],
     arrived: tuple[Literal, ...],
     description: str,
+    ends: Mapping[str, tuple[str, ...]] | None = None,
 ) -> Block:
     def distance(binding: Binding, state: State) -> FloatArray:
         return norm(goal(binding, state)[0] - state[get_token(binding, "hand"), "position"])
@@ -160,8 +161,7 @@ def _carrying(
         invariants=(HELD("tool", "hand"), IN_WORKSPACE("hand")),
         waived={literal: _UNSEEN for literal in entry if literal.predicate is AT_REST},
         writes={"hand": BODY, "tool": BODY},
-        # These facts depend only on the initial place of the tool.
-        keeps=(HANDLE_WITHIN_REACH, HOME),
+        ends=ends or {},
         allowed_contacts=(("hand", "tool"), ("tool", FLOOR)),
         hyperparameters=(chosen,),
         duration=duration,
@@ -205,5 +205,6 @@ CARRYING = (
         (HOME("tool", "region"),),
         (STANDS("tool"),),
         "the hand sets the tool down at its initial place",
+        ends={"tool": ("region",)},
     ),
 )

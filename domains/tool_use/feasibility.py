@@ -17,7 +17,7 @@ from hybrid_tamp.authoring import (
 from ..common.classes import Region
 from ..common.predicates import depth_in_region, everywhere, length_predicate
 from ..common.roles import POSE
-from ..common.vectors import HORIZONTAL, UP, depth_in_workspace, to_body
+from ..common.vectors import HORIZONTAL, UP, depth_in_workspace, largest_depth, to_body
 from .classes import Pushable, Pusher, Strikable, Striker
 from .geometry import foot, half_depth, handle_length, point, way
 from .predicates import HAND, OPEN, TOOL
@@ -26,6 +26,7 @@ from .swing import swing_of
 _FLOOR_FRICTION = 1.0
 _SQUARE_TOLERANCE = np.radians(5.0)
 _GRASPS = 31
+_HANDLE = ("handle_from", "handle_to")
 
 
 def _lift(hand: Token, tool: Token, factor: float) -> float:
@@ -66,7 +67,7 @@ def _depth(hand: Token, *places: FloatArray) -> FloatArray:
 
 
 def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
-    return _depth(hand, *(point(state, tool, np.asarray(tool[end])) for end in ("handle_from", "handle_to")))
+    return _depth(hand, *(point(state, tool, np.asarray(tool[end])) for end in _HANDLE))
 
 
 def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
@@ -74,7 +75,7 @@ def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region:
     ahead, _ = way(state, thing, region)
     back = half_depth(state, thing, ahead) + tool["pushing_point"][2]
     place = (state[region, "position"] - ahead * back[..., None]) * HORIZONTAL
-    return _depth(hand, *(place + UP * (foot(tool) - tool[end][0]) for end in ("handle_from", "handle_to")))
+    return _depth(hand, *(place + UP * (foot(tool) - tool[end][0]) for end in _HANDLE))
 
 
 def _squareness(state: State, thing: Token, region: Token) -> FloatArray:
@@ -82,6 +83,22 @@ def _squareness(state: State, thing: Token, region: Token) -> FloatArray:
     ahead, _ = way(state, thing, region)
     local = to_body(state, thing, ahead)
     return np.asarray(_SQUARE_TOLERANCE - np.arccos(np.clip(np.abs(local).max(axis=-1), 0.0, 1.0)))
+
+
+def _squareness_within(state: State, radius: float, thing: Token, region: Token) -> FloatArray:
+    """Return an upper bound of `_squareness` for an object that is displaced by at most `radius` [m]."""
+    _, distance = way(state, thing, region)
+    turned = np.arcsin(np.clip(radius / np.maximum(distance, 1e-9), 0.0, 1.0))
+    return np.asarray(np.minimum(_SQUARE_TOLERANCE, _squareness(state, thing, region) + turned))
+
+
+def _largest_reach_of_push(
+    state: State, radius: float, hand: Token, tool: Token, thing: Token, region: Token
+) -> FloatArray:
+    """Return an upper bound of `_reach_of_push` for all directions of the push."""
+    back = float(np.linalg.norm(thing["half_extents"])) + tool["pushing_point"][2]
+    places = (state[region, "position"] * HORIZONTAL + UP * (foot(tool) - tool[end][0]) for end in _HANDLE)
+    return np.asarray(np.min([largest_depth(hand, place, back) for place in places], axis=0))
 
 
 LIFTABLE = Predicate(
@@ -140,6 +157,7 @@ SQUARE_TO = Predicate(
     scale=0.05,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
+    bound=_squareness_within,
     description="{object} has a side perpendicular to the line to {region}",
     denial="{object} has no side perpendicular to the line to {region}, so a push would turn {object}",
 )
@@ -149,6 +167,7 @@ PUSH_WITHIN_REACH = length_predicate(
     _reach_of_push,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
+    bound=_largest_reach_of_push,
     description="{hand} can push {object} to {region} with {tool} without leaving the workspace of the hand",
     denial="{hand} cannot push {object} to {region} with {tool} without leaving the workspace of the hand",
 )
@@ -158,6 +177,7 @@ HOME = length_predicate(
     depth_in_region,
     reads={"tool": ("position",), "region": ("position",)},
     kind=Kind.STATIC,
+    at_start=True,
     description="{region} is the initial place of {tool}",
     denial="{region} is not the initial place of {tool}",
 )

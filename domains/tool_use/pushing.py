@@ -39,8 +39,6 @@ from ..common.vectors import HORIZONTAL, UP
 from .classes import DexterousHand, Pushable, Pusher
 from .feasibility import (
     ABLE_TO_PUSH,
-    HANDLE_WITHIN_REACH,
-    HOME,
     PUSH_WITHIN_REACH,
     SQUARE_TO,
     resistance,
@@ -224,8 +222,7 @@ PUSHING = Block(
     ),
     invariants=(HELD("tool", "hand"), IN_WORKSPACE("hand")),
     writes={"hand": BODY, "tool": BODY, "object": BODY},
-    # A push is straight, and the object keeps its heading. The other facts depend only on the tool's initial place.
-    keeps=(SQUARE_TO, PUSH_WITHIN_REACH, HANDLE_WITHIN_REACH, HOME),
+    ends={"object": ("region",)},
     allowed_contacts=(("hand", "tool"), ("tool", "object"), ("object", FLOOR)),
     hyperparameters=(
         # With wider bounds, a search would spend most of its time on pushes that end far outside the region.

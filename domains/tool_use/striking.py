@@ -36,7 +36,7 @@ from ..common.timetable import Timetable
 from ..common.vectors import UP
 from .arc import WINDING_UP, Arc, in_plane, on_arc
 from .classes import DexterousHand, Strikable, Striker
-from .feasibility import ABLE_TO_STRIKE, HANDLE_WITHIN_REACH, HOME
+from .feasibility import ABLE_TO_STRIKE
 from .geometry import (
     LEVEL,
     butt,
@@ -200,8 +200,6 @@ STRIKING = Block(
     invariants=(HELD("tool", "hand"), IN_WORKSPACE("hand")),
     waived={AT_REST("object"): "the impact shakes the object"},
     writes={"hand": BODY, "tool": BODY, "object": ("velocity", "impulse")},
-    # These facts depend only on the initial place of the tool.
-    keeps=(HANDLE_WITHIN_REACH, HOME),
     allowed_contacts=(("hand", "tool"), ("tool", "object"), ("object", FLOOR)),
     hyperparameters=(
         _offset(

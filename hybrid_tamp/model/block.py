@@ -143,6 +143,8 @@ class Block:
             runs in the forward model.
         writes: maps each slot to the varying properties that the continuous system changes.
         keeps: predicates that read a written property, but whose atoms the block does not change.
+        ends: maps a slot to targets. Together with the initial pose of the slot's token, these targets determine the
+            final pose of the token, which `outcome` computes.
         hyperparameters: policy parameters whose values are optimised.
         duration: bounds and an estimate for the duration of an instance.
         hold: whether an instance can continue after its exit conditions hold, in order to maintain these conditions.
@@ -169,6 +171,7 @@ class Block:
     waived: Mapping[Literal, str] = field(default_factory=dict)
     writes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     keeps: tuple[Predicate, ...] = ()
+    ends: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     hyperparameters: tuple[Hyperparameter, ...] = ()
     hold: bool = False
     policy: PolicyMaker | None = None

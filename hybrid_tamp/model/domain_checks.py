@@ -201,8 +201,8 @@ def _frame(domain: Declarations) -> Iterator[Issue]:
         for slot_name, written in block.writes.items():
             slot_class = block.slot(slot_name).object_class
             for predicate in domain.predicates:
-                if predicate in block.keeps or predicate.maintained:
-                    continue
+                if predicate in block.keeps or predicate.maintained or predicate.static:
+                    continue  # The planner tracks the movements of tokens in order to evaluate feasibility facts.
                 for index, parameter in enumerate(predicate.parameters):
                     read = set(predicate.reads.get(parameter.name, ())) & set(written)
                     if not read or isinstance(parameter.sort, SymbolSort):

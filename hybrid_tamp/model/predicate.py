@@ -62,10 +62,13 @@ class Predicate:
         kind: kind of the predicate.
         value_of: name of the parameter that has at most one value. None unless the predicate is functional.
         rows: rows of symbols for which a relation holds, in the order of the sorts. None for other predicates.
-        by_name: whether the margin depends on the names of tokens, in addition to the tokens' properties and states.
+        by_name: whether the margin or the rows depend on names of tokens, not only on properties and states.
         share: function ``share(state, *values)`` for a load that several tokens bear together. The function returns the
             load on the first value and the capacity of the first value [unit]. None for other predicates.
         safety: safety factor of a static predicate, or None.
+        at_start: whether the predicate by definition describes the initial state, so that no block changes its atoms.
+        bound: function ``bound(state, radius, *values)`` that returns an upper bound of the margin over all horizontal
+            displacements of the tokens by at most `radius` [m], which can be infinite.
         description: sentence with parameters in braces, e.g. ``"{object} is within {region}"``.
         denial: sentence for a predicate that does not hold, e.g. ``"{object} is not within {region}"``.
 
@@ -87,6 +90,8 @@ class Predicate:
     rows: tuple[tuple[str, ...], ...] | None = None
     by_name: bool = False
     safety: SafetyFactor | None = None
+    at_start: bool = False
+    bound: Callable[..., FloatArray] | None = None
 
     def __post_init__(self) -> None:
         faults = list(self._faults())
@@ -118,16 +123,13 @@ class Predicate:
             yield Issue(self.name, "'value_of' must be set if the predicate is functional, and must be None otherwise")
         elif self.value_of is not None and self.value_of not in names:
             yield Issue(self.name, "'value_of' must be a parameter of the predicate", repr(self.value_of), names)
-        sorts = list(map(_symbols, self.parameters))
         over_symbols = all(isinstance(parameter.sort, SymbolSort) for parameter in self.parameters)
-        if self.rows is None:
-            if self.static and over_symbols:
-                remedy = "create the predicate with Predicate.relation"
-                yield Issue(self.name, "a static predicate with only symbol parameters must have rows", remedy=remedy)
-        elif not (self.static and over_symbols):
-            yield Issue(self.name, "a predicate with rows must be static and must have only symbol parameters")
-        else:
-            yield from row_faults(self.name, self.rows, sorts)
+        if self.rows is not None:
+            lawful = self.static and (over_symbols or self.by_name)
+            yield from row_faults(self.name, self.rows, list(map(_symbols, self.parameters)), lawful)
+        elif self.static and over_symbols:
+            remedy = "create the predicate with Predicate.relation"
+            yield Issue(self.name, "a static predicate with only symbol parameters must have rows", remedy=remedy)
 
     def __call__(self, *arguments: str) -> "Literal":
         """Return a positive literal. Each argument is a slot, a target, a symbol or `ANY`."""

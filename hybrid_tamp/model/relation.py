@@ -33,8 +33,19 @@ def order_rows(rows: Iterable[Row], sorts: Sequence[Row]) -> tuple[Row, ...]:
     return tuple(sorted(set(rows), key=place))
 
 
-def row_faults(name: str, rows: Iterable[Row], sorts: Sequence[Row]) -> Iterator[Issue]:
-    """Yield a fault for each row that does not have exactly one symbol of each sort."""
+def row_faults(name: str, rows: Iterable[Row], sorts: Sequence[Row], lawful: bool) -> Iterator[Issue]:
+    """Yield a fault for each row that does not have exactly one symbol of each sort.
+
+    Args:
+        name: name of the predicate.
+        rows: rows of the predicate.
+        sorts: symbols of each parameter. A parameter without symbols takes the names of tokens.
+        lawful: whether the predicate may have rows.
+    """
+    if not lawful:
+        yield Issue(name, "a predicate with rows must be static and must have only symbol parameters")
+        return
     for row in rows:
-        if len(row) != len(sorts) or any(symbol not in symbols for symbol, symbols in zip(row, sorts, strict=True)):
+        right = (not symbols or symbol in symbols for symbol, symbols in zip(row, sorts, strict=False))
+        if len(row) != len(sorts) or not all(right):
             yield Issue(name, "a row of a relation must have one symbol of each parameter's sort", repr(row))
