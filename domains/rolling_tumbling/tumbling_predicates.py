@@ -31,6 +31,8 @@ FACE_TOLERANCE = 0.06
 """Largest distance at which a hand counts as at its place at a face [m]."""
 _ABOVE = 0.05
 _LEAST_OUTLOOK = 0.1
+_LYING = np.cos(np.radians(18.0))
+"""Vertical component of the normal above which a face is a top or bottom face, which no hand touches."""
 _ALIGNMENT = np.sin(np.radians(6.0))
 
 
@@ -76,7 +78,7 @@ def _places(state: State, hand: Token, thing: Token) -> list[FloatArray]:
     beside = [
         place_at(state, hand, thing, face)
         for face in sides_across(state, hand, thing)
-        if abs(float(normal(state, thing, face)[2])) < 0.5
+        if abs(float(normal(state, thing, face)[2])) < _LYING
     ]
     diagonal = float(np.hypot(*sections(state, hand, thing)))
     return [*beside, *(np.array([*point[:2], diagonal + hand["radius"]]) for point in beside)]

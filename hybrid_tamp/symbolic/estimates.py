@@ -6,7 +6,7 @@ computes. Without an `outcome`, a token moves to the centre of the place that an
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,17 +59,29 @@ class Estimates:
         Raises:
             LimitReached: If the deadline passes.
         """
-        state, found = self.task.state, []
+        return [estimate for _, estimate in self._follow(instances)]
+
+    def states(self, instances: Sequence[OrderedInstance]) -> list[State]:
+        """Return the expected state in which each instance of a plan begins, in the order of their beginnings.
+
+        Raises:
+            LimitReached: If the deadline passes.
+        """
+        return [state for state, _ in self._follow(instances)]
+
+    def _follow(self, instances: Sequence[OrderedInstance]) -> Iterator[tuple[State, Estimate]]:
+        """Yield the expected state in which each instance begins, and the estimate of the instance."""
+        state = self.task.state
         coming: list[tuple[int, Poses]] = []
         for instance in instances:
             self._deadline.check()
             ready = [poses for event, poses in coming if event <= instance.begin]
             coming = [(event, poses) for event, poses in coming if event > instance.begin]
             state = state.replace({key: value for poses in ready for key, value in poses.items()}) if ready else state
-            found.append(self._estimate(instance, state))
-            if found[-1].outcome:
-                coming.append((self._event(instance), found[-1].outcome))
-        return found
+            estimate = self._estimate(instance, state)
+            yield state, estimate
+            if estimate.outcome:
+                coming.append((self._event(instance), estimate.outcome))
 
     def _event(self, instance: OrderedInstance) -> int:
         """Return the first reassignment at which other instances may read the tokens that the instance has moved."""

@@ -7,7 +7,7 @@ no rebinding shortens the plan. Counts limit these searches. The deadline of the
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from hybrid_tamp.errors import LimitReached
@@ -18,9 +18,12 @@ from hybrid_tamp.symbolic.relaxation import may_be_solvable
 from hybrid_tamp.symbolic.strategies.goals_apart import plan_goals_apart
 from hybrid_tamp.symbolic.strategies.rebinding import rebind_tokens
 from hybrid_tamp.symbolic.strategies.search import Candidate, Planner, Search, SearchResult
+from hybrid_tamp.symbolic.whereabouts.relax import relax_task
+from hybrid_tamp.symbolic.whereabouts.situate import Excluded, Situation
 
 WHOLE = "the whole task at once"
 REBOUND = "interchangeable tokens rebound"
+UNCERTAIN = "conditions on moved tokens may hold within the tolerance of their places, but not at the centres"
 
 _DECOMPOSING = ("fast-downward", "symk", "enhsp", "pyperplan")
 """Engines that may plan goals separately. They stop if there is no plan, and do not guarantee the fewest actions."""
@@ -56,15 +59,84 @@ def find_plan(task: Task, planner: Planner, deadline: Deadline | None = None, *,
 def _plan_alternative(task: Task, planner: Planner, deadline: Deadline, relax: bool) -> SearchResult:
     """Plan a task whose goal leaves no choice.
 
+    First, the feasibility facts of the initial state are used. If this gives no plan, but blocks change poses on which
+    the facts depend, the whereabouts of the tokens are planned, too.
+
     Raises:
         LimitReached: If a limit was reached before any plan was found.
     """
-    search = Search(task, planner, deadline)
+    result = _plan(Search(task, planner, deadline), relax)
+    if result.status not in ("unsolvable", "plan_refused"):
+        return result
+    return _plan_whereabouts(task, planner, deadline, result)
+
+
+def _plan_whereabouts(task: Task, planner: Planner, deadline: Deadline, result: SearchResult) -> SearchResult:
+    """Plan a task that has no plan with the feasibility facts of the initial state, which gave `result`.
+
+    Facts at the expected ends of movements guide the search. If a condition fails in a predicted state of a plan, the
+    search repeats without this fact. Only optimistic facts prove that the task has no plan. With these facts, a
+    condition holds unless an upper bound shows that the condition fails at every pose of a node.
+
+    Raises:
+        LimitReached: If a limit was reached before any plan was found.
+    """
+    situation = Situation(task)
+    if not situation.tracking.parameters:
+        return result
+    relaxed = Search(relax_task(task, situation.tracking), planner, deadline)
+    if not _is_within_reach(relaxed):
+        return result if result.status == "unsolvable" else _unsolvable(relaxed, task)
+    optimistic = _situated_search(situation, planner, deadline, optimistic=True)
+    if not _is_within_reach(optimistic):
+        return _unsolvable(optimistic, task)
+    excluded: set[Excluded] = set()
+    for _ in range(task.limits.refinements + 1):
+        search = _situated_search(situation, planner, deadline, excluded=excluded)
+        found = _plan(search, relax=True)
+        if found.status == "solved":
+            return found
+        if not (more := situation.excluded(search.broken) - excluded):
+            break
+        excluded |= more
+    found = _plan(optimistic, relax=False)
+    return found if found.status in ("solved", "unsolvable") else _not_found(found, search.refusals)
+
+
+def _situated_search(
+    situation: Situation,
+    planner: Planner,
+    deadline: Deadline,
+    *,
+    optimistic: bool = False,
+    excluded: Collection[Excluded] = (),
+) -> Search:
+    task = situation.situated_task(optimistic, excluded)
+    return Search(task, planner, deadline, original=situation.task, restore=situation.original_plan)
+
+
+def _unsolvable(search: Search, task: Task) -> SearchResult:
+    answer = PlannerAnswer("unsolvable", (), search.elapsed, task.planner)
+    return SearchResult(answer, None, stages=dict(search.stages), task=task)
+
+
+def _not_found(result: SearchResult, refusals: Sequence[str]) -> SearchResult:
+    """Return the result of a search with facts that prove nothing."""
+    answer = replace(result.answer, status="not_found", message="; ".join(refusals) or UNCERTAIN)
+    return replace(result, answer=answer, refusal="")
+
+
+def _plan(search: Search, relax: bool) -> SearchResult:
+    """Search for a plan with the facts of one task.
+
+    Raises:
+        LimitReached: If a limit was reached before any plan was found.
+    """
+    task, original = search.task, search.original
     answer: PlannerAnswer | None = None
     stopped: LimitReached | None = None
     if relax and not _is_within_reach(search):
-        answer = PlannerAnswer("unsolvable", (), search.elapsed, task.planner)
-        return SearchResult(answer, None, stages=dict(search.stages), task=task)
+        return _unsolvable(search, original)
     try:
         answer, best = _search(search)
     except LimitReached as reached:
@@ -73,10 +145,11 @@ def _plan_alternative(task: Task, planner: Planner, deadline: Deadline, relax: b
         best, stopped = search.best, reached
     if best is not None:
         answer = PlannerAnswer("solved", best.plan.actions, search.elapsed, task.planner, validated=True)
-        return SearchResult(answer, best.plan, "", best.way, dict(search.stages), task, stopped)
+        return SearchResult(answer, best.plan, "", best.way, dict(search.stages), original, stopped)
     assert answer is not None, "the engine was not asked for a plan of the whole task"
     refusal = search.refusals[-1] if search.refusals and answer.status == "solved" else ""
-    return SearchResult(replace(answer, seconds=search.elapsed), None, refusal, stages=dict(search.stages), task=task)
+    answer = replace(answer, seconds=search.elapsed)
+    return SearchResult(answer, None, refusal, stages=dict(search.stages), task=original)
 
 
 def _is_within_reach(search: Search) -> bool:

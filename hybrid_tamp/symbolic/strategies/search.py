@@ -3,7 +3,7 @@
 import logging
 import time
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -12,7 +12,7 @@ from typing import Protocol
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.plan import PlannedAction, TaskPlan
+from hybrid_tamp.model.plan import BlockInstance, PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.symbolic.decode import NotAPlanError
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
@@ -20,6 +20,7 @@ from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
 from hybrid_tamp.symbolic.estimates import Estimates
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.schedule import schedule_actions
+from hybrid_tamp.symbolic.whereabouts.predicted import BrokenCondition, find_broken_conditions
 
 _LOG = logging.getLogger(__name__)
 
@@ -78,19 +79,33 @@ class Search:
     Attributes:
         task: Task to plan.
         planner: Running planner process.
+        original: Task whose plans are wanted. By default, the task to plan.
+        restore: Function that converts a plan of the task to a plan of the original task.
         stages: Maps each stage to its duration so far [s].
         deadline: Deadline of the command.
         refusals: Reasons why plans were refused.
+        broken: Feasibility conditions that failed in the predicted states of refused plans, each with its instance in
+            the plan of `task`.
         best: Best lawful plan so far, or None.
     """
 
-    def __init__(self, task: Task, planner: Planner, deadline: Deadline | None = None) -> None:
+    def __init__(
+        self,
+        task: Task,
+        planner: Planner,
+        deadline: Deadline | None = None,
+        original: Task | None = None,
+        restore: Callable[[TaskPlan], TaskPlan] = lambda plan: plan,
+    ) -> None:
         self.task = task
         self.planner = planner
+        self.original = original or task
+        self.restore = restore
         self.deadline = deadline or Deadline.after(task.limits.time)
         self.best: Candidate | None = None
         self.stages: defaultdict[str, float] = defaultdict(float)
         self.refusals: list[str] = []
+        self.broken: list[tuple[BrokenCondition, BlockInstance]] = []
         self._began = self._counted = time.monotonic()
         self._open: list[str] = []
 
@@ -109,6 +124,10 @@ class Search:
     def estimates(self) -> Estimates:
         """The estimates of the instances of the task."""
         return Estimates(self.task, self.deadline)
+
+    @cached_property
+    def _predictions(self) -> Estimates:
+        return self.estimates if self.original is self.task else Estimates(self.original, self.deadline)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -157,14 +176,24 @@ class Search:
         return self.judge(Candidate(way, plan))
 
     def judge(self, candidate: Candidate) -> Candidate | None:
-        """Return the candidate if it obeys the law of assignment. Otherwise record the reason and return None.
+        """Return the candidate as a plan of the original task, or record the reason for refusing it and return None.
 
-        A lawful candidate becomes the best plan if its makespan is the shortest so far.
+        The plan must obey the law of assignment. Its feasibility conditions must hold in the predicted states. The plan
+        becomes the best plan if its makespan is the shortest so far.
         """
+        unrestored = candidate.plan
+        candidate = replace(candidate, plan=self.restore(unrestored))
         with self.stage("law"):
-            violations = check_law(self.task, candidate.plan)
-        if violations:
-            self._refuse(candidate.way, "; ".join(each.text for each in violations))
+            violations = check_law(self.original, candidate.plan)
+            broken = (
+                [] if violations else list(find_broken_conditions(self.original, candidate.plan, self._predictions))
+            )
+        if violations or broken:
+            encoded = {instance.name: instance for instance in unrestored.instances}
+            self.broken += [(each, encoded[each.instance.name]) for each in broken]
+            self._refuse(
+                candidate.way, "; ".join([*(each.text for each in violations), *(each.text for each in broken)])
+            )
             return None
         if self.best is None or candidate.plan.makespan < self.best.plan.makespan - 1e-6:
             self.best = candidate

@@ -1,0 +1,188 @@
+"""Conversion of a task to a task whose feasibility facts depend on the whereabouts of tokens.
+
+Each block gets a target for the node of every token whose whereabouts the block requires or changes. Conditions on
+poses become conditions on nodes. A movement changes the functional predicate `whereabouts`. Plans of the situated task
+become plans of the original task when these targets are left out.
+"""
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.block import Block, Target
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.predicate import Kind, Literal, Parameter, Predicate, Value, name_of
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.symbolic.pddl.naming import unused
+from hybrid_tamp.symbolic.whereabouts.nodes import Nodes, Row, Whereabouts, find_nodes
+from hybrid_tamp.symbolic.whereabouts.predicted import BrokenCondition
+from hybrid_tamp.symbolic.whereabouts.situated_facts import SituatedFacts
+from hybrid_tamp.symbolic.whereabouts.tracking import Tracking
+
+_Key = tuple[str, bool, int]
+"""Triple of (predicate, whether positive, number of nodes) that identifies the conditions with the same relation."""
+Excluded = tuple[_Key, Row]
+"""A condition that counts as false for a row of names."""
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """The margin of a relation over names of tokens and symbols: 0 for a row of the relation and -1 otherwise."""
+
+    rows: frozenset[Row]
+
+    def __call__(self, state: State, *values: Value) -> FloatArray:
+        held = tuple(map(name_of, values)) in self.rows
+        return np.full(state.values.shape[:-1], 0.0 if held else -1.0)
+
+
+class Situation:
+    """A task with the whereabouts of its tokens.
+
+    Attributes:
+        task: the original task.
+        tracking: conditions and slots that depend on whereabouts.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        self.tracking = Tracking(task.domain)
+
+    @cached_property
+    def nodes(self) -> Nodes:
+        """The nodes of all tokens that some block moves."""
+        return find_nodes(self.task, self.tracking)
+
+    def situated_task(self, optimistic: bool, excluded: Collection[Excluded] = ()) -> Task:
+        """Return the task in which conditions depend on nodes.
+
+        Args:
+            optimistic: whether a condition counts as true wherever it may be true (see `SituatedFacts`).
+            excluded: conditions that count as false.
+        """
+        return _Conversion(self, SituatedFacts(self.task, self.tracking, self.nodes, optimistic)).convert(excluded)
+
+    def original_plan(self, plan: TaskPlan) -> TaskPlan:
+        """Return the plan of the original task for a plan of the situated task."""
+        blocks = self.task.domain.block_by_name
+
+        def restore(instance: BlockInstance) -> BlockInstance:
+            kept = {target.name for target in blocks[instance.block].targets}
+            return replace(instance, targets={role: v for role, v in instance.targets.items() if role in kept})
+
+        return replace(plan, instances=tuple(map(restore, plan.instances)))
+
+    def excluded(self, broken: Iterable[tuple[BrokenCondition, BlockInstance]]) -> set[Excluded]:
+        """Return the conditions that failed, each given with its instance in a plan of a situated task."""
+        found = set()
+        for each, instance in broken:
+            block = self.task.domain.block_by_name[instance.block]
+            roles, names = dict(self.tracking.conditions(block))[each.literal], before_names(self.tracking, block)
+            row = (*each.atom.arguments, *(instance.targets[names[role]] for role in roles))
+            found.add((_key(each.literal, roles), row))
+        return found
+
+
+class _Conversion:
+    """Conversion of one task with one set of facts."""
+
+    def __init__(self, situation: Situation, facts: SituatedFacts) -> None:
+        self.task = situation.task
+        self.nodes = situation.nodes
+        self.facts = facts
+        self.tracking = facts.tracking
+        self._taken = {predicate.name for predicate in self.task.domain.predicates}
+        self.whereabouts = Predicate(
+            self._name("whereabouts"),
+            (Parameter("token", TOKEN), Parameter("node", Whereabouts)),
+            _Rows(frozenset((token, nodes[0].name) for token, nodes in self.nodes.by_token.items())),
+            kind=Kind.FUNCTIONAL,
+            value_of="node",
+            by_name=True,
+        )
+        self._conditions: dict[_Key, tuple[Predicate, set[Row]]] = {}
+        self._movements: list[Predicate] = []
+
+    def convert(self, excluded: Collection[Excluded]) -> Task:
+        """Return the situated task."""
+        blocks = tuple(map(self._convert_block, self.task.domain.blocks))
+        filled = {
+            empty.name: _relation(empty.name, empty.parameters, rows - {row for which, row in excluded if which == key})
+            for key, (empty, rows) in self._conditions.items()
+        }
+        blocks = tuple(
+            replace(b, entry=tuple(replace(c, predicate=filled.get(c.predicate.name, c.predicate)) for c in b.entry))
+            for b in blocks
+        )
+        domain = self.task.domain
+        predicates = (*domain.predicates, self.whereabouts, *filled.values(), *self._movements)
+        changed = replace(domain, classes=(*domain.classes, Whereabouts), predicates=predicates, blocks=blocks)
+        nodes = [Token.make(node.name, [Whereabouts], {}) for each in self.nodes.by_token.values() for node in each]
+        tokens, known = (*self.task.tokens, *nodes), self.task.state
+        state = State.of(tokens, {(t.name, v.name): known[t, v.name] for t in self.task.tokens for v in t.varying})
+        return self.task.replaced(domain=changed, tokens=tokens, state=state)
+
+    def _convert_block(self, block: Block) -> Block:
+        roles = self.tracking.roles(block)
+        if not roles:
+            return block
+        before = before_names(self.tracking, block)
+        taken = {*block.roles, *before.values()}
+        moving = self.tracking.moving_slots.get(block.name, ())
+        after = {slot: _fresh(f"{slot} after", taken) for slot in moving}
+        tracked = dict(self.tracking.conditions(block))
+        entry = [self._condition(block, c, tracked[c], before) if c in tracked else c for c in block.entry]
+        entry += [self.whereabouts(role, before[role]) for role in roles]
+        entry += [self._movement(block, slot, before[slot], after[slot]) for slot in moving]
+        exits = (self.whereabouts(slot, after[slot]) for slot in moving)
+        targets = (Target(name, Whereabouts, reads=()) for name in (*before.values(), *after.values()))
+        return replace(block, targets=(*block.targets, *targets), entry=tuple(entry), exit=(*block.exit, *exits))
+
+    def _condition(self, block: Block, literal: Literal, roles: tuple[str, ...], before: dict[str, str]) -> Literal:
+        predicate, key = literal.predicate, _key(literal, roles)
+        if key not in self._conditions:
+            name = self._name(f"{'' if literal.positive else 'not '}{predicate.name} at")
+            nodes = (Parameter(f"node {number}", Whereabouts) for number, _ in enumerate(roles, start=1))
+            self._conditions[key] = (_relation(name, (*predicate.parameters, *nodes), ()), set())
+        situated, rows = self._conditions[key]
+        rows.update(self.facts.rows(block, literal, roles))
+        return Literal(situated, (*literal.arguments, *(before[role] for role in roles)))
+
+    def _movement(self, block: Block, slot: str, before: str, after: str) -> Literal:
+        targets = block.ends.get(slot, ()) if block.outcome is not None else ()
+        sorts = (Parameter(name, block.roles[name]) for name in targets)
+        token = Parameter("token", block.slot(slot).object_class)
+        parameters = (token, Parameter("before", Whereabouts), *sorts, Parameter("after", Whereabouts))
+        name = self._name(f"{block.name} moves {slot}")
+        self._movements.append(_relation(name, parameters, self.nodes.rows[block.name, slot]))
+        return Literal(self._movements[-1], (slot, before, *targets, after))
+
+    def _name(self, wanted: str) -> str:
+        return _fresh(wanted, self._taken)
+
+
+def before_names(tracking: Tracking, block: Block) -> dict[str, str]:
+    """Return a dictionary that maps each tracked role of a block to the name of the target for its node."""
+    taken = set(block.roles)
+    return {role: _fresh(f"{role} before", taken) for role in tracking.roles(block)}
+
+
+def _relation(name: str, parameters: tuple[Parameter, ...], rows: Iterable[Row]) -> Predicate:
+    ordered = tuple(sorted(set(rows)))
+    return Predicate(name, parameters, _Rows(frozenset(ordered)), kind=Kind.STATIC, rows=ordered, by_name=True)
+
+
+def _key(literal: Literal, roles: tuple[str, ...]) -> _Key:
+    return literal.predicate.name, literal.positive, len(roles)
+
+
+def _fresh(wanted: str, taken: set[str]) -> str:
+    name = unused(wanted, taken)
+    taken.add(name)
+    return name
