@@ -15,7 +15,7 @@ import numpy as np
 from hybrid_tamp.model.affordance import PlaceClass
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.predicate import Binding, Kind, Literal, SymbolSort, Value, name_of
+from hybrid_tamp.model.predicate import Atom, Binding, Kind, Literal, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -115,6 +115,7 @@ class _Explorer:
         start = Node(f"{token.name} at its start", token.name, pose)
         self.elsewhere = Node(f"{token.name} elsewhere", token.name, pose, None, math.inf, oriented=False)
         self.nodes = [start]
+        self._margins: dict[tuple[str, Atom], float] = {}
 
     def explore(self) -> list[Node]:
         for node in self.nodes:  # The list grows during the loop.
@@ -144,7 +145,10 @@ class _Explorer:
         symbolic = [c for c in block.entry if node.oriented and _is_symbolic(c, slot, names)]
 
         def holds(literal: Literal, bound: Binding) -> bool:
-            return float(literal.margin(state, {**bound, slot: self.token})) >= 0
+            atom = literal.ground({**bound, slot: self.token})
+            if (node.name, atom) not in self._margins:
+                self._margins[node.name, atom] = float(literal.margin(state, {**bound, slot: self.token}))
+            return self._margins[node.name, atom] >= 0
 
         yield from enumerate_bindings(choices, [*relations, *symbolic], holds)
 

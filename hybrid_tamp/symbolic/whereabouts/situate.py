@@ -5,9 +5,11 @@ poses become conditions on nodes. A movement changes the functional predicate `w
 become plans of the original task when these targets are left out.
 """
 
+from collections import Counter
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import prod
 
 import numpy as np
 
@@ -24,6 +26,9 @@ from hybrid_tamp.symbolic.whereabouts.nodes import Nodes, Row, Whereabouts, find
 from hybrid_tamp.symbolic.whereabouts.predicted import BrokenCondition
 from hybrid_tamp.symbolic.whereabouts.situated_facts import SituatedFacts
 from hybrid_tamp.symbolic.whereabouts.tracking import Tracking
+
+MOST_ROWS = 200
+"""Largest number of rows of a condition that a `fill` checks. With more rows, a problem would have too many fills."""
 
 _Key = tuple[str, bool, int]
 """Triple of (predicate, whether positive, number of nodes) that identifies the conditions with the same relation."""
@@ -66,7 +71,8 @@ class Situation:
             optimistic: whether a condition counts as true wherever it may be true (see `SituatedFacts`).
             excluded: conditions that count as false.
         """
-        return _Conversion(self, SituatedFacts(self.task, self.tracking, self.nodes, optimistic)).convert(excluded)
+        facts = SituatedFacts(self.task, self.tracking, self.nodes, optimistic)
+        return _Conversion(self, facts, excluded).convert()
 
     def original_plan(self, plan: TaskPlan) -> TaskPlan:
         """Return the plan of the original task for a plan of the situated task."""
@@ -92,8 +98,9 @@ class Situation:
 class _Conversion:
     """Conversion of one task with one set of facts."""
 
-    def __init__(self, situation: Situation, facts: SituatedFacts) -> None:
+    def __init__(self, situation: Situation, facts: SituatedFacts, excluded: Collection[Excluded]) -> None:
         self.task = situation.task
+        self.excluded = excluded
         self.nodes = situation.nodes
         self.facts = facts
         self.tracking = facts.tracking
@@ -109,11 +116,13 @@ class _Conversion:
         self._conditions: dict[_Key, tuple[Predicate, set[Row]]] = {}
         self._movements: list[Predicate] = []
 
-    def convert(self, excluded: Collection[Excluded]) -> Task:
+    def convert(self) -> Task:
         """Return the situated task."""
         blocks = tuple(map(self._convert_block, self.task.domain.blocks))
         filled = {
-            empty.name: _relation(empty.name, empty.parameters, rows - {row for which, row in excluded if which == key})
+            empty.name: _relation(
+                empty.name, empty.parameters, rows - {row for which, row in self.excluded if which == key}
+            )
             for key, (empty, rows) in self._conditions.items()
         }
         blocks = tuple(
@@ -129,30 +138,52 @@ class _Conversion:
         return self.task.replaced(domain=changed, tokens=tokens, state=state)
 
     def _convert_block(self, block: Block) -> Block:
-        roles = self.tracking.roles(block)
-        if not roles:
-            return block
-        before = before_names(self.tracking, block)
-        taken = {*block.roles, *before.values()}
-        moving = self.tracking.moving_slots.get(block.name, ())
-        after = {slot: _fresh(f"{slot} after", taken) for slot in moving}
         tracked = dict(self.tracking.conditions(block))
-        entry = [self._condition(block, c, tracked[c], before) if c in tracked else c for c in block.entry]
+        before = before_names(self.tracking, block)
+        moving = self.tracking.moving_slots.get(block.name, ())
+        after_taken = {*block.roles, *before.values()}
+        after = {slot: _fresh(f"{slot} after", after_taken) for slot in moving}
+        found = ((self._condition(block, c, tracked[c], before) if c in tracked else c) for c in block.entry)
+        entry = [condition for condition in found if condition is not None]
+        asked = {argument for condition in entry for argument in condition.arguments}
+        roles = [role for role, name in before.items() if name in asked or role in moving]
         entry += [self.whereabouts(role, before[role]) for role in roles]
         entry += [self._movement(block, slot, before[slot], after[slot]) for slot in moving]
         exits = (self.whereabouts(slot, after[slot]) for slot in moving)
-        targets = (Target(name, Whereabouts, reads=()) for name in (*before.values(), *after.values()))
+        targets = (Target(name, Whereabouts, reads=()) for name in (*(before[r] for r in roles), *after.values()))
         return replace(block, targets=(*block.targets, *targets), entry=tuple(entry), exit=(*block.exit, *exits))
 
-    def _condition(self, block: Block, literal: Literal, roles: tuple[str, ...], before: dict[str, str]) -> Literal:
-        predicate, key = literal.predicate, _key(literal, roles)
+    def _condition(
+        self, block: Block, literal: Literal, roles: tuple[str, ...], before: dict[str, str]
+    ) -> Literal | None:
+        """Return the condition on nodes, or None if the condition is left to the check of the predicted states.
+
+        If a condition holds for all nodes of a token or for none, the condition does not mention the nodes.
+        """
+        key = _key(literal, roles)
+        rows = set(self.facts.rows(block, literal, roles))
+        if not any(which == key for which, _ in self.excluded):
+            others = {slot.name for slot in block.others} & set(literal.arguments)
+            if self._is_independent(rows, literal, roles):
+                rows, roles = {row[: len(literal.arguments)] for row in rows}, ()
+            elif others and len(rows) > MOST_ROWS:
+                return None
+        key = _key(literal, roles)
         if key not in self._conditions:
-            name = self._name(f"{'' if literal.positive else 'not '}{predicate.name} at")
+            where = "at" if roles else "anywhere"
+            name = self._name(f"{'' if literal.positive else 'not '}{literal.predicate.name} {where}")
             nodes = (Parameter(f"node {number}", Whereabouts) for number, _ in enumerate(roles, start=1))
-            self._conditions[key] = (_relation(name, (*predicate.parameters, *nodes), ()), set())
-        situated, rows = self._conditions[key]
-        rows.update(self.facts.rows(block, literal, roles))
+            self._conditions[key] = (_relation(name, (*literal.predicate.parameters, *nodes), ()), set())
+        situated, known = self._conditions[key]
+        known |= rows
         return Literal(situated, (*literal.arguments, *(before[role] for role in roles)))
+
+    def _is_independent(self, rows: Collection[Row], literal: Literal, roles: tuple[str, ...]) -> bool:
+        """Return whether each combination of arguments in the rows occurs with all nodes of its tokens."""
+        size = len(literal.arguments)
+        places = [literal.arguments.index(role) for role in roles]
+        counts = Counter(row[:size] for row in rows)
+        return all(count == prod(len(self.nodes.by_token[row[i]]) for i in places) for row, count in counts.items())
 
     def _movement(self, block: Block, slot: str, before: str, after: str) -> Literal:
         targets = block.ends.get(slot, ()) if block.outcome is not None else ()

@@ -1,7 +1,7 @@
 """Feasibility facts at the whereabouts of tokens."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 
 from hybrid_tamp.model.bindings import enumerate_bindings
@@ -31,6 +31,8 @@ class SituatedFacts:
     tracking: Tracking
     nodes: Nodes
     optimistic: bool
+    _known: dict[tuple[str | bool, ...], dict[Row, float]] = field(default_factory=dict)
+    _holding: dict[tuple[str, ...], tuple[str, ...]] = field(default_factory=dict)
 
     def rows(self, block: Block, literal: Literal, roles: Sequence[str]) -> Iterator[Row]:
         """Yield the rows of names for which a condition of a block holds: its arguments, then the nodes of `roles`."""
@@ -50,9 +52,11 @@ class SituatedFacts:
                 choices |= self._symbols(block, dict(zip(roles, tokens, strict=True)), nodes, state)
                 bound = enumerate_bindings(choices, relations, lambda each, values: facts.margin(each, values) >= 0)
                 values = [tuple(binding.get(a, a) for a in literal.arguments) for binding in bound]
-                for names, margin in zip(values, self._margins(literal, nodes, state, values), strict=True):
-                    if margin >= 0:
-                        yield (*map(name_of, names), *(node.name for node in nodes))
+                known = self._known.setdefault((literal.predicate.name, literal.positive, *(n.name for n in nodes)), {})
+                rows = {tuple(map(name_of, each)): each for each in values}
+                new = [row for row in rows if row not in known]
+                known |= dict(zip(new, self._margins(literal, nodes, state, [rows[row] for row in new]), strict=True))
+                yield from ((*row, *(node.name for node in nodes)) for row in rows if known[row] >= 0)
 
     def _symbols(
         self, block: Block, tokens: Mapping[str, Token], nodes: Sequence[Node], state: State
@@ -67,8 +71,12 @@ class SituatedFacts:
             others = {argument for place, argument in enumerate(literal.arguments) if place != index}
             known = all(node.oriented for node in nodes) and others <= set(tokens)
             if isinstance(sort, SymbolSort) and symbol in block.roles and known:
-                holding = (s for s in sort.symbols if float(literal.margin(state, {**tokens, symbol: s})) >= 0)
-                found[symbol] = tuple(holding)
+                names = tuple(name_of(tokens.get(a, a)) for a in literal.arguments if a != symbol)
+                key = (literal.predicate.name, *names, *(node.name for node in nodes))
+                if key not in self._holding:
+                    margins = (float(literal.margin(state, {**tokens, symbol: each})) for each in sort.symbols)
+                    self._holding[key] = tuple(s for s, m in zip(sort.symbols, margins, strict=True) if m >= 0)
+                found[symbol] = self._holding[key]
         return found
 
     def _margins(
