@@ -77,6 +77,10 @@ class Margin(Protocol):
     def scale(self) -> float:
         """Scale of the margin [unit]."""
 
+    @property
+    def bound(self) -> Callable[..., FloatArray] | None:
+        """Function ``bound(state, radius, *values)`` that returns an upper bound of the margin, or None."""
+
 
 def evaluate_margin(predicate: Margin, state: State, values: Sequence[Token | str]) -> FloatArray:
     """Return the margin of a predicate ``(...)`` without rounding errors.
@@ -92,3 +96,23 @@ def evaluate_margin(predicate: Margin, state: State, values: Sequence[Token | st
         # The context manager `authored` would be slower, and margins are evaluated very often.
         names = (parameter.name for parameter in predicate.parameters)
         raise blame(error, f"predicate {predicate.name}", dict(zip(names, values, strict=False))) from error
+
+
+def bound_margin(predicate: Margin, state: State, radius: float, values: Sequence[Token | str]) -> float:
+    """Return an upper bound of a margin over horizontal displacements by at most `radius` [m] from a single state.
+
+    If the predicate declares no bound, the result is infinite.
+
+    Raises:
+        DomainError: the bound function raised an exception.
+    """
+    if predicate.bound is None:
+        return np.inf
+    try:
+        bound = predicate.bound(state, radius, *values, **predicate.keywords)
+        return float(without_rounding(np.asarray(bound), predicate.scale))
+    except OWN_ERRORS:
+        raise
+    except Exception as error:
+        names = (parameter.name for parameter in predicate.parameters)
+        raise blame(error, f"bound of predicate {predicate.name}", dict(zip(names, values, strict=False))) from error

@@ -15,7 +15,8 @@ import numpy as np
 from hybrid_tamp.model.affordance import PlaceClass
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.predicate import Atom, Binding, Kind, Literal, SymbolSort, Value, name_of
+from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.predicate import Atom, Binding, Literal, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

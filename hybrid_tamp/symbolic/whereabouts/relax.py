@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hybrid_tamp.model.margins import bound_margin
 from hybrid_tamp.model.predicate import Predicate, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -18,14 +19,13 @@ class _Anywhere:
     predicate: Predicate
     turns: bool
 
-    def __call__(self, state: State, *values: Value) -> FloatArray:
-        bound = None if self.turns else self.predicate.bound
+    def __call__(self, state: State, *values: Value, **keywords: float) -> FloatArray:
         shape = state.values.shape[:-1]
-        if bound is None:
+        if self.turns or self.predicate.bound is None:
             return np.zeros(shape)
         single = (State(state.layout, row) for row in state.values.reshape(-1, state.layout.size))
-        bounds = np.array([float(bound(each, np.inf, *values)) for each in single]).reshape(shape)
-        return np.asarray(np.maximum(bounds, self.predicate.margin(state, *values)))
+        bounds = np.array([bound_margin(self.predicate, each, np.inf, values) for each in single]).reshape(shape)
+        return np.asarray(np.maximum(bounds, self.predicate.evaluate(state, *values)))
 
 
 def relax_task(task: Task, tracking: Tracking) -> Task:

@@ -15,8 +15,9 @@ import numpy as np
 
 from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.block import Block, Target
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import Kind, Literal, Parameter, Predicate, Value, name_of
+from hybrid_tamp.model.predicate import Literal, Parameter, Predicate, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token

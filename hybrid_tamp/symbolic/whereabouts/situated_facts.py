@@ -7,7 +7,9 @@ from itertools import product
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts
-from hybrid_tamp.model.predicate import ANY, Kind, Literal, Predicate, SymbolSort, Value, name_of
+from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.margins import bound_margin
+from hybrid_tamp.model.predicate import ANY, Literal, Predicate, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -92,7 +94,7 @@ class SituatedFacts:
             if blind or (radius and (predicate.bound is None or not literal.positive)):
                 return [0.0] * len(values)  # Nothing is known, so the condition may hold.
             if radius and predicate.bound is not None:
-                return [float(predicate.bound(state, radius, *each)) for each in values]
+                return [bound_margin(predicate, state, radius, each) for each in values]
         margins = predicate.margins(state, values)
         return list(map(float, margins if literal.positive else -margins))
 
