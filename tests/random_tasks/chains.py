@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.task import MidLevel, Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from random_tasks.small_rolling import Given, place_drum, random_drum, relay_hands, roller
@@ -15,6 +15,7 @@ from random_tasks.small_tools import hammer_scene, turned
 from random_tasks.small_tumbling import cubelike, random_box, slender, tumbling_task
 
 _FLOOR = np.array([1.0, 1.0, 0.0])
+_QUICK = MidLevel(evaluations=100)
 _STRUCK = Atom("struck", ("block",))
 
 
@@ -62,7 +63,7 @@ def _rolling(
     given |= {(hand.name, "position"): place for hand, place in hands}
     tokens = (*drums, *regions, *(hand for hand, _ in hands))
     goal = tuple(Atom("inside", pair) for pair in wanted.items())
-    return Task(name, DOMAIN, tokens, State.of(tokens, given), goal, seed=seed)
+    return Task(name, DOMAIN, tokens, State.of(tokens, given), goal, seed=seed, midlevel=_QUICK)
 
 
 def tumble_tumble(seed: int) -> Task:
@@ -77,10 +78,12 @@ def tumble_tumble(seed: int) -> Task:
     other = "x" if axis == "y" else "y"
     name = f"tumble_tumble_{seed}"
     if seed % 2:
-        return tumbling_task(name, seed, rng, random_box(rng, "box", cubelike(rng)), [axis, axis], "top")
+        task = tumbling_task(name, seed, rng, random_box(rng, "box", cubelike(rng)), [axis, axis], "top")
+        return task.replaced(midlevel=_QUICK)
     face = str(rng.choice(("right", "left") if axis == "y" else ("back", "front")))
     box = random_box(rng, "box", slender(rng, axis))
-    return tumbling_task(name, seed, rng, box, [axis, axis, other, other], face)
+    task = tumbling_task(name, seed, rng, box, [axis, axis, other, other], face)
+    return task.replaced(midlevel=_QUICK)
 
 
 def push_push(seed: int) -> Task:

@@ -33,8 +33,11 @@ KINDS = (
     "two blocks",
 )
 _HALF = 0.06
-QUICK = MidLevel(hyperparameters={"REACHING.duration": 2.2, "CARRYING.duration": 2.4, "PUSHING.beyond": 0.0})
-"""Settings with which runs take little time."""
+QUICK = MidLevel(
+    evaluations=100,
+    hyperparameters={"REACHING.duration": 2.2, "CARRYING.duration": 2.4, "PUSHING.beyond": 0.0},
+)
+"""Settings with which the optimisation takes little time."""
 
 
 def small_tools(seed: int, kind: str, rng: np.random.Generator) -> Task:
