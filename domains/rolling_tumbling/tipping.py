@@ -163,7 +163,7 @@ def _tipping(
 
 
 _SQUEEZE = Hyperparameter(
-    "squeeze", "N", 0.0, 500.0, _opposed, "force with which each hand squeezes the box", within=_opposed_range
+    "squeeze", "N", 0.0, 1e5, _opposed, "force with which each hand squeezes the box", within=_opposed_range
 )
 TIPPING = (
     _tipping(
