@@ -20,6 +20,9 @@ def explain(
         int, typer.Option("--trials", min=0, max=10**6, metavar="N", help="largest number of changed tasks to plan")
     ] = 20,
     most: Annotated[int, typer.Option("--most", min=1, help="maximum number of changes to find")] = 5,
+    optimise: Annotated[
+        bool, typer.Option("--optimise", help="also optimise the plan's hyperparameters, as 'plan --optimise' does")
+    ] = False,
     time_limit: options.Time = None,
     memory_limit: options.Memory = None,
 ) -> None:
@@ -28,12 +31,14 @@ def explain(
     If the task has a plan, explain why each token is in the plan.
     """
     from hybrid_tamp.report.documents import document
+    from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.report.question_tables import explanation_table
     from hybrid_tamp.verbs.explain import explain as explain_task
     from hybrid_tamp.verbs.loading import Settings
 
     settings = Settings(domain, planner, time_limit=time_limit, memory_limit=memory_limit, began=context.obj)
-    result = explain_task(task, settings, trials=trials, most=most)
+    with progress_bar(optimise) as tell:
+        result = explain_task(task, settings, trials=trials, most=most, optimise=optimise, progress=tell)
     say(document(result), as_json, lambda: explanation_table(result))
     if result.explanation is not None and result.explanation.stopped is not None:
         typer.echo(f"{result.explanation.stopped}; only a part of the changes was tried", err=True)

@@ -1,6 +1,6 @@
 """Explanations why a task has no plan, which changes make the task solvable, and why a token is in a plan."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from hybrid_tamp.errors import LimitReached
@@ -119,6 +119,17 @@ class Explanation(Tabular):
             ("all single changes examined", self.complete),
         ]
 
+    def extended(self, other: "Explanation") -> "Explanation":
+        """Return the explanation with the reasons and suggestions of another explanation of the same failure."""
+        kept = {each.change.what for each in self.suggestions}
+        return replace(
+            self,
+            reasons=tuple(dict.fromkeys((*self.reasons, *other.reasons))),
+            suggestions=(*self.suggestions, *(each for each in other.suggestions if each.change.what not in kept)),
+            together=self.together or other.together,
+            stopped=self.stopped or other.stopped,
+        )
+
     @property
     def together_text(self) -> tuple[str, ...]:
         """Descriptions of changes that make the task solvable only together. Empty if a single change suffices."""
@@ -176,12 +187,14 @@ class TaskExplanation(Tabular):
         status: outcome of planning the task.
         explanation: reasons why there is no plan. None if there is a plan.
         tokens: reasons why each token is or is not in the plan. Empty if there is no plan.
+        excluded: bindings that were excluded because no hyperparameters satisfy their conditions.
     """
 
     task: Task
     status: Literal["solved", "unsolvable", "unknown", "limit"]
     explanation: Explanation | None
     tokens: tuple[Cause, ...] = ()
+    excluded: tuple[str, ...] = ()
 
     @property
     def rows(self) -> Rows:

@@ -62,7 +62,7 @@ _REFINEMENT: Keys = (
 )
 
 QUESTION_KEYS: Mapping[type, Keys] = {
-    TaskExplanation: (*_TASK, "status", "explanation", "tokens"),
+    TaskExplanation: (*_TASK, "status", "explanation", "tokens", "excluded"),
     Explanation: (
         "kind",
         "message",

@@ -20,7 +20,7 @@ def explanation_table(result: TaskExplanation) -> RenderableType:
     table = new_table(f"Tokens in the plan of {result.task.name}", "token", "in the plan", "why")
     for cause in result.tokens:
         table.add_row(Text(cause.token), "yes" if cause.used else "no", Text("\n".join(_reasons_of(cause))))
-    return table
+    return Group(table, *(Text(f"excluded: {binding}") for binding in result.excluded))
 
 
 def _reasons_of(cause: Cause) -> list[str]:

@@ -1,15 +1,19 @@
 """The verb ``explain``: explain why each token is in the plan. If there is no plan, explain why and find remedies."""
 
+from dataclasses import replace
 from pathlib import Path
 
+from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.explanation import TaskExplanation
+from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.plan import plan_task
-from hybrid_tamp.planning.safety import blame_factors
+from hybrid_tamp.planning.replanning import Progress
 from hybrid_tamp.questions.explain.causal_links import find_causes
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.verbs.loading import Settings, load_timed
+from hybrid_tamp.verbs.plan import TRIALS as PLAN_TRIALS
+from hybrid_tamp.verbs.plan import find_outcome
 
 TRIALS = 20
 """Default number of changed tasks to plan in the search for single changes."""
@@ -23,23 +27,41 @@ def explain(
     *,
     trials: int = TRIALS,
     most: int = MOST,
+    optimise: bool = False,
+    progress: Progress | None = None,
 ) -> TaskExplanation:
     """Explain why each token is in the plan of a task, or explain why the task has no plan.
+
+    The explanation contains everything that `plan` reports.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         settings: settings that replace those of the task file.
         trials: largest number of changed tasks to plan, to find single changes that make the task solvable.
         most: maximum number of single changes to find.
+        optimise: whether to optimise the hyperparameters of the plan, and to replan without bindings that fail.
+        progress: called with the fraction of the work that is done and the current activity.
 
     Raises:
         InputError: the task file is wrong, or the planner is unknown or not installed.
+        NotFinite: every rollout of a plan failed.
     """
     # Start the planner process first, so that its start-up overlaps with the reading of the task file.
     with PlannerProcess() as process:
         task, deadline = load_timed(source, settings, plans=True)
-        outcome = blame_factors(plan_task(task, process, deadline), process, deadline)
+        outcome = find_outcome(task, process, deadline, optimise=optimise, progress=progress)
+    excluded = tuple(each.text for each in outcome.excluded)
     if outcome.plan is not None:
-        return TaskExplanation(task, outcome.status, None, tuple(find_causes(outcome.chosen or task, outcome.plan)))
-    outcome = explain_outcome(outcome, trials, most, deadline)
-    return TaskExplanation(task, outcome.status, outcome.explanation)
+        causes = tuple(find_causes(outcome.chosen or task, outcome.plan))
+        return TaskExplanation(task, outcome.status, None, causes, excluded)
+    outcome = _explain_widely(outcome, trials, most, deadline)
+    return TaskExplanation(task, outcome.status, outcome.explanation, excluded=excluded)
+
+
+def _explain_widely(outcome: PlanOutcome, trials: int, most: int, deadline: Deadline) -> PlanOutcome:
+    """Return the outcome with the explanation that `plan` gives, extended by the results of a wider search."""
+    planned = explain_outcome(outcome, min(trials, PLAN_TRIALS), 1, deadline)
+    wider = explain_outcome(outcome, trials, most, deadline)
+    if planned.explanation is None or wider.explanation is None:
+        return wider
+    return replace(wider, explanation=wider.explanation.extended(planned.explanation))
