@@ -1,19 +1,21 @@
 """The verb ``explain``: explain why each token is in the plan. If there is no plan, explain why and find remedies."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.explanation import TaskExplanation
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.replanning import Progress
+from hybrid_tamp.planning.plan import plan_task
+from hybrid_tamp.planning.replanning import Progress, plan_and_refine
+from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.explain.causal_links import find_causes
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.verbs.loading import Settings, load_timed
 from hybrid_tamp.verbs.plan import TRIALS as PLAN_TRIALS
-from hybrid_tamp.verbs.plan import find_outcome
 
 TRIALS = 20
 """Default number of changed tasks to plan in the search for single changes."""
@@ -49,7 +51,9 @@ def explain(
     # Start the planner process first, so that its start-up overlaps with the reading of the task file.
     with PlannerProcess() as process:
         task, deadline = load_timed(source, settings, plans=True)
-        outcome = find_outcome(task, process, deadline, optimise=optimise, progress=progress)
+        planning = partial(plan_task, planner=process, deadline=deadline)
+        planned = plan_and_refine(task, planning, progress, deadline=deadline) if optimise else planning(task)
+        outcome = blame_factors(planned, process, deadline)
     excluded = tuple(each.text for each in outcome.excluded)
     if outcome.plan is not None:
         causes = tuple(find_causes(outcome.chosen or task, outcome.plan))

@@ -4,7 +4,6 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 
-from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
@@ -59,24 +58,17 @@ def plan(
         process = planner or stack.enter_context(PlannerProcess())
         task, deadline = load_timed(source, settings, plans=True)
         target = None if folder is None else RunFolder.open(folder, force=force)
-        outcome = find_outcome(task, process, deadline, optimise=optimise, progress=progress)
+        if optimise:
+            planning = partial(plan_task, planner=process, deadline=deadline)
+            outcome = plan_and_refine(task, planning, progress, deadline=deadline)
+        else:
+            outcome = plan_task(task, process, deadline)
+        outcome = blame_factors(outcome, process, deadline)
     if outcome.plan is None:
         outcome = explain_outcome(outcome, trials, 1, deadline)
     if target is not None:
         save_plan(outcome, target)
     return outcome
-
-
-def find_outcome(
-    task: Task, planner: Planner, deadline: Deadline, *, optimise: bool = False, progress: Progress | None = None
-) -> PlanOutcome:
-    """Plan a loaded task. The outcome has no explanation. See `plan` for the arguments."""
-    if optimise:
-        planning = partial(plan_task, planner=planner, deadline=deadline)
-        outcome = plan_and_refine(task, planning, progress, deadline=deadline)
-    else:
-        outcome = plan_task(task, planner, deadline)
-    return blame_factors(outcome, planner, deadline)
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:

@@ -48,7 +48,7 @@ BLOCKS = (
 USE = Atom("used", ("tool",))
 
 
-def tool_task(stands: float, goal: Atom = USE, charged: bool = False) -> Task:
+def tool_task(stands: float, *goal: Atom, charged: bool = False, upright: bool = False) -> Task:
     """Return a task in which a hand uses a tool. `stands` is the initial margin of ``stands`` in metres."""
     standing = predicate("stands", TOOL, margin=stands)
     change = {STANDS: standing}
@@ -56,7 +56,8 @@ def tool_task(stands: float, goal: Atom = USE, charged: bool = False) -> Task:
         replace(
             b,
             entry=tuple(replace(x, predicate=change.get(x.predicate, x.predicate)) for x in b.entry)
-            + ((CHARGED("tool"),) if charged and b.name == "USING" else ()),
+            + ((CHARGED("tool"),) if charged and b.name == "USING" else ())
+            + ((standing("tool"),) if upright and b.name == "USING" else ()),
             exit=tuple(replace(x, predicate=change.get(x.predicate, x.predicate)) for x in b.exit),
         )
         for b in BLOCKS
@@ -70,7 +71,7 @@ def tool_task(stands: float, goal: Atom = USE, charged: bool = False) -> Task:
     ]
     domain = Domain("tools", (Hand, Tool), (standing, HELD, USED, CHARGED), tuple(blocks), ReassignmentNetwork(edges))
     tokens = (Token.make("hand", [Hand], {"force": 1.0}), Token.make("tool", [Tool], {}))
-    return Task("tools", domain, tokens, State.of(tokens, {}), (goal,), {"robot": ("hand",)})
+    return Task("tools", domain, tokens, State.of(tokens, {}), goal or (USE,), {"robot": ("hand",)})
 
 
 def test_a_lying_tool_that_only_the_hand_that_holds_it_can_set_up() -> None:
@@ -99,6 +100,21 @@ def test_a_precondition_that_no_block_achieves_is_named() -> None:
     (reason,) = explain(task, proven=True)
     assert (reason.kind, reason.atom) == ("unreachable", Atom("charged", ("tool",)))
     assert reason.message == "not charged(tool) (off by 1 m), and no block of tools has charged as an effect"
+
+
+def test_a_goal_atom_that_has_no_plan_alone_is_singled_out() -> None:
+    held = Atom("held", ("tool", "hand"))
+    task = tool_task(0.0, USE, held, upright=True)
+    assert solvable(task.replaced(goal=(held,)))
+    assert not solvable(task.replaced(goal=(USE,)))
+    assert [reason.goal for reason in explain(task, proven=True)] == [(USE, held)]
+    (reason,) = explain_wholly(task, 20, most=1).reasons
+    assert (reason.kind, reason.goal) == ("together", (USE,))
+    assert reason.message.endswith("but no plan achieves used(tool), even without the other goal atoms")
+    stands = Atom("stands", ("tool",))
+    (reason,) = explain_wholly(tool_task(0.0, held, stands), 20, most=1).reasons
+    assert reason.goal == (held, stands), "stands holds initially, and held alone has a plan"
+    assert reason.message.endswith("but no plan achieves all goal atoms together")
 
 
 def test_no_change_of_a_fact_is_suggested_for_an_atom_of_the_initial_state() -> None:

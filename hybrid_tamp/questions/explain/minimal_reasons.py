@@ -88,3 +88,23 @@ def _find_changes(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -
         changes.append(change)
         task = apply_change(task, change)
     return changes if trials.length(task) is not None else []
+
+
+def plan_atoms_alone(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> Iterator[Reason]:
+    """Yield the reasons. A reason that blames all goal atoms together is replaced if an atom alone has no plan.
+
+    Args:
+        task: a task that has no plan.
+        reasons: reasons why the task has no plan.
+        trials: planner for the tasks with a single goal atom. Once its count is used up, the reasons are not changed.
+    """
+    for reason in reasons:
+        several = reason.kind == "together" and len(reason.goal) > 1
+        alone = [a for a in reason.goal if several and trials.proves_unsolvable(task.replaced(goal=(a,)))]
+        for atom in alone:
+            message = (
+                f"no fact rules out {atom.text}, but no plan achieves {atom.text}, even without the other goal atoms"
+            )
+            yield replace(reason, goal=(atom,), message=message)
+        if not alone:
+            yield reason

@@ -33,7 +33,7 @@ from hybrid_tamp.model.outcome import (
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.explain.candidates import points_to
-from hybrid_tamp.questions.explain.minimal_reasons import keep_necessary, remove_together
+from hybrid_tamp.questions.explain.minimal_reasons import keep_necessary, plan_atoms_alone, remove_together
 from hybrid_tamp.questions.explain.repairs import Repairs, find_counterfactual_reasons, find_repairs
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 from hybrid_tamp.questions.explain.unreachable import explain_cycle, name_atom
@@ -129,7 +129,7 @@ def _try_changes(task: Task, part: Task, reasons: list[Reason], trials: TrialPla
     if found.suggestions:
         return replace(whole, reasons=(*pointed, *keep_necessary(part, others, trials)))
     kept, changes = remove_together(part, others, trials)
-    return replace(whole, reasons=tuple(kept), together=tuple(changes))
+    return replace(whole, reasons=tuple(plan_atoms_alone(part, kept, trials)), together=tuple(changes))
 
 
 def explain(task: Task, proven: bool = False) -> list[Reason]:
@@ -143,7 +143,7 @@ def explain(task: Task, proven: bool = False) -> list[Reason]:
     direct = {atom: search.explain_directly(atom) for atom in open_atoms}
     reasons = {atom: told or _reasons(search, atom) for atom, told in direct.items()}
     found = [reason for atom in open_atoms for reason in merge_reasons(atom, reasons[atom])]
-    return found if found or not proven else [_hidden(open_atoms)]
+    return found if found or not proven else [_hidden(task.goal)]
 
 
 def explain_alternatives(task: Task, proven: bool = False) -> list[Reason]:
@@ -172,12 +172,12 @@ def _unknown_classes(task: Task) -> tuple[Reason, ...]:
     return tuple(reasons)
 
 
-def _hidden(atoms: list[Atom]) -> Reason:
+def _hidden(atoms: tuple[Atom, ...]) -> Reason:
     if len(atoms) > 1:
-        message = "the feasibility facts allow each goal atom on its own, but no plan achieves all goal atoms together"
+        message = "no fact rules out a single goal atom, but no plan achieves all goal atoms together"
     else:
         message = "no fact rules out the goal, but no plan meets all preconditions of the blocks that achieve the goal"
-    return Reason(tuple(atoms), "", "together", message)
+    return Reason(atoms, "", "together", message)
 
 
 def _reasons(search: BackwardSearch, goal: Atom) -> list[Reason]:
