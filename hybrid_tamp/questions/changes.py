@@ -228,11 +228,11 @@ def grant(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collectio
 def _granted(predicate: Predicate, wanted: Granted, margin: float) -> Predicate:
     def decided(state: State, *values: Value) -> FloatArray:
         if not wanted(predicate, values):
-            return predicate.margin(state, *values)
+            return predicate.margin(state, *values, **predicate.keywords)
         if predicate.static:
             return np.full(state.values.shape[:-1], margin)
         try:
-            return predicate.margin(state, *values)
+            return predicate.margin(state, *values, **predicate.keywords)
         except KeyError:
             return np.full(state.values.shape[:-1], -1.0)
 
