@@ -19,7 +19,7 @@ HAND_FRICTION = 0.5
 FLOOR_FRICTION = 1.0
 """Friction coefficient of the floor. A backend multiplies the coefficients of two bodies in contact."""
 SQUEEZE = 0.5
-"""Smallest squeeze, as a fraction of the weight of the box."""
+"""Smallest squeeze, as a fraction of the weight of the box. Hands that are too weak for this squeeze press less."""
 STEADY = 0.75
 """Smallest ratio of the squeeze to the ideal squeeze with which tumbles in physics were controlled."""
 _STEPS = 60
@@ -34,12 +34,20 @@ def squeeze_needed(weight: float, width: float, height: float, friction: float) 
         height: height of the hands above the floor [m].
         friction: friction coefficient of the box.
     """
+    return max(_squeeze_of_edge(weight, width, height, friction), SQUEEZE * weight)
+
+
+def _squeeze_of_edge(weight: float, width: float, height: float, friction: float) -> float:
     floor, hand = FLOOR_FRICTION * friction, HAND_FRICTION * friction
     if hand == 0.0:
         return float("inf")
     most = floor * weight / (1.0 + floor * hand)
-    needed = (weight * width / 2.0 - most * (height + hand * width / 2.0)) / (hand * width)
-    return max(needed, SQUEEZE * weight)
+    return (weight * width / 2.0 - most * (height + hand * width / 2.0)) / (hand * width)
+
+
+def _squeeze_of_contact(weight: float, width: float, height: float, friction: float) -> float:
+    """Return the squeeze [N] S = D/2 with which the hand that presses less just touches the box."""
+    return weight * width / (4.0 * (height + HAND_FRICTION * friction * width))
 
 
 def press(weight: float, width: float, height: float, friction: float, squeeze: float) -> float:
@@ -59,7 +67,8 @@ def friction_needed(weight: float, width: float, height: float, force: float) ->
     low, high = 0.0, 5.0
     for _ in range(_STEPS):
         middle = (low + high) / 2.0
-        squeeze = max(STEADY * squeeze_needed(weight, width, height, middle), SQUEEZE * weight)
+        case = (weight, width, height, middle)
+        squeeze = max(STEADY * _squeeze_of_edge(*case), _squeeze_of_contact(*case))
         enough = press(weight, width, height, middle, squeeze) <= force
         low, high = (low, middle) if enough else (middle, high)
     return high
@@ -81,8 +90,9 @@ def squeeze_range(thing: Token, near: str, down: str, force: float) -> tuple[flo
     width, height = 2.0 * half_extent(thing, near), 2.0 * GRIP * half_extent(thing, down)
     hand = HAND_FRICTION * friction
     arm = height + hand * width / 2.0
+    touching = _squeeze_of_contact(weight, width, height, friction)
     # With a large squeeze, friction alone lifts the box, and no hand presses harder than the other.
     turning = (force - width * weight / (4.0 * arm)) / (1.0 - hand * width / (2.0 * arm))
-    largest = max(turning if hand * force < weight / 2.0 else force, SQUEEZE * weight)
+    largest = max(turning if hand * force < weight / 2.0 else force, touching)
     needed = squeeze_needed(weight, width, height, friction)
     return min(max(STEADY * needed, SQUEEZE * weight), largest), min(needed, largest), largest

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, SafetyFactor, State, Token
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import length_predicate, near, one_by_one
@@ -10,7 +10,7 @@ from ..common.roles import POSE
 from ..common.vectors import depth_in_workspace, dot, largest_depth
 from .classes import Tumblable
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, POSTURES, TIPS_HOLD
-from .sliding import SQUEEZE
+from .sliding import HAND_FRICTION
 from .standing import SLENDERNESS, standing
 from .tumbling_geometry import (
     GRIP,
@@ -34,6 +34,7 @@ _LEAST_OUTLOOK = 0.1
 _LYING = np.cos(np.radians(18.0))
 """Vertical component of the normal above which a face is a top or bottom face, which no hand touches."""
 _ALIGNMENT = np.sin(np.radians(6.0))
+_RESERVE = 1.6
 
 
 def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
@@ -43,28 +44,33 @@ def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray
 
 
 def strength_needed(state: State, hand: Token, thing: Token) -> float:
-    """Return the force [N] that each of two hands needs to tumble the box about the hand's axis.
+    """Return the smallest force [N] with which a hand can tumble the box about the hand's axis, without any reserve.
 
-    A box of weight m g lies on a side of width w. A force F at height h tips the box over an edge of this side if the
-    moments about the edge balance: h F = m g w/2. F is largest if the box lies on its long side, with h = GRIP times
-    the short side. Each hand squeezes with `SQUEEZE` m g. One hand pushes with F/2 more and the other with F/2 less.
+    A box of weight W lies on a side of width w. A hand presses on a face at height h with the normal force N. Its
+    friction lifts the far end of the side with the force t N, where t is at most the friction coefficient. The moments
+    about the edge balance if N (h + t w) = W w/2. The force of the hand is N sqrt(1 + t^2), which decreases up to
+    t = w/h. The second hand can only resist. The force is largest if the box lies on its long side, with h = GRIP times
+    the short side. In this position, hands begin a tumble or end a controlled one.
     """
     short, long = sorted(sections(state, hand, thing))
-    tipping = long / (2.0 * GRIP * short)
-    return float(thing["mass"] * GRAVITY * (SQUEEZE + tipping / 2.0))
+    height = GRIP * short
+    lift = min(HAND_FRICTION * thing["friction"], long / height)
+    arm = (height + lift * long) / np.hypot(1.0, lift)
+    return float(thing["mass"] * GRAVITY * long / 2.0 / arm)
 
 
-def _share(state: State, hand: Token, thing: Token) -> tuple[float, float]:
-    """Return the force [N] that a hand needs to tumble an object, and the largest force [N] of the hand.
+def _share(state: State, hand: Token, thing: Token, factor: float) -> tuple[float, float]:
+    """Return the force [N] that a hand needs to tumble an object, and the force [N] that the hand bears.
 
     Both hands need the same force, because neither hand can push harder than the other hand can resist. While one hand
     changes faces, the other hand holds the box alone.
     """
-    return strength_needed(state, hand, thing), float(hand["maximal_force"])
+    return strength_needed(state, hand, thing), float(hand["maximal_force"] / factor)
 
 
-def _strength(state: State, hand: Token, thing: Token) -> FloatArray:
-    return np.asarray(hand["maximal_force"] - strength_needed(state, hand, thing))
+def _strength(state: State, hand: Token, thing: Token, factor: float) -> FloatArray:
+    needed, borne = _share(state, hand, thing, factor)
+    return np.asarray(borne - needed)
 
 
 def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
@@ -168,6 +174,9 @@ STRONG_ENOUGH = Predicate(
     description="{hand} is strong enough to tumble {object} together with a second hand",
     denial="{object} is too heavy to be tumbled by {hand} and a second hand",
     share=_share,
+    safety=SafetyFactor(
+        _RESERVE, "ratio of the maximal force of a hand to the smallest force that tumbles the box; covers the squeeze"
+    ),
 )
 WITHIN_REACH = length_predicate(
     "within_reach",

@@ -1,15 +1,20 @@
 """Whether hands can tip a box is decided before search, and the explanation says what is missing, in numbers."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hybrid_tamp_domains.rolling_tumbling.sliding import friction_needed
 from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import GRIP
 from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import strength_needed
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from texts import load_task_text
 
 import hybrid_tamp
 from hybrid_tamp.authoring import GRAVITY
+from hybrid_tamp.feasibility.safety_figures import find_blocked
 from hybrid_tamp.model.explanation import Reason
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
@@ -60,15 +65,15 @@ def test_too_smooth_and_the_figure_is_the_friction_that_is_missing() -> None:
 
 @pytest.mark.parametrize("name", ["tumble_two_hands", "tumble_four_hands"])
 def test_too_heavy_for_two_and_no_block_takes_more(name: str) -> None:
-    heavy = task(name, ("mass: 14", "mass: 40"))
+    heavy = task(name, ("mass: 14", "mass: 60"))
     reason = only(explain(heavy))
     hand, box = heavy.token_by_name["hand-2"], heavy.token_by_name["box"]
     needed = strength_needed(heavy.state, hand, box)
     assert reason.atom == Atom("strong_enough", ("hand-2", "box"))
     assert reason.unit == "N"
-    assert reason.margin == pytest.approx(300.0 - needed)
+    assert reason.margin == pytest.approx(300.0 / 1.6 - needed)
     assert f"each of 2 tokens must bear {needed:.4g} N ({2 * needed:.4g} N in total)" in reason.message
-    assert "300 N (hand-1), 300 N (hand-2) and 600 N in total" in reason.message
+    assert "187.5 N (hand-1), 187.5 N (hand-2) and 375 N in total with safety factor 1.6, 600 N w" in reason.message
     assert "box is too heavy to be tumbled by hand-2 and a second hand" in reason.message
     assert ("the best 2 of 4 tokens can bear" in reason.message) == (name == "tumble_four_hands")
     assert "4 tokens like hand-2 could bear the load, 2 in each place" in reason.message
@@ -140,7 +145,7 @@ def test_goals_that_exclude_each_other() -> None:
 @pytest.mark.parametrize(
     "edit",
     [
-        ("mass: 14", "mass: 40"),
+        ("mass: 14", "mass: 60"),
         ("[0, 0, 0.18]", "[2.5, 0, 0.18]"),
         ("[0.5, 0, 0.55]", "[-0.9, 0, 0.55]"),
         (ALONG_Y, "rpy: [0, 0, 0]"),
@@ -155,3 +160,26 @@ def test_the_planner_proves_what_the_explanation_says(edit: tuple[str, str]) -> 
     kinds = [reason.kind for reason in outcome.explanation.reasons]
     assert kinds.count("not_feasible") == 1
     assert set(kinds) <= {"not_feasible", "too_few_tokens"}
+
+
+@pytest.mark.parametrize(("mass", "blocked"), [(14, 0), (32, 0), (34, 2), (40, 2), (52, 2), (53, 0), (60, 0)])
+def test_a_box_that_only_the_safety_factor_excludes(mass: float, blocked: int) -> None:
+    """Two hands of 300 N bear a box of 32.9 kg with the safety factor 1.6, and a box of 52.7 kg without it."""
+    heavy = task("tumble_two_hands", ("mass: 14", f"mass: {mass}"))
+    assert len(find_blocked(heavy)) == blocked
+    assert (explain(heavy) == []) == (mass < 33)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.floats(0.1, 0.3), st.floats(0.1, 0.3), st.floats(1.0, 50.0), st.floats(0.0, 2.0))
+def test_the_force_needed_is_the_smallest_that_balances_the_moments(
+    one: float, other: float, mass: float, friction: float
+) -> None:
+    start = task("tumble_two_hands")
+    hand, box = start.token_by_name["hand-1"], start.token_by_name["box"]
+    properties = {**box.properties, "half_extents": (one, 0.14, other), "mass": mass, "friction": friction}
+    made = replace(box, properties=properties)
+    height, width = 2.0 * 0.72 * min(one, other), 2.0 * max(one, other)
+    lift = np.linspace(0.0, 0.5 * friction, 2001)
+    forces = np.hypot(1.0, lift) * mass * 9.81 * width / 2.0 / (height + lift * width)
+    assert strength_needed(start.state, hand, made) == pytest.approx(float(forces.min()), rel=1e-5)
