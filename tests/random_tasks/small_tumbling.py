@@ -44,7 +44,7 @@ def small_tumbling(seed: int, kind: str, rng: np.random.Generator) -> Task:
     face = {"twice": "top", "about another axis": str(rng.choice(_FACES[other]))}.get(kind, face)
     four = two_axes or (kind in ("once", "twice", "too heavy", "out of reach") and rng.random() < 0.4)
     force = rng.uniform(20.0, 50.0) if kind == "too heavy" else 300.0
-    room = 0.55 if kind == "out of reach" else 2.0
+    room = 0.3 if kind == "out of reach" else 1.5
     axes = [axis, axis, *((other, other) if four else ())]
     if kind == "mixed pair":
         axes = [axis, other]
@@ -64,7 +64,7 @@ def tumbling_task(
     axes: Sequence[str],
     face: str,
     force: float = 300.0,
-    room: float = 2.0,
+    room: float = 1.5,
 ) -> Task:
     """Return a task to tumble a box, up to 2 cm and 3 degrees off its place, onto a face.
 
@@ -76,7 +76,7 @@ def tumbling_task(
         axes: axis of each hand. Hands alternate between the two sides of the box.
         face: face on which the box must lie in the end.
         force: maximal force of each hand [N].
-        room: extent of the workspaces on every side [m].
+        room: height of the workspaces [m].
     """
     hands = [tumbler(f"hand {number + 1}", force, room) for number in range(len(axes))]
     given: dict[tuple[str, str], ArrayLike] = {
@@ -84,8 +84,8 @@ def tumbling_task(
         ("box", "orientation"): quaternion_from_rpy(np.array([0.0, 0.0, np.radians(rng.uniform(-3.0, 3.0))])),
     }
     for number, (hand, own) in enumerate(zip(hands, axes, strict=True)):
-        away = (1.0 if number % 2 else -1.0) * min(0.62, room - 0.01)
-        given[hand.name, "position"] = (away, 0.0, 0.55) if own == "y" else (0.0, away, 0.55)
+        away, height = 0.62 if number % 2 else -0.62, min(0.55, room - 0.02)
+        given[hand.name, "position"] = (away, 0.0, height) if own == "y" else (0.0, away, height)
         given[hand.name, "orientation"] = quaternion_from_rpy(np.array(_LEVEL[own]))
     tokens = (*hands, box)
     return Task(name, DOMAIN, tokens, State.of(tokens, given), (Atom("posture", ("box", f"flat {face}")),), seed=seed)
@@ -118,14 +118,14 @@ def random_box(rng: np.random.Generator, name: str, extents: tuple[float, float,
     return Token.make(name, [Tumblable], properties)
 
 
-def tumbler(name: str, force: float = 300.0, room: float = 2.0) -> Token:
-    """Return a hand with a maximal force [N] whose workspace extends to `room` [m] on every side."""
+def tumbler(name: str, force: float = 300.0, room: float = 1.5) -> Token:
+    """Return a hand with a maximal force [N] and a workspace of a height `room` [m]."""
     properties = {
         "radius": 0.035,
         "length": 0.16,
         "mass": 1.5,
         "maximal_force": float(force),
-        "workspace_lower": (-room, -room, 0.0),
-        "workspace_upper": (room, room, 1.5 if room > 1.0 else 0.6),
+        "workspace_lower": (-2.0, -2.0, 0.0),
+        "workspace_upper": (2.0, 2.0, float(room)),
     }
     return Token.make(name, [StaticEndEffector], properties)
