@@ -55,7 +55,7 @@ def by_hand() -> dict[str, Made]:
         "roll: upright drum": lambda: problem("roll_cylinder", UPRIGHT),
         "roll: small workspace": lambda: problem("roll_cylinder", ("[1.4, 0.8, 1.2]", "[0.4, 0.8, 1.2]")),
         "tumble: one hand": lambda: problem("tumble_one_hand"),
-        "tumble: heavy box": lambda: problem("tumble_two_hands", ("mass: 14", "mass: 40")),
+        "tumble: heavy box": lambda: problem("tumble_two_hands", ("mass: 14", "mass: 60")),
         "tumble: weak hand": lambda: problem("tumble_two_hands", force),
         "tumble: both on one side": lambda: problem("tumble_two_hands", ("[0.5, 0, 0.55]", "[-0.9, 0, 0.55]")),
         "tumble: hands upright": lambda: problem("tumble_two_hands", (ALONG_Y, "rpy: [0, 0, 0]"), once=False),
