@@ -75,7 +75,7 @@ def _conditions(task: Task, recording: Recording, instance: BlockInstance) -> It
     block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
     sides = [(block.measured_exits, instance.end)]
     if instance.start > 0:
-        sides.insert(0, (block.measured_entries, instance.start))
+        sides.insert(0, (block.predicted_entries, instance.start))
     for literals, time in sides:
         state = recording.at(time)
         for literal in literals:

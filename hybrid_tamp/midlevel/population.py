@@ -71,7 +71,7 @@ class InstanceModel:
 
     def entries(self, state: State) -> FloatArray:
         """Return the margins of the measured entry conditions. Shape ``(..., e)``."""
-        return self._margins(self.block.measured_entries, state)
+        return self._margins(self.block.predicted_entries, state)
 
     def invariants(self, state: State) -> FloatArray:
         """Return the margins of the invariants. Shape ``(..., i)``."""

@@ -169,7 +169,7 @@ class _Chain:
             start = self.now[:, simulation.columns]
             state = simulation.state(start)
             if time.any():
-                self._note(instance.name, simulation.block.measured_entries, simulation, simulation.entries(state))
+                self._note(instance.name, simulation.block.predicted_entries, simulation, simulation.entries(state))
             self.running[instance.name] = _Running(time, start, self._hyperparameters(instance, state))
 
     def _hyperparameters(self, instance: BlockInstance, state: State) -> dict[str, FloatArray]:

@@ -18,6 +18,7 @@ from hybrid_tamp.model.control import (
     PolicyMaker,
     SystemMaker,
 )
+from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import ANY, Binding, Literal, Predicate, SymbolSort
 from hybrid_tamp.model.state import State
@@ -63,21 +64,6 @@ class Duration:
     minimum: float
     maximum: float
     expected: Callable[[Binding, State, Hyperparameters], float]
-
-
-@dataclass(frozen=True)
-class Movement:
-    """The movement that the motor primitive of a block represents.
-
-    Attributes:
-        slot: slot of the token whose movement is demonstrated.
-        moves: varying property that the movement changes: ``position`` or ``orientation``.
-        dimensions: 3 for a primitive of the position [m], or 1 for a primitive of the travelled fraction.
-    """
-
-    slot: str
-    moves: str
-    dimensions: int
 
 
 @dataclass(frozen=True)
@@ -216,6 +202,15 @@ class Block:
     def measured_entries(self) -> tuple[Literal, ...]:
         """Entry conditions whose margins are measured when an instance starts."""
         return _measurable(self.changing_entry)
+
+    @property
+    def predicted_entries(self) -> tuple[Literal, ...]:
+        """Entry conditions that a rollout of a plan evaluates, including feasibility conditions on poses.
+
+        Earlier blocks of the plan may have changed the poses, so facts of the initial state are not enough.
+        """
+        poses = (c for c in self.static_entry if c.predicate.reads and not c.predicate.at_start)
+        return (*self.measured_entries, *poses)
 
     @property
     def static_entry(self) -> tuple[Literal, ...]:

@@ -6,6 +6,7 @@ fact. Every permitted binding is a fact in the planning problem. To reduce the n
 parameter for a symbol that follows from the other arguments.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import prod
 
@@ -20,27 +21,58 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
+SAME_POSE = 0.01
+"""Largest difference of a coordinate [m] or of a component of a quaternion between equal poses."""
+_POSE = ("position", "orientation")
 MOST_FACTS = 200_000
 """Largest number of bindings of a block with forbidden bindings. Each permitted binding is a fact."""
 
 
 @dataclass(frozen=True)
-class _Permission:
-    """A margin that is -1 for forbidden bindings and 1 for all other bindings."""
+class _Forbidden:
+    """A forbidden binding as a tuple of names, and the poses in which it failed.
 
-    forbidden: frozenset[tuple[str, ...]]
+    Attributes:
+        names: tokens and symbols of the binding, in the order of `deciding_roles`.
+        poses: triples of (token, property, values). Without poses, the binding is forbidden in all situations.
+    """
+
+    names: tuple[str, ...]
+    poses: tuple[tuple[str, str, tuple[float, ...]], ...] = ()
+
+    def applies(self, state: State) -> bool:
+        """Return whether all tokens are where they were when the binding failed."""
+        return all(
+            bool((np.abs(state[token, name] - np.array(value)) <= SAME_POSE).all()) for token, name, value in self.poses
+        )
+
+
+@dataclass(frozen=True)
+class _Permission:
+    """A margin that is -1 for forbidden bindings in their situations and 1 for all other bindings."""
+
+    forbidden: frozenset[_Forbidden]
 
     def __call__(self, state: State, *values: Value) -> FloatArray:
-        margin = -1.0 if tuple(map(name_of, values)) in self.forbidden else 1.0
-        return np.full(state.values.shape[:-1], margin)
+        shape = state.values.shape[:-1]
+        names = tuple(map(name_of, values))
+        mine = [each for each in self.forbidden if each.names == names]
+        single = [State(state.layout, row) for row in state.values.reshape(-1, state.layout.size)] if mine else []
+        held = [any(each.applies(one) for each in mine) for one in single] or [False]
+        return np.where(np.resize(held, shape), -1.0, 1.0)
 
 
-def forbid(task: Task, instance: BlockInstance) -> Task:
+def forbid(
+    task: Task, instance: BlockInstance, state: State | None = None, roles_that_move: Sequence[str] = ()
+) -> Task:
     """Return the task with one more forbidden binding.
 
     Args:
         task: task to change. Forbidden bindings of the task remain forbidden.
         instance: block instance whose binding is forbidden, e.g. from a plan that failed in the forward models.
+        state: state in which the instance began. None forbids the binding in all states.
+        roles_that_move: roles of the tokens whose poses in `state` are part of the situation. The binding remains
+            permitted if one of these tokens is elsewhere.
 
     Raises:
         InputError: if the block has more than `MOST_FACTS` bindings.
@@ -51,14 +83,25 @@ def forbid(task: Task, instance: BlockInstance) -> Task:
     if count > MOST_FACTS:
         wanted = f"to forbid a binding, the block must have at most {MOST_FACTS} bindings"
         raise InputError([Issue(block.name, wanted, str(count), remedy="remove tokens that the task does not need")])
-    forbidden = {tuple(instance.roles[role] for role in roles), *forbidden_bindings(task, block.name)}
-    predicate = _permitted(block, roles, frozenset(forbidden))
+    names = tuple(instance.roles[role] for role in roles)
+    moving = [role for role in roles_that_move if role in roles] if state is not None else []
+    poses = tuple(
+        (token, name, tuple(map(float, state[token, name])))
+        for token in (instance.roles[role] for role in moving)
+        for name in _POSE
+        if state is not None and (token, name) in state.layout.slices
+    )
+    predicate = _permitted(block, roles, _forbidden(task, block.name) | {_Forbidden(names, poses)}, moving)
     entry = (*_declared(block), Literal(predicate, roles))
     return task.replaced(domain=task.domain.with_blocks([replace(block, entry=entry)], [predicate]))
 
 
 def forbidden_bindings(task: Task, block: str) -> frozenset[tuple[str, ...]]:
     """Return the forbidden bindings of a block as tuples of names, in the order of `deciding_roles`."""
+    return frozenset(each.names for each in _forbidden(task, block))
+
+
+def _forbidden(task: Task, block: str) -> frozenset[_Forbidden]:
     permissions = [each.predicate.margin for each in task.domain.block_by_name[block].entry]
     return frozenset().union(*(each.forbidden for each in permissions if isinstance(each, _Permission)))
 
@@ -84,7 +127,9 @@ def _declared(block: Block) -> tuple[Literal, ...]:
     return tuple(literal for literal in block.entry if not isinstance(literal.predicate.margin, _Permission))
 
 
-def _permitted(block: Block, roles: tuple[str, ...], forbidden: frozenset[tuple[str, ...]]) -> Predicate:
+def _permitted(
+    block: Block, roles: tuple[str, ...], forbidden: frozenset[_Forbidden], moving: Sequence[str]
+) -> Predicate:
     """Return the predicate that holds for all bindings of a block except the forbidden ones."""
     said = _sentence(block, roles)
     return Predicate(
@@ -92,6 +137,7 @@ def _permitted(block: Block, roles: tuple[str, ...], forbidden: frozenset[tuple[
         parameters=tuple(Parameter(role, block.roles[role]) for role in roles),
         margin=_Permission(forbidden),
         kind=Kind.STATIC,
+        reads={role: _POSE for role in moving},
         by_name=True,
         description=f"{said} is not forbidden",
         denial=f"{said} failed in the forward models",

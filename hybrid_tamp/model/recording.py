@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hybrid_tamp.model.block import Movement
 from hybrid_tamp.model.contacts import Contact
+from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import Layout, State, StateLayout

@@ -16,6 +16,8 @@ from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.refined import GOAL, Milestone, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
+from hybrid_tamp.symbolic.whereabouts.predicted import predict_states
+from hybrid_tamp.symbolic.whereabouts.tracking import Tracking
 from hybrid_tamp.workers.processes import count_processors
 
 FindPlan = Callable[[Task], PlanOutcome]
@@ -62,7 +64,7 @@ def plan_and_refine(
         excluded = (*excluded, Exclusion(failing, refined.shortfall))
         outcome = replace(outcome, excluded=excluded)
         try:
-            current = forbid(current, failing)
+            current = _exclude(outcome.chosen or current, current, outcome.plan, failing)
         except InputError as error:
             return _give_up(outcome, str(error))
         if len(excluded) > task.limits.refinements:
@@ -103,6 +105,19 @@ def _failing_instance(task: Task, plan: TaskPlan, shortfall: Shortfall) -> Block
             return instance
     moving = [i for i in last_first if task.domain.block_by_name[i.block].moves]
     return (moving or last_first)[0]
+
+
+def _exclude(planned: Task, current: Task, plan: TaskPlan, failing: BlockInstance) -> Task:
+    """Return the current task without a failing binding in the situation in which the binding failed.
+
+    The situation consists of the expected poses of the tokens that blocks move.
+
+    Raises:
+        InputError: if the block has too many bindings.
+    """
+    block = current.domain.block_by_name[failing.block]
+    state = predict_states(planned, plan)[failing.name]
+    return forbid(current, failing, state, Tracking(current.domain).roles(block))
 
 
 def _give_up(outcome: PlanOutcome, detail: str = "") -> PlanOutcome:

@@ -4,8 +4,9 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from hybrid_tamp.errors import InputError, Issue
-from hybrid_tamp.model.block import Block, Movement
+from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.recording import demonstrated_movements
 from hybrid_tamp.motion.demonstration import ShownMovement, learnt
 from hybrid_tamp.report.folder import RunFolder

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom, Literal
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.symbolic.decode import OrderedInstance
@@ -49,10 +50,9 @@ def find_broken_conditions(task: Task, plan: TaskPlan, estimates: Estimates) -> 
     if not tracking.parameters:
         return
     moved: set[str] = set()
-    instances = sorted(plan.instances, key=lambda each: (each.start, each.end, each.name))
-    states = estimates.states(list(_number_reassignments(plan, instances)))
-    for instance, state in zip(instances, states, strict=True):
-        block = task.domain.block_by_name[instance.block]
+    states = predict_states(task, plan, estimates)
+    for instance in _in_order(plan):
+        block, state = task.domain.block_by_name[instance.block], states[instance.name]
         binding = task.bind(instance.roles)
         for literal, roles in tracking.conditions(block):
             tokens = (binding[role] for role in roles)
@@ -65,6 +65,21 @@ def find_broken_conditions(task: Task, plan: TaskPlan, estimates: Estimates) -> 
                 text = f"{instance.name}: {said} (off by {-margin:.3g}{'' if unit == '1' else f' {unit}'})"
                 yield BrokenCondition(instance, literal, atom, margin, text)
         moved.update(instance.slots[slot] for slot in tracking.moving_slots.get(block.name, ()))
+
+
+def predict_states(task: Task, plan: TaskPlan, estimates: Estimates | None = None) -> dict[str, State]:
+    """Return a dictionary that maps the name of each instance to the expected state in which the instance begins.
+
+    Raises:
+        LimitReached: if the deadline of the estimates passes.
+    """
+    instances = _in_order(plan)
+    states = (estimates or Estimates(task)).states(list(_number_reassignments(plan, instances)))
+    return {instance.name: state for instance, state in zip(instances, states, strict=True)}
+
+
+def _in_order(plan: TaskPlan) -> list[BlockInstance]:
+    return sorted(plan.instances, key=lambda each: (each.start, each.end, each.name))
 
 
 def _number_reassignments(plan: TaskPlan, instances: Sequence[BlockInstance]) -> Iterator[OrderedInstance]:
