@@ -60,11 +60,12 @@ def plan_and_refine(
             return replace(outcome, failure=PlanningFailure.of(limit))
         if refined.shortfall is None:
             return replace(outcome, plan=refined.plan, refinement=refined)
-        failing = _failing_instance(current, outcome.plan, refined.shortfall)
+        planned = outcome.plan
+        failing = _failing_instance(current, planned, refined.shortfall)
         excluded = (*excluded, Exclusion(failing, refined.shortfall))
         outcome = replace(outcome, excluded=excluded)
         try:
-            current = _exclude(outcome.chosen or current, current, outcome.plan, failing)
+            current = _exclude(outcome.chosen or current, current, planned, failing)
         except InputError as error:
             return _give_up(outcome, str(error))
         if len(excluded) > task.limits.refinements:

@@ -10,12 +10,14 @@ from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.symbolic.encoding.problem import compile_task
+from hybrid_tamp.symbolic.encoding.task_words import settle_goal
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.pddl.temporal_text import temporal_domain_text, temporal_plan_text, temporal_problem_text
 from hybrid_tamp.symbolic.pddl.text import domain_text, plan_text, problem_text
 from hybrid_tamp.symbolic.reencode import plan_actions
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
 from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
+from hybrid_tamp.symbolic.whereabouts.export import encoded_task
 from hybrid_tamp.verbs.loading import Settings, load_timed
 
 Encoding = Literal["classical", "temporal"]
@@ -72,6 +74,7 @@ def export(task: Task, folder: RunFolder, plan: TaskPlan | None = None, encoding
     """
     if plan is not None and len(task.alternatives()) > 1:
         task = next(each for each in task.alternatives() if not check_law(each, plan))
+    task, plan = encoded_task(settle_goal(task), plan)
     domain, problem, lines = _classical(task, plan) if encoding == "classical" else _temporal(task, plan)
     files = [folder.write_text("domain.pddl", domain), folder.write_text("problem.pddl", problem)]
     return files if plan is None else [*files, folder.write_text("plan.pddl", lines)]

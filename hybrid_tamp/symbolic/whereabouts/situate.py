@@ -6,7 +6,7 @@ become plans of the original task when these targets are left out.
 """
 
 from collections import Counter
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import prod
@@ -85,6 +85,29 @@ class Situation:
 
         return replace(plan, instances=tuple(map(restore, plan.instances)))
 
+    def situated_plan(self, situated: Task, plan: TaskPlan) -> TaskPlan:
+        """Return the plan of a situated task for a plan of the original task."""
+        at = {token: nodes[0].name for token, nodes in self.nodes.by_token.items()}
+        instances = []
+        for instance in sorted(plan.instances, key=lambda each: (each.start, each.end, each.name)):
+            block = self.task.domain.block_by_name[instance.block]
+            moving = self.tracking.moving_slots.get(block.name, ())
+            after = {slot: self._follow(block, slot, instance, at) for slot in moving}
+            targets = {name: at[instance.roles[role]] for role, name in before_names(self.tracking, block).items()}
+            targets |= {name: after[slot] for slot, name in after_names(self.tracking, block).items()}
+            at |= {instance.slots[slot]: node for slot, node in after.items()}
+            kept = {target.name for target in situated.domain.block_by_name[block.name].targets}
+            known = {**instance.targets, **{name: node for name, node in targets.items() if name in kept}}
+            instances.append(replace(instance, targets=known))
+        return replace(plan, instances=tuple(instances))
+
+    def _follow(self, block: Block, slot: str, instance: BlockInstance, at: Mapping[str, str]) -> str:
+        """Return the node to which an instance moves the token in a slot."""
+        token = instance.slots[slot]
+        targets = block.ends.get(slot, ()) if block.outcome is not None else ()
+        row = (token, at[token], *(instance.targets[name] for name in targets))
+        return next(each[-1] for each in self.nodes.rows[block.name, slot] if each[:-1] == row)
+
     def excluded(self, broken: Iterable[tuple[BrokenCondition, BlockInstance]]) -> set[Excluded]:
         """Return the conditions that failed, each given with its instance in a plan of a situated task."""
         found = set()
@@ -140,10 +163,8 @@ class _Conversion:
 
     def _convert_block(self, block: Block) -> Block:
         tracked = dict(self.tracking.conditions(block))
-        before = before_names(self.tracking, block)
-        moving = self.tracking.moving_slots.get(block.name, ())
-        after_taken = {*block.roles, *before.values()}
-        after = {slot: _fresh(f"{slot} after", after_taken) for slot in moving}
+        before, after = before_names(self.tracking, block), after_names(self.tracking, block)
+        moving = tuple(after)
         found = ((self._condition(block, c, tracked[c], before) if c in tracked else c) for c in block.entry)
         entry = [condition for condition in found if condition is not None]
         asked = {argument for condition in entry for argument in condition.arguments}
@@ -203,6 +224,12 @@ def before_names(tracking: Tracking, block: Block) -> dict[str, str]:
     """Return a dictionary that maps each tracked role of a block to the name of the target for its node."""
     taken = set(block.roles)
     return {role: _fresh(f"{role} before", taken) for role in tracking.roles(block)}
+
+
+def after_names(tracking: Tracking, block: Block) -> dict[str, str]:
+    """Return a dictionary that maps each slot whose token the block moves to the name of the target for its end."""
+    taken = {*block.roles, *before_names(tracking, block).values()}
+    return {slot: _fresh(f"{slot} after", taken) for slot in tracking.moving_slots.get(block.name, ())}
 
 
 def _relation(name: str, parameters: tuple[Parameter, ...], rows: Iterable[Row]) -> Predicate:
