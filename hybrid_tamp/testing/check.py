@@ -213,6 +213,6 @@ class _Conditions:
     def __call__(self, condition: Literal, binding: Binding) -> bool:
         atom = condition.ground(binding)
         if atom not in self._known:
-            where = self._first if getattr(condition.predicate, "at_start", False) else self._state
+            where = self._first if condition.predicate.at_start else self._state
             self._known[atom] = float(condition.margin(where, binding))
         return self._known[atom] >= 0

@@ -32,7 +32,7 @@ def check_ends(rolled: Rollouts, possible: Sequence[Binding], found: Disagreemen
         rng: random generator.
     """
     block = rolled.block
-    for slot, targets in getattr(block, "ends", {}).items():
+    for slot, targets in block.ends.items():
         declared = f"the end of {slot} follows from {', '.join(targets) or 'nothing else'}"
         if block.outcome is None:
             found.add("ends", block, rolled.binding, declared, "the block has no outcome")

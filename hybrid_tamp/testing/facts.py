@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from hybrid_tamp.model.bindings import enumerate_bindings
-from hybrid_tamp.model.margins import ROUNDING
+from hybrid_tamp.model.margins import ROUNDING, bound_margin
 from hybrid_tamp.model.predicate import Predicate, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -41,12 +41,12 @@ def check_facts(task: Task, first: State, rolled: Rollouts, found: Disagreements
     for predicate in task.domain.static_predicates:
         if predicate.rows is None and not predicate.reads:
             _check_fixed(task, predicate, rolled, found)
-        if getattr(predicate, "bound", None) is not None:
+        if predicate.bound is not None:
             _check_bound(task, predicate, first, rolled, found, rng)
 
 
 def _check_kept(task: Task, predicate: Predicate, rolled: Rollouts, found: Disagreements) -> None:
-    if getattr(predicate, "at_start", False):
+    if predicate.at_start:
         return
     for values, before, after in _changed(predicate, _involved(task, predicate, rolled), rolled.start, rolled.ends):
         measured = f"{atom_text(predicate, values)} {_from_to(predicate, before, after)}"
@@ -91,7 +91,7 @@ def _check_bound(
             state = rolled.end(row)
             margin = float(predicate.evaluate(state, *values))
             for elsewhere, radius in _elsewhere(state, (first, rolled.start), tokens, rng):
-                bound = float(getattr(predicate, "bound")(elsewhere, radius, *values))  # noqa: B009
+                bound = bound_margin(predicate, elsewhere, radius, values)
                 if margin > bound + ROUNDING * predicate.scale:
                     declared = f"{predicate.name} does not exceed its bound"
                     atom, shown = atom_text(predicate, values), with_unit(margin, predicate)

@@ -17,7 +17,7 @@ _CHUNK = 48
 """Number of time steps between two tests of the exit conditions. Each test covers all states of the chunk."""
 _LONGEST_HOLD = 30.0
 """Longest rollout of a block that can continue after its exit conditions hold [s]."""
-_SLOWEST = 3
+_SLOWEST = 2
 """Longest rollout with drawn hyperparameters, as a multiple of the rollout with initial values."""
 _STILL = 1e-7
 """Largest change of a state within a chunk at which the state counts as at rest, in SI units."""
@@ -86,8 +86,8 @@ def roll_out_rows(
 ) -> Rollouts:
     """Roll a block out until the exit conditions of every row hold, or its longest duration is over.
 
-    A rollout also ends if it is at rest after its expected duration, or if it takes much longer than the rollout with
-    the initial values.
+    A rollout also ends if it is at rest after its expected duration and the block's least duration, or if it takes much
+    longer than the rollout with the initial values.
 
     Args:
         block: block that is rolled out.
@@ -116,7 +116,7 @@ def roll_out_rows(
         found = done.any(axis=0)
         lengths[found], reached[found] = begun + done.argmax(axis=0)[found], True
         still = np.abs(np.diff(chunk.values, axis=0)).max(axis=(0, 2), initial=0.0) < _STILL
-        halted = running & ~found & still & (passed * dt > np.array(expected))
+        halted = running & ~found & still & (passed * dt > np.array(expected)) & (passed > least)
         lengths[halted] = passed
         running &= ~found & ~halted
         if reached[0] and passed >= _SLOWEST * lengths[0]:

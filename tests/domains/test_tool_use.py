@@ -179,9 +179,7 @@ def test_a_batch_gives_what_its_members_give(block: Block, ready: Callable[[Floa
 
 
 def test_symbols_and_forward_models_agree() -> None:
-    found = check_domain(load_task(find_task_file("hammer_push_then_strike")), samples=1)
-    # CARRYING and STRIKING keep facts about the initial state, e.g. home(tool, region).
-    assert {each.kind for each in found} <= {"keeps"}
+    assert check_domain(load_task(find_task_file("hammer_push_then_strike")), samples=1) == []
 
 
 @pytest.mark.parametrize("name", PROBLEMS)

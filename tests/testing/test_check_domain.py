@@ -10,12 +10,15 @@ import toys
 from toys import MOVING, Pusher, Spot, World
 
 from hybrid_tamp.errors import DomainError
-from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.control import Commands, Hyperparameter, Parameters
+from hybrid_tamp.model.block import Block, Duration, Target
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Hyperparameter, Parameters
 from hybrid_tamp.model.predicate import ANY, Binding, Kind, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.testing import Disagreement, check_domain
+from hybrid_tamp.testing.disagreement import Disagreements
+from hybrid_tamp.testing.ends import check_ends
+from hybrid_tamp.testing.rollouts import roll_out_rows
 
 PUSHER, SPOT = Parameter("pusher", Pusher), Parameter("spot", Spot)
 NEAR = toys.NEAR
@@ -40,6 +43,11 @@ WEST = Predicate(
     reads={"pusher": ("position",)},
 )
 """Holds at the start, at x = 0 m, and fails at the spot, at x = 0.4 m."""
+
+
+def arrived(binding: Binding, state: State) -> State:
+    """Return the state with the pusher at the spot."""
+    return state.replace({(cast(Token, binding["pusher"]).name, "position"): state[binding["spot"], "position"]})
 
 
 def check(moving: Block, *facts: Predicate, spots: tuple[float, ...] = (0.4,), **how: int) -> list[Disagreement]:
@@ -73,7 +81,7 @@ def steered(by: Callable[[State, Any], Any], *hyperparameters: Hyperparameter) -
 
 
 def test_a_domain_without_faults_is_not_reported() -> None:
-    sound = replace(CLEARED, keeps=(ALOFT,))
+    sound = replace(CLEARED, outcome=arrived, keeps=(ALOFT,))
     assert check(sound, spots=(0.4, -0.3)) == []
 
 
@@ -105,6 +113,96 @@ def test_a_fixed_fact_that_changes() -> None:
     assert "west(pusher) changes its margin" in changed.measured
 
 
+def within(slack: Callable[[float], float]) -> Predicate:
+    """Return a feasibility fact with the bound margin + ``slack(radius)``."""
+
+    def bound(state: State, radius: float, pusher: Token) -> Any:
+        return np.asarray(WEST.evaluate(state, pusher) + slack(radius))
+
+    return replace(WEST, kind=Kind.STATIC, bound=bound)
+
+
+def test_a_bound_that_a_new_state_exceeds() -> None:
+    (exceeded,) = check(CLEARED, within(lambda radius: 0.9 * radius))
+    assert (exceeded.kind, exceeded.declared) == ("bound", "west does not exceed its bound")
+    assert "and the bound is" in exceeded.measured
+    assert check(CLEARED, within(lambda radius: radius)) == []
+
+
+def test_a_fact_of_the_initial_state_is_evaluated_there() -> None:
+    """The block leaves the region in which its entry condition holds, but can be entered again."""
+    home = replace(WEST, kind=Kind.STATIC, at_start=True)
+    assert check(replace(CLEARED, entry=(home("pusher"),), keeps=(home,)), spots=(0.4, 0.8)) == []
+    once = replace(WEST, kind=Kind.STATIC)
+    assert kinds(check(replace(CLEARED, entry=(once("pusher"),), keeps=(once,)))) == {("keeps", "MOVING")}
+
+
+def test_a_fact_of_the_initial_state_holds_after_several_blocks() -> None:
+    """The pusher moves from spot to spot. Only its second move changes the kept predicate."""
+    following = Predicate(
+        "following",
+        (Parameter("before", Spot), SPOT),
+        lambda s, before, spot: (
+            0.1 - np.abs(s[spot, "position"] - s[before, "position"] - [0.4, 0.0, 0.0]).max(axis=-1)
+        ),
+        "m",
+        reads={"before": ("position",), "spot": ("position",)},
+        kind=Kind.STATIC,
+    )
+    home = replace(WEST, kind=Kind.STATIC, at_start=True)
+    moving = replace(
+        CLEARED,
+        targets=(*CLEARED.targets, Target("before", Spot)),
+        entry=(home("pusher"), NEAR("pusher", "before"), following("before", "spot")),
+        keeps=(replace(WEST, name="not_far_east", margin=lambda s, pusher: 0.6 - s[pusher, "position"][..., 0]),),
+    )
+    assert kinds(check(moving, spots=(0.0, 0.4, 0.8), samples=1)) == {("keeps", "MOVING")}
+
+
+@pytest.mark.parametrize("spots", [(0.4,), (0.4, -0.3)])
+def test_an_end_that_depends_on_a_target_that_is_not_listed(spots: tuple[float, ...]) -> None:
+    found = check(replace(CLEARED, outcome=arrived, ends={"pusher": ()}), spots=spots)
+    assert kinds(found) == {("ends", "MOVING")}
+    assert found[0].declared == "the end of pusher follows from nothing else"
+    assert "spot" in found[0].measured
+
+
+def test_an_end_that_depends_on_properties_of_a_target_that_is_not_listed() -> None:
+    def at_edge(binding: Binding, state: State) -> State:
+        return state.replace({("pusher", "position"): [0.39 + cast(Token, binding["spot"])["radius"], 0.0, 0.5]})
+
+    moving = replace(CLEARED, outcome=at_edge, ends={"pusher": ()})
+    task = World(moving=moving).pusher(limit=1000.0).spot("small", 0.4, 0.01).spot("large", 0.4, 0.02).task()
+    small, large = (task.bind({"pusher": "pusher", "spot": name}) for name in ("small", "large"))
+    rolled = roll_out_rows(moving, small, task.state, {"stiffness": np.array([200.0])}, 1, CONTROL_PERIOD)
+    found = Disagreements()
+    check_ends(rolled, [small, large], found, np.random.default_rng(0))
+    assert [each.measured for each in found.all()] == ["with another spot, the outcome is 0.01 m and 0 degrees away"]
+
+
+def test_an_end_that_differs_from_the_outcome() -> None:
+    def beyond(binding: Binding, state: State) -> State:
+        after = arrived(binding, state)
+        return after.replace({("pusher", "position"): after["pusher", "position"] + [0.1, 0.0, 0.0]})
+
+    (wrong,) = check(replace(CLEARED, outcome=beyond, ends={"pusher": ("spot",)}))
+    assert (wrong.kind, wrong.declared) == ("ends", "the end of pusher follows from spot")
+    assert "a rollout ends 0.1" in wrong.measured or "a rollout ends 0.09" in wrong.measured
+    assert check(replace(CLEARED, outcome=arrived, ends={"pusher": ("spot",)})) == []
+    assert kinds(check(replace(CLEARED, ends={"pusher": ("spot",)}))) == {("ends", "MOVING")}
+
+
+def test_an_end_that_depends_on_hyperparameters() -> None:
+    """With the initial value, the pusher ends at the outcome. The exit conditions allow other ends."""
+    aside = Hyperparameter("aside", "m", 0.0, 0.3, lambda binding, state: np.asarray(0.0))
+    moving = steered(lambda start, chosen: chosen["aside"], aside)
+    wide = replace(moving, exit=(toys.AT_REST("pusher"),), keeps=(NEAR,), outcome=arrived, ends={"pusher": ("spot",)})
+    assert ("ends", "MOVING") in kinds(check(wide))
+    narrow = replace(aside, upper=0.0)
+    same = replace(wide, hyperparameters=(MOVING.hyperparameters[0], narrow))
+    assert ("ends", "MOVING") not in kinds(check(same))
+
+
 def test_an_entry_condition_that_holds_throughout() -> None:
     entry = (ALOFT("pusher"), toys.AT_REST("pusher"))
     (standing,) = check(replace(CLEARED, entry=entry, keeps=(ALOFT,)))
@@ -126,6 +224,15 @@ def test_an_entry_condition_that_holds_throughout() -> None:
 def test_a_waiver_must_have_a_reason_and_an_entry_condition(changes: dict[str, Any]) -> None:
     with pytest.raises(DomainError, match="'waived' must map entry conditions"):
         toys.domain(replace(CLEARED, keeps=(ALOFT,), **changes))
+
+
+def test_a_block_that_has_nothing_to_do_reaches_its_exit_after_its_least_duration() -> None:
+    waiting = replace(MOVING, duration=Duration(0.5, 3.0, lambda binding, state, hyperparameters: 0.1))
+    task = World(moving=waiting).pusher().spot(x=0.0).task()
+    binding = task.bind({"pusher": "pusher", "spot": "spot"})
+    rolled = roll_out_rows(waiting, binding, task.state, {"stiffness": np.array([200.0])}, 1, CONTROL_PERIOD)
+    assert rolled.rows == [0]
+    assert rolled.lengths.tolist() == [120]
 
 
 def test_faults_of_drawn_hyperparameters_are_found() -> None:
