@@ -8,6 +8,7 @@ import numpy as np
 
 from hybrid_tamp.midlevel.rollout import Condition, Key, Rollout
 from hybrid_tamp.model.authored import authored
+from hybrid_tamp.model.facts import fact_margin
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.refined import GOAL
@@ -79,7 +80,9 @@ def _conditions(task: Task, recording: Recording, instance: BlockInstance) -> It
     for literals, time in sides:
         state = recording.at(time)
         for literal in literals:
-            margin = np.array([float(literal.margin(state, binding))])
+            static = literal.predicate.static
+            measured = fact_margin(literal, task.state, state, binding) if static else literal.margin(state, binding)
+            margin = np.array([float(measured)])
             yield Condition(instance.name, literal.ground(binding), literal.predicate, margin)
     run = _run_until_exit(recording, instance)
     for literal in block.invariants:

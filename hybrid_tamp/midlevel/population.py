@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Parameters
+from hybrid_tamp.model.facts import fact_margin
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Literal
@@ -58,6 +59,7 @@ class InstanceModel:
         slots = set(instance.slots.values())
         self.held = np.array([token in slots for token, _, size in layout.entries for _ in range(size)], dtype=bool)
         self._layout = layout
+        self._initial = State(layout, task.state.values[self.columns])
         self.longest = floor(self.block.duration.maximum / CONTROL_PERIOD + 1e-6)
         self.shortest = self.block.duration.minimum - 1e-6
 
@@ -71,7 +73,10 @@ class InstanceModel:
 
     def entries(self, state: State) -> FloatArray:
         """Return the margins of the measured entry conditions. Shape ``(..., e)``."""
-        return self._margins(self.block.predicted_entries, state)
+        changing = self._margins(self.block.measured_entries, state)
+        facts = (fact_margin(each, self._initial, state, self.binding) for each in self.block.posed_entries)
+        columns = [np.broadcast_to(each, state.values.shape[:-1])[..., None] for each in facts]
+        return np.concatenate([changing, *columns], axis=-1)
 
     def invariants(self, state: State) -> FloatArray:
         """Return the margins of the invariants. Shape ``(..., i)``."""

@@ -204,13 +204,14 @@ class Block:
         return _measurable(self.changing_entry)
 
     @property
-    def predicted_entries(self) -> tuple[Literal, ...]:
-        """Entry conditions that a rollout of a plan evaluates, including feasibility conditions on poses.
+    def posed_entries(self) -> tuple[Literal, ...]:
+        """Feasibility conditions on poses, which earlier blocks of a plan may have changed."""
+        return tuple(c for c in self.static_entry if c.predicate.reads and not c.predicate.at_start)
 
-        Earlier blocks of the plan may have changed the poses, so facts of the initial state are not enough.
-        """
-        poses = (c for c in self.static_entry if c.predicate.reads and not c.predicate.at_start)
-        return (*self.measured_entries, *poses)
+    @property
+    def predicted_entries(self) -> tuple[Literal, ...]:
+        """Entry conditions that a rollout of a plan evaluates, including feasibility conditions on poses."""
+        return (*self.measured_entries, *self.posed_entries)
 
     @property
     def static_entry(self) -> tuple[Literal, ...]:

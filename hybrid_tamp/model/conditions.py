@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.facts import StaticFacts, facts
+from hybrid_tamp.model.facts import StaticFacts, fact_margin, facts
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan, at
 from hybrid_tamp.model.predicate import ANY, Atom, Literal, Predicate
 from hybrid_tamp.model.state import State
@@ -61,7 +61,7 @@ class _Checker:
         self.task = task
         self.plan = plan
         self.static = StaticFacts(task)
-        self.moved: set[tuple[str, str]] = set()
+        self.movers: dict[tuple[str, str], set[Block]] = {}
 
     def block(self, instance: BlockInstance) -> Block:
         return self.task.domain.block_by_name[instance.block]
@@ -73,7 +73,7 @@ class _Checker:
             self.reach(time)
             ended = ending.at(time)
             for instance in ended:
-                self.moved.update((instance.slots[s], p) for s, ps in self.block(instance).writes.items() for p in ps)
+                self.note_movements(instance)
             for instance in ended:
                 yield from self.leave(time, instance, final and self.block(instance).hold)
             for instance in starting.at(time) if time > TIME_TOLERANCE else ():
@@ -95,14 +95,24 @@ class _Checker:
             if not fine:
                 yield Violation(5, time, instance.name, f"entry condition {atom.text} does not hold")
 
+    def note_movements(self, instance: BlockInstance) -> None:
+        """Note which properties of which tokens an ended instance has changed."""
+        block = self.block(instance)
+        for slot, names in block.writes.items():
+            for name in names:
+                self.movers.setdefault((instance.slots[slot], name), set()).add(block)
+
     def may_have_changed(self, literal: Literal, instance: BlockInstance) -> bool:
         """Return whether earlier instances have changed a property that a feasibility condition reads."""
         predicate, roles = literal.predicate, instance.roles
-        return not predicate.at_start and any(
-            (roles.get(argument, ""), read) in self.moved
+        if predicate.at_start:
+            return False
+        read = {
+            (roles.get(argument, ""), name)
             for parameter, argument in zip(predicate.parameters, literal.arguments, strict=True)
-            for read in predicate.reads.get(parameter.name, ())
-        )
+            for name in predicate.reads.get(parameter.name, ())
+        }
+        return any(predicate not in block.keeps for each in read for block in self.movers.get(each, ()))
 
     def leave(self, time: float, instance: BlockInstance, final: bool) -> Iterator[Violation]:
         raise NotImplementedError
@@ -192,7 +202,10 @@ class _Margins(_Checker):
                 yield Violation(5, time, instance.name, f"exit condition {atom.text} does not hold")
 
     def holds(self, time: float, literal: Literal, instance: BlockInstance) -> bool:
-        return float(literal.margin(self.measured(time), self.task.bind(instance.roles))) >= 0
+        binding, state = self.task.bind(instance.roles), self.measured(time)
+        if literal.predicate.static:
+            return float(fact_margin(literal, self.task.state, state, binding)) >= 0
+        return float(literal.margin(state, binding)) >= 0
 
     def reached(self, atom: Atom) -> bool:
         return self.task.margin(atom, self.measured(self.plan.makespan)) >= 0

@@ -7,11 +7,14 @@ margin is chosen. Atoms of maintained predicates depend on the running instances
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+import numpy as np
+
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.predicate import Atom, Literal, Parameter, Predicate, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token, different
+from hybrid_tamp.motion.arrays import FloatArray
 
 
 def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[Atom]:
@@ -29,6 +32,29 @@ def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[At
         else:
             found.update(known.holding(predicate, _bindings(task, predicate)))
     return frozenset(found)
+
+
+def fact_margin(literal: Literal, initial: State, state: State, binding: Mapping[str, Value]) -> FloatArray:
+    """Return the signed margin ``(...)`` of a feasibility condition in a later state.
+
+    The condition sees the later values only of the properties that its predicate reads. All other properties keep their
+    initial values. For example, a hand stays on the side on which it started, wherever it is now.
+
+    Args:
+        literal: condition on a static predicate.
+        initial: initial state, without batch dimensions.
+        state: later state, batch shape ``(...)``, in the same layout.
+        binding: maps each role to its token or symbol.
+    """
+    predicate = literal.predicate
+    values = np.array(np.broadcast_to(initial.values, state.values.shape))
+    read = {
+        (token.name, name): state[token, name]
+        for parameter, argument in zip(predicate.parameters, literal.arguments, strict=True)
+        if isinstance(token := binding.get(argument), Token) and not predicate.at_start
+        for name in predicate.reads.get(parameter.name, ())
+    }
+    return literal.margin(State(state.layout, values).replace(read), binding)
 
 
 class StaticFacts:

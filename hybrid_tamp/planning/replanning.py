@@ -17,7 +17,6 @@ from hybrid_tamp.model.refined import GOAL, Milestone, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 from hybrid_tamp.symbolic.whereabouts.predicted import predict_states
-from hybrid_tamp.symbolic.whereabouts.tracking import Tracking
 from hybrid_tamp.workers.processes import count_processors
 
 FindPlan = Callable[[Task], PlanOutcome]
@@ -118,7 +117,23 @@ def _exclude(planned: Task, current: Task, plan: TaskPlan, failing: BlockInstanc
     """
     block = current.domain.block_by_name[failing.block]
     state = predict_states(planned, plan)[failing.name]
-    return forbid(current, failing, state, Tracking(current.domain).roles(block))
+    moved = [role for role in block.roles if _is_moved(current, failing.roles[role])]
+    return forbid(current, failing, state, moved)
+
+
+def _is_moved(task: Task, name: str) -> bool:
+    """Return whether some block moves a token that cannot move itself."""
+    token = task.token_by_name.get(name)
+    return (
+        token is not None
+        and not token.place
+        and not token.basic_actions
+        and any(
+            {"position", "orientation"} & set(written) and token.is_member(block.slot(slot).object_class)
+            for block in task.domain.blocks
+            for slot, written in block.writes.items()
+        )
+    )
 
 
 def _give_up(outcome: PlanOutcome, detail: str = "") -> PlanOutcome:

@@ -4,6 +4,7 @@ from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from hybrid_tamp.model.facts import fact_margin
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom, Literal
 from hybrid_tamp.model.state import State
@@ -58,7 +59,7 @@ def find_broken_conditions(task: Task, plan: TaskPlan, estimates: Estimates) -> 
             tokens = (binding[role] for role in roles)
             if not any(isinstance(token, Token) and token.name in moved for token in tokens):
                 continue
-            margin = float(literal.margin(state, binding))
+            margin = float(fact_margin(literal, task.state, state, binding))
             if margin < 0:
                 atom, unit = literal.ground(binding), literal.predicate.unit
                 said = literal.predicate.sentence(atom.arguments, not literal.positive)
