@@ -111,12 +111,6 @@ def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -
     return np.asarray((facing if offset > 0 else -facing) if abs(offset) > _ABOVE else abs(facing)) - _LEAST_OUTLOOK
 
 
-def _best_outlook(state: State, radius: float, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
-    """Return an upper bound of `_outlook` for a box at any position, which is reached for a hand above the box."""
-    exposed = (face, posture) in EXPOSED_HOLD
-    return np.asarray(abs(outlook(state, hand, thing, face, posture)) - _LEAST_OUTLOOK if exposed else -1.0)
-
-
 POSTURE = Predicate(
     "posture",
     (_OBJECT, _POSTURE),
@@ -155,10 +149,9 @@ ON_SIDE = Predicate(
     one_by_one(_outlook),
     unit="1",
     scale=0.1,
-    # The side on which the hand starts does not change, so `reads` omits the position of the hand.
-    reads={"hand": ("orientation",), "object": POSE},
+    # The side on which the hand starts does not change, so `reads` omits the positions.
+    reads={"hand": ("orientation",), "object": ("orientation",)},
     kind=Kind.STATIC,
-    bound=_best_outlook,
     description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
     denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
 )

@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from hybrid_tamp.model.authored import OWN_ERRORS, blame
+from hybrid_tamp.model.authored import OWN_ERRORS, authored, blame
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
@@ -108,11 +108,7 @@ def bound_margin(predicate: Margin, state: State, radius: float, values: Sequenc
     """
     if predicate.bound is None:
         return np.inf
-    try:
+    names = (parameter.name for parameter in predicate.parameters)
+    with authored(f"the bound of {predicate.name}", dict(zip(names, values, strict=False))):
         bound = predicate.bound(state, radius, *values, **predicate.keywords)
-        return float(without_rounding(np.asarray(bound), predicate.scale))
-    except OWN_ERRORS:
-        raise
-    except Exception as error:
-        names = (parameter.name for parameter in predicate.parameters)
-        raise blame(error, f"bound of predicate {predicate.name}", dict(zip(names, values, strict=False))) from error
+    return float(without_rounding(np.asarray(bound), predicate.scale))

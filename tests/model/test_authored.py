@@ -117,7 +117,7 @@ def test_the_error_survives_the_way_between_processes() -> None:
 
 
 FUNCTIONS = {"policy", "system", "outcome", "expected", "taught", "metrics", "estimate", "align", "share"}
-FUNCTIONS |= {"end", "peak", "rate", "consistent", "consistent_start", "features", "within", "initial_value"}
+FUNCTIONS |= {"end", "peak", "rate", "consistent", "consistent_start", "features", "within", "initial_value", "bound"}
 """Attributes that are functions of an author, by the names under which the library calls them."""
 RECEIVERS = {"block", "duration", "domain", "recipe", "predicate", "measure", "member", "object_class", "own", "h"}
 

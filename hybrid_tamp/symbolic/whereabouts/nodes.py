@@ -6,13 +6,14 @@ The exact position in such a node is unknown, so only upper bounds of margins ar
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from hybrid_tamp.model.affordance import PlaceClass
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.kind import Kind
@@ -58,9 +59,9 @@ class Node:
     radius: float = 0.0
     oriented: bool = True
 
-    def placed(self, state: State) -> State:
-        """Return the state with the token in its representative pose."""
-        return state.replace({(self.token, name): value for name, value in self.pose.items()})
+    def placed(self, state: State, names: Collection[str] = _POSE) -> State:
+        """Return the state with the named properties of the token in its representative pose."""
+        return state.replace({(self.token, name): value for name, value in self.pose.items() if name in names})
 
     def is_same(self, other: "Node") -> bool:
         """Return whether an end of a movement is this node."""
@@ -165,7 +166,8 @@ class _Explorer:
         self, block: Block, slot: str, node: Node, targets: Mapping[str, Value], binding: Binding, state: State
     ) -> Node:
         assert block.outcome is not None, "only an outcome determines an end"
-        after = block.outcome(binding, state)
+        with authored(f"{block.name}.outcome", binding):
+            after = block.outcome(binding, state)
         pose = {name: after[self.token, name].copy() for name in node.pose}
         place = next((v.name for v in targets.values() if isinstance(v, Token) and v.place), None)
         if place is None and not node.oriented:

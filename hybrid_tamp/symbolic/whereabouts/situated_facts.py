@@ -57,7 +57,7 @@ class SituatedFacts:
                 known = self._known.setdefault((literal.predicate.name, literal.positive, *(n.name for n in nodes)), {})
                 rows = {tuple(map(name_of, each)): each for each in values}
                 new = [row for row in rows if row not in known]
-                known |= dict(zip(new, self._margins(literal, nodes, state, [rows[row] for row in new]), strict=True))
+                known |= dict(zip(new, self._margins(literal, nodes, [rows[row] for row in new]), strict=True))
                 yield from ((*row, *(node.name for node in nodes)) for row in rows if known[row] >= 0)
 
     def _symbols(
@@ -81,12 +81,13 @@ class SituatedFacts:
                 found[symbol] = self._holding[key]
         return found
 
-    def _margins(
-        self, literal: Literal, nodes: Sequence[Node], state: State, values: Sequence[tuple[Value, ...]]
-    ) -> Sequence[float]:
+    def _margins(self, literal: Literal, nodes: Sequence[Node], values: Sequence[tuple[Value, ...]]) -> Sequence[float]:
         """Return the signed margin of a condition for each binding, or an upper bound if the pose is not known."""
         predicate = literal.predicate
         read = self._read(predicate, nodes)
+        state = self.task.state
+        for node in nodes:
+            state = node.placed(state, read)
         radius = max((node.radius for node in nodes), default=0.0) if "position" in read else 0.0
         blind = bool(read - {"position", "orientation"})
         blind |= "orientation" in read and not all(node.oriented for node in nodes)
