@@ -100,7 +100,7 @@ class _Checker:
         block = self.block(instance)
         for slot, names in block.writes.items():
             for name in names:
-                self.movers.setdefault((instance.slots[slot], name), set()).add(block)
+                self.movers.setdefault((instance.slots.get(slot, ""), name), set()).add(block)
 
     def may_have_changed(self, literal: Literal, instance: BlockInstance) -> bool:
         """Return whether earlier instances have changed a property that a feasibility condition reads."""

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
@@ -95,7 +96,8 @@ def _check_surroundings(
 
 def _outcome(block: Block, binding: Binding, state: State) -> State:
     assert block.outcome is not None
-    return block.outcome(binding, state)
+    with authored(f"{block.name}.outcome", binding):
+        return block.outcome(binding, state)
 
 
 def _radius(binding: Binding, target: str) -> float:

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from hybrid_tamp.geometry.convex import CONTACT, lowest_height, placed
 from hybrid_tamp.geometry.overlaps import overlaps
+from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -76,8 +77,12 @@ def _is_sound(task: Task, state: State) -> bool:
         return False
     if any(overlaps(bodies, lambda one, other: pass_through(solid[one], solid[other]))):
         return False
-    members = ((token, member) for token in task.tokens for member in token.classes)
-    return all(member.consistent_start(token, state, task.tokens) is None for token, member in members)
+    for token in task.tokens:
+        for member in token.classes:
+            with authored(f"{member.name}.consistent_start", {"token": token}):
+                if member.consistent_start(token, state, task.tokens) is not None:
+                    return False
+    return True
 
 
 def displace(state: State, names: Mapping[str, FloatArray]) -> State:

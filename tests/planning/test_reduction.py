@@ -96,6 +96,7 @@ def test_agents_that_have_nothing_to_do_with_the_goal_are_left_out_with_their_bl
         classes=(*of.classes, made),
         blocks=(*of.blocks, moving),
         predicates=(*of.predicates, moving.exit[0].predicate),
+        disjoint=(*of.disjoint, (made, of.class_by_name["STATIC END-EFFECTOR"])),
         network=ReassignmentNetwork([*edges, ("RESTING.token", "MOVING.gripper"), ("MOVING.gripper", "RESTING.token")]),
     )
     gripper = Token.make("gripper", [made], {})
