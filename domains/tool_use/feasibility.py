@@ -126,8 +126,8 @@ HANDLE_WITHIN_REACH = length_predicate(
     _reach_of_handle,
     reads={"tool": POSE},
     kind=Kind.STATIC,
-    description="the handle of {tool} is initially inside the workspace of {hand}",
-    denial="the handle of {tool} is initially not inside the workspace of {hand}",
+    description="the handle of {tool} is inside the workspace of {hand}",
+    denial="the handle of {tool} is not inside the workspace of {hand}",
 )
 ABLE_TO_PUSH = Predicate(
     "able_to_push",

@@ -6,6 +6,7 @@
       strategies/     plans goals separately and rebinds interchangeable tokens
       encoding/       Task -> Compilation: operators and their meanings, initial facts, goal
       chaining/       composes blocks in series into one block before the encoding
+      whereabouts/    lets feasibility facts depend on the places to which blocks move tokens
       engines/        PlanningProblem -> PlannedActions: runs an engine in a worker process
       decode          PlannedActions -> ordered instances: block instances without times
       estimates       ordered instances -> expected durations

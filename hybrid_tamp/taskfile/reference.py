@@ -100,7 +100,7 @@ def _predicates(predicates: Iterable[Predicate]) -> str:
 def _notes(predicate: Predicate) -> str:
     notes = []
     if predicate.static:
-        notes.append("static: never changes during a task")
+        notes.append(_static_note(predicate))
     if predicate.safety is not None:
         notes.append(f"safety factor {predicate.safety.factor:g} (key `safety`): {predicate.safety.description}")
     if predicate.value_of is not None:
@@ -108,6 +108,14 @@ def _notes(predicate: Predicate) -> str:
     if predicate.maintained:
         notes.append("holds only while the block that achieved it runs")
     return "; ".join(notes)
+
+
+def _static_note(predicate: Predicate) -> str:
+    if predicate.at_start:
+        return "static: describes the start of a task"
+    if any(predicate.reads.values()):
+        return "static: evaluated at the start, and again where blocks have moved tokens"
+    return "static: never changes during a task"
 
 
 def _block(block: Block) -> str:
