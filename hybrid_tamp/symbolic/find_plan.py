@@ -23,7 +23,7 @@ from hybrid_tamp.symbolic.whereabouts.situate import Excluded, Situation
 
 WHOLE = "the whole task at once"
 REBOUND = "interchangeable tokens rebound"
-UNCERTAIN = "conditions on moved tokens may hold within the tolerance of their places, but not at the centres"
+REFUSED = "The plans that were found fail in their predicted states: "
 
 _DECOMPOSING = ("fast-downward", "symk", "enhsp", "pyperplan")
 """Engines that may plan goals separately. They stop if there is no plan, and do not guarantee the fewest actions."""
@@ -100,7 +100,11 @@ def _plan_whereabouts(task: Task, planner: Planner, deadline: Deadline, result: 
             break
         excluded |= more
     found = _plan(optimistic, relax=False)
-    return found if found.status in ("solved", "unsolvable") else _not_found(found, search.refusals)
+    return (
+        found
+        if found.status in ("solved", "unsolvable")
+        else _not_found(found, (*search.refusals, *optimistic.refusals))
+    )
 
 
 def _situated_search(
@@ -122,7 +126,8 @@ def _unsolvable(search: Search, task: Task) -> SearchResult:
 
 def _not_found(result: SearchResult, refusals: Sequence[str]) -> SearchResult:
     """Return the result of a search with facts that prove nothing."""
-    answer = replace(result.answer, status="not_found", message="; ".join(refusals) or UNCERTAIN)
+    said = f"{REFUSED}{'; '.join(dict.fromkeys(refusals))}." if refusals else result.answer.message
+    answer = replace(result.answer, status="not_found", message=said)
     return replace(result, answer=answer, refusal="")
 
 

@@ -188,17 +188,19 @@ class Search:
             broken = (
                 [] if violations else list(find_broken_conditions(self.original, candidate.plan, self._predictions))
             )
-        if violations or broken:
+        if violations:
+            self._refuse(candidate.way, "; ".join(each.text for each in violations))
+            return None
+        if broken:
             encoded = {instance.name: instance for instance in unrestored.instances}
             self.broken += [(each, encoded[each.instance.name]) for each in broken]
-            self._refuse(
-                candidate.way, "; ".join([*(each.text for each in violations), *(each.text for each in broken)])
-            )
+            self._refuse(candidate.way, "; ".join(each.text for each in broken), logging.INFO)
             return None
         if self.best is None or candidate.plan.makespan < self.best.plan.makespan - 1e-6:
             self.best = candidate
         return candidate
 
-    def _refuse(self, way: str, reason: str) -> None:
-        _LOG.warning("the plan of %s (%s) was refused: %s", self.task.planner, way, reason)
+    def _refuse(self, way: str, reason: str, level: int = logging.WARNING) -> None:
+        """Record why a plan is refused. A plan that breaks the law is a fault, which deserves a warning."""
+        _LOG.log(level, "the plan of %s (%s) was refused: %s", self.task.planner, way, reason)
         self.refusals.append(reason)
