@@ -198,8 +198,8 @@ Granted = Callable[[Predicate, tuple[Value, ...]], bool]
 def grant(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collection[str] = ()) -> Domain:
     """Return the domain with a fixed margin for some feasibility facts.
 
-    The tokens in these facts may lack properties. If a state predicate needs a missing property, the predicate does not
-    hold. The expected duration of each block is set to the minimum.
+    The tokens in these facts may lack properties. If a state predicate needs a missing property or shape, the predicate does
+    not hold. The expected duration of each block is set to the minimum.
 
     Args:
         domain: the domain to change.
@@ -233,7 +233,7 @@ def _granted(predicate: Predicate, wanted: Granted, margin: float) -> Predicate:
             return np.full(state.values.shape[:-1], margin)
         try:
             return predicate.margin(state, *values, **predicate.keywords)
-        except KeyError:
+        except (KeyError, AssertionError):  # The token lacks a property, or a shape that the function asserts.
             return np.full(state.values.shape[:-1], -1.0)
 
     return replace(predicate, margin=decided, by_name=True, safety=None)
