@@ -198,8 +198,8 @@ Granted = Callable[[Predicate, tuple[Value, ...]], bool]
 def grant(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collection[str] = ()) -> Domain:
     """Return the domain with a fixed margin for some feasibility facts.
 
-    The tokens in these facts may lack properties. If a state predicate needs a missing property or shape, the predicate does
-    not hold. The expected duration of each block is set to the minimum.
+    The tokens in these facts may lack properties and shapes. A state predicate that needs them does not hold. The
+    expected duration of each block is set to the minimum.
 
     Args:
         domain: the domain to change.
