@@ -52,27 +52,16 @@ def find_plan(task: Task, planner: Planner, deadline: Deadline | None = None, *,
     deadline = deadline or Deadline.after(task.limits.time)
     alternatives = task.alternatives()
     if len(alternatives) == 1:
-        return _plan_alternative(alternatives[0], planner, deadline, relax)
+        result = _plan(Search(alternatives[0], planner, deadline), relax)
+        return _plan_whereabouts(alternatives[0], planner, deadline, result)
     return _plan_alternatives(alternatives, planner, deadline)
 
 
-def _plan_alternative(task: Task, planner: Planner, deadline: Deadline, relax: bool) -> SearchResult:
-    """Plan a task whose goal leaves no choice.
-
-    First, the feasibility facts of the initial state are used. If this gives no plan, but blocks change poses on which
-    the facts depend, the whereabouts of the tokens are planned, too.
-
-    Raises:
-        LimitReached: If a limit was reached before any plan was found.
-    """
-    result = _plan(Search(task, planner, deadline), relax)
-    if result.status not in ("unsolvable", "plan_refused"):
-        return result
-    return _plan_whereabouts(task, planner, deadline, result)
-
-
 def _plan_whereabouts(task: Task, planner: Planner, deadline: Deadline, result: SearchResult) -> SearchResult:
-    """Plan a task that has no plan with the feasibility facts of the initial state, which gave `result`.
+    """Plan a task with the whereabouts of its tokens if it has no plan with the feasibility facts of its initial state.
+
+    The search with these facts gave `result`, which is returned if it is a plan, or if no block changes a pose on which
+    a fact depends.
 
     Facts at the expected ends of movements guide the search. If a condition fails in a predicted state of a plan, the
     search repeats without this fact. Only optimistic facts prove that the task has no plan. With these facts, a
@@ -82,7 +71,7 @@ def _plan_whereabouts(task: Task, planner: Planner, deadline: Deadline, result: 
         LimitReached: If a limit was reached before any plan was found.
     """
     situation = Situation(task)
-    if not situation.tracking.parameters:
+    if result.status not in ("unsolvable", "plan_refused") or not situation.tracking.parameters:
         return result
     relaxed = Search(relax_task(task, situation.tracking), planner, deadline)
     if not _is_within_reach(relaxed):
@@ -202,7 +191,8 @@ def _plan_alternatives(alternatives: Sequence[Task], planner: Planner, deadline:
     stopped: LimitReached | None = None
     for each in alternatives:
         try:
-            found.append(_plan_alternative(each, planner, deadline, relax=True))
+            result = _plan(Search(each, planner, deadline), relax=True)
+            found.append(_plan_whereabouts(each, planner, deadline, result))
             stopped = found[-1].stopped
         except LimitReached as reached:
             if all(result.plan is None for result in found):
