@@ -32,6 +32,7 @@ from hybrid_tamp.authoring import (
     Slot,
     State,
     Target,
+    cross,
 )
 
 from ..common.classes import StaticEndEffector
@@ -104,9 +105,9 @@ def _hold(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         pivot, axis = edge_position(state, thing, down, forward), edge_axis(state, thing, down, forward)
-        moment = dot(np.cross(state[thing, "position"] - pivot, weight), axis)
+        moment = dot(cross(state[thing, "position"] - pivot, weight), axis)
         outward = normal(state, thing, face)
-        arm = dot(np.cross(state[hand, "position"] - pivot, outward), axis)
+        arm = dot(cross(state[hand, "position"] - pivot, outward), axis)
         # Without this force, the hand would sink until its servo bears the box.
         push = -outward * (np.maximum(moment, 0.0) / np.maximum(np.abs(arm), 1e-3))[..., None]
         commands = servo(elapsed, state)

@@ -19,8 +19,9 @@ class Membership:
     rows: frozenset[Row]
 
     def __call__(self, state: State, *symbols: object) -> FloatArray:
-        """Return the margin for a row of symbols, shape ``(...)``."""
-        return np.full(state.values.shape[:-1], 0.0 if symbols in self.rows else -1.0)
+        """Return the margin for a row of symbols or tokens, shape ``(...)``. A row contains the names of tokens."""
+        row = tuple(getattr(symbol, "name", symbol) for symbol in symbols)
+        return np.full(state.values.shape[:-1], 0.0 if row in self.rows else -1.0)
 
 
 def order_rows(rows: Iterable[Row], sorts: Sequence[Row]) -> tuple[Row, ...]:

@@ -7,21 +7,19 @@ become plans of the original task when these targets are left out.
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import prod
-
-import numpy as np
 
 from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.block import Block, Target
 from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import Literal, Parameter, Predicate, Value, name_of
+from hybrid_tamp.model.predicate import Literal, Parameter, Predicate
+from hybrid_tamp.model.relation import Membership
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.symbolic.pddl.naming import unused
 from hybrid_tamp.symbolic.whereabouts.nodes import Nodes, Row, Whereabouts, find_nodes
 from hybrid_tamp.symbolic.whereabouts.predicted import BrokenCondition
@@ -35,17 +33,6 @@ _Key = tuple[str, bool, int]
 """Triple of (predicate, whether positive, number of nodes) that identifies the conditions with the same relation."""
 Excluded = tuple[_Key, Row]
 """A condition that counts as false for a row of names."""
-
-
-@dataclass(frozen=True)
-class _Rows:
-    """The margin of a relation over names of tokens and symbols: 0 for a row of the relation and -1 otherwise."""
-
-    rows: frozenset[Row]
-
-    def __call__(self, state: State, *values: Value) -> FloatArray:
-        held = tuple(map(name_of, values)) in self.rows
-        return np.full(state.values.shape[:-1], 0.0 if held else -1.0)
 
 
 class Situation:
@@ -132,7 +119,7 @@ class _Conversion:
         self.whereabouts = Predicate(
             self._name("whereabouts"),
             (Parameter("token", TOKEN), Parameter("node", Whereabouts)),
-            _Rows(frozenset((token, nodes[0].name) for token, nodes in self.nodes.by_token.items())),
+            Membership(frozenset((token, nodes[0].name) for token, nodes in self.nodes.by_token.items())),
             kind=Kind.FUNCTIONAL,
             value_of="node",
             by_name=True,
@@ -234,7 +221,7 @@ def after_names(tracking: Tracking, block: Block) -> dict[str, str]:
 
 def _relation(name: str, parameters: tuple[Parameter, ...], rows: Iterable[Row]) -> Predicate:
     ordered = tuple(sorted(set(rows)))
-    return Predicate(name, parameters, _Rows(frozenset(ordered)), kind=Kind.STATIC, rows=ordered, by_name=True)
+    return Predicate(name, parameters, Membership(frozenset(ordered)), kind=Kind.STATIC, rows=ordered, by_name=True)
 
 
 def _key(literal: Literal, roles: tuple[str, ...]) -> _Key:
