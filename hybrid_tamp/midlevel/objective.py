@@ -15,12 +15,18 @@ from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 RESERVE = 0.5
-"""Largest reserve for the margin of a goal atom during a search, as a multiple of the predicate's scale."""
+"""Largest reserve for a margin during a search, as a multiple of the predicate's scale."""
+_ROUNDING = 1e-9
+"""Largest shortfall from a reserve that counts as a rounding error, as a multiple of the predicate's scale."""
+
+Reserves = Mapping[tuple[str, Atom], float]
+"""Maps pairs of (instance or `GOAL`, atom) to the margin that a search reserves, in the unit of the predicate."""
 
 
 class RollOut(Protocol):
@@ -46,15 +52,14 @@ class Objective:
         plan: plan whose hyperparameters vary.
         roll_out: function that rolls out candidates.
         until: name of an instance. Rollouts may stop after the exit of this instance. If None, rollouts are complete.
-        reserves: maps each goal atom to the margin that a search reserves, in the unit of its predicate. None if the
-            reserves are not yet known.
+        reserves: margins that a search reserves. None if the reserves are not yet known.
     """
 
     task: Task
     plan: TaskPlan
     roll_out: RollOut
     until: str | None = None
-    reserves: Mapping[Atom, float] | None = None
+    reserves: Reserves | None = None
 
     @cached_property
     def _variables(self) -> Mapping[Key, Variable]:
@@ -88,13 +93,24 @@ class Objective:
         return np.asarray(rollout.violation + _lacking(rollout.conditions, self.reserves or {}))
 
     def keep_reserves(self, rollout: Rollout) -> "Objective":
-        """Return the objective with reserves for the goal atoms, taken from the margins of the first candidate.
+        """Return the objective with reserves for the plan's results, taken from the margins of the first candidate.
 
-        Without reserves, the search would trade all margins of goal atoms for value. The atoms would fail in physics.
+        Without reserves, the search would trade all of these margins for value, and the plan would fail in physics.
         """
-        goal = set(self.task.goal)
-        found = [condition for condition in rollout.conditions if condition.atom in goal and condition.margin[0] > 0]
-        return replace(self, reserves={c.atom: min(RESERVE * c.predicate.scale, float(c.margin[0])) for c in found})
+        results = (c for c in rollout.conditions if self._is_result(c) and c.margin[0] > 0)
+        return replace(
+            self, reserves={(c.where, c.atom): min(RESERVE * c.predicate.scale, float(c.margin[0])) for c in results}
+        )
+
+    def _is_result(self, condition: Condition) -> bool:
+        """Return whether a condition depends on where an action leaves its tokens, and not on when the action ends.
+
+        These are goal atoms, functional exit conditions, e.g. that an object is inside a region, and feasibility
+        conditions on the poses from which later actions start.
+        """
+        predicate = condition.predicate
+        result = condition.atom in self.task.goal or predicate.kind is Kind.FUNCTIONAL or predicate.static
+        return result and not condition.throughout
 
     def restrict_to(self, instance: BlockInstance) -> Callable[[FloatArray], Scores]:
         """Return a scoring function that uses only the conditions and measures of one instance."""
@@ -142,14 +158,14 @@ class Evaluator:
         return [rollout for _, rollout in self.batches]
 
 
-def _lacking(conditions: Iterable[Condition], reserves: Mapping[Atom, float]) -> FloatArray:
+def _lacking(conditions: Iterable[Condition], reserves: Reserves) -> FloatArray:
     """Return the summed shortfalls of the reserves, divided by the predicates' scales. Negative margins become 0."""
     lacking = [
-        np.maximum(reserves[c.atom] - np.maximum(c.margin, 0.0), 0.0) / c.predicate.scale
+        (reserves[c.where, c.atom] - np.maximum(c.margin, 0.0)) / c.predicate.scale
         for c in conditions
-        if c.atom in reserves
+        if (c.where, c.atom) in reserves and not c.throughout
     ]
-    return np.asarray(np.sum(lacking, axis=0))
+    return np.asarray(np.sum([np.where(each > _ROUNDING, each, 0.0) for each in lacking], axis=0))
 
 
 def find_last_measured(task: Task, plan: TaskPlan) -> str | None:

@@ -20,33 +20,41 @@ _STRUCK = Atom("struck", ("block",))
 
 
 def chain_rolls(seed: int) -> Task:
-    """Return a task with two rolls: odd seeds have two drums, and even seeds a drum that two hands roll in turn.
+    """Return a task in which one hand rolls two drums.
 
-    Drums as in `random_drum`. Two drums lie 1.0 to 1.3 m apart in any headings that differ by at most 20 degrees, and
-    roll 0.3 to 0.8 m. A relay rolls 0.9 to 1.2 m along x or y, past the workspace of the first hand.
+    Drums as in `random_drum`. The drums lie 1.0 to 1.3 m apart and roll 0.3 to 0.8 m along the x axis. The hand leaves
+    a drum sideways, and nothing yet keeps a hand clear of the drums that it passes.
+    """
+    rng = np.random.default_rng(seed)
+    yaw, given = float(rng.choice((0.0, np.pi))), Given()
+    drum, other = random_drum(rng, "drum"), random_drum(rng, "other")
+    along, across = np.array([np.cos(yaw), np.sin(yaw), 0.0]), np.array([-np.sin(yaw), np.cos(yaw), 0.0])
+    aside = across * rng.choice((-1.0, 1.0)) * rng.uniform(1.0, 1.3)
+    places = {}
+    for token, start, name in ((drum, np.zeros(3), "goal"), (other, aside, "other goal")):
+        place_drum(given, token, start, yaw)
+        places[name] = start + along * rng.uniform(0.3, 0.8)
+    hands = [(roller("hand"), -along * rng.uniform(0.5, 0.8) + aside / 2 + np.array([0.0, 0.0, rng.uniform(0.2, 0.5)]))]
+    wanted = {"drum": "goal", "other": "other goal"}
+    return _rolling(f"chain_rolls_{seed}", seed, [drum, other], places, wanted, hands, given)
+
+
+def relay_rolls(seed: int) -> Task:
+    """Return a task in which two hands roll a drum in turn, 0.9 to 1.2 m along x or y, past the first workspace.
+
+    Both hands push from the same side. The second hand finds the first hand in its place, so a run ends by a contact
+    between the hands as long as nothing plans around other hands.
     """
     rng = np.random.default_rng(seed)
     drum, given = random_drum(rng, "drum"), Given()
-    if seed % 2 == 0:
-        yaw = float(rng.choice(np.pi / 2 * np.arange(4)))
-        along = np.array([np.cos(yaw), np.sin(yaw), 0.0])
-        start, far = np.zeros(3), along * rng.uniform(0.9, 1.2)
-        middle = far * rng.uniform(0.45, 0.55)
-        place_drum(given, drum, start, yaw)
-        places = {"goal": far, "middle": middle}
-        hands = relay_hands(rng, along, start, middle, far)
-        return _rolling(f"chain_rolls_{seed}", seed, [drum], places, {"drum": "goal"}, hands, given)
-    yaw, other = float(rng.uniform(-np.pi, np.pi)), random_drum(rng, "other")
-    aside = np.array([-np.sin(yaw), np.cos(yaw), 0.0]) * rng.uniform(1.0, 1.3)
-    places = {}
-    for token, start, name in ((drum, np.zeros(3), "goal"), (other, aside, "other goal")):
-        own = yaw + rng.uniform(-1.0, 1.0) * np.radians(10.0)
-        place_drum(given, token, start, own)
-        places[name] = start + np.array([np.cos(own), np.sin(own), 0.0]) * rng.uniform(0.3, 0.8)
-    back = -np.array([np.cos(yaw), np.sin(yaw), 0.0]) * rng.uniform(0.5, 0.8)
-    hands = [(roller("hand"), back + aside / 2 + np.array([0.0, 0.0, rng.uniform(0.2, 0.5)]))]
-    wanted = {"drum": "goal", "other": "other goal"}
-    return _rolling(f"chain_rolls_{seed}", seed, [drum, other], places, wanted, hands, given)
+    yaw = float(rng.choice(np.pi / 2 * np.arange(4)))
+    along = np.array([np.cos(yaw), np.sin(yaw), 0.0])
+    start, far = np.zeros(3), along * rng.uniform(0.9, 1.2)
+    middle = far * rng.uniform(0.45, 0.55)
+    place_drum(given, drum, start, yaw)
+    places = {"goal": far, "middle": middle}
+    hands = relay_hands(rng, along, start, middle, far)
+    return _rolling(f"relay_rolls_{seed}", seed, [drum], places, {"drum": "goal"}, hands, given)
 
 
 def _rolling(
@@ -90,10 +98,12 @@ def push_push(seed: int) -> Task:
     """Return a task in which a block is pushed round a corner.
 
     The legs are 0.2 to 0.5 m long. No side of the block is perpendicular to the line from the start to the goal. The
-    block turns the corner in a region; a second region is at no corner. Mass U(1, 2.5) kg, any heading.
+    block turns the corner in a region; a second region is at no corner. Mass U(1, 2.5) kg. The legs are along x and y,
+    because Bullet's friction on the floor turns a thin block by up to 9 degrees in a push between the axes, and the
+    second push must then refuse the block.
     """
     rng = np.random.default_rng(seed)
-    yaw, side = float(rng.uniform(-np.pi, np.pi)), float(rng.choice((-1.0, 1.0)))
+    yaw, side = float(rng.choice(np.pi / 2 * np.arange(4))), float(rng.choice((-1.0, 1.0)))
     ahead, aside = rng.uniform(0.2, 0.5), side * rng.uniform(0.2, 0.5)
     askew = rng.uniform(0.3, 0.5) * np.array([-np.cos(np.radians(25.0)), side * np.sin(np.radians(25.0))])
     places = {"goal": (ahead, aside), "middle": (ahead, 0.0), "decoy": askew}
@@ -148,6 +158,7 @@ def _hammer(
 
 CHAINS = {
     "chain_rolls": chain_rolls,
+    "relay_rolls": relay_rolls,
     "push_push": push_push,
     "tumble_tumble": tumble_tumble,
     "push_strike": push_strike,
