@@ -28,8 +28,8 @@ _PLACE = Parameter("place", PLACE)
 _CREW = Parameter("crew", CREW)
 RAISED_HEIGHT = 0.1
 """Smallest height of the lowest point of a raised box above the floor [m]."""
-LIFT = 0.15
-"""Height to which a box is lifted by default [m]."""
+LOWEST_LIFT = 0.11
+"""Smallest height to which a box is lifted [m], which leaves 1 cm above `RAISED_HEIGHT`."""
 PLACE_TOLERANCE = 0.03
 """Largest distance at which a hand counts as at its place [m]. The tolerance covers the standby gap and slip."""
 _CLEAR = 0.005
@@ -68,11 +68,22 @@ def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
     return np.asarray(np.minimum(beyond, np.sign(along) * offset[..., 1] + _MIDDLE) if along else beyond)
 
 
+def room_above(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
+    """Return the height ``(...)`` [m] to which a hand can lift a box without leaving the top of its workspace."""
+    return np.asarray(hand["workspace_upper"][2] - _on_the_floor(state, hand, thing, place)[..., 2])
+
+
+def _on_the_floor(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
+    """Return the position ``(..., 3)`` [m] of a hand at its place while the box stands on the floor."""
+    raised = corner_heights(state, thing).min(axis=-1)
+    return np.asarray(place_at(state, hand, thing, place) - raised[..., None] * UP)
+
+
 def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Return the smaller depth [m] of a hand in its workspace, for the box on the floor and for the lifted box."""
+    """Return the smaller depth [m] of a hand in its workspace, for the box on the floor and for the lowest lift."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
-    beside = place_at(state, hand, thing, place)
-    return np.asarray(np.minimum(beside - lower, upper - beside - LIFT * UP).min(axis=-1))
+    beside = _on_the_floor(state, hand, thing, place)
+    return np.asarray(np.minimum(beside - lower, upper - beside - LOWEST_LIFT * UP).min(axis=-1))
 
 
 def _room(hand: Token, thing: Token, place: str) -> float:
@@ -132,6 +143,7 @@ UPRIGHT = Predicate(
     scale=0.05,
     reads={"hand": ("orientation",)},
     kind=Kind.STATIC,
+    competence=True,
     description="{hand} is upright",
     denial="{hand} cannot turn and is not upright",
 )
@@ -144,6 +156,7 @@ ON_SIDE = Predicate(
     # The side on which the hand starts does not change, so `reads` omits the position of the hand.
     reads={"object": POSE},
     kind=Kind.STATIC,
+    competence=True,
     description="{hand} starts on the {place} side of {object}",
     denial="{hand} does not start on the {place} side of {object}",
 )
@@ -154,14 +167,16 @@ WITHIN_REACH = length_predicate(
     _reach,
     reads={"object": POSE},
     kind=Kind.STATIC,
-    description="the {place} of {object} is in the workspace of {hand} throughout a lift",
-    denial="the {place} of {object} leaves the workspace of {hand} during a lift",
+    competence=True,
+    description="the {place} of {object} is in the workspace of {hand} throughout the lowest lift",
+    denial="the {place} of {object} leaves the workspace of {hand} even during the lowest lift",
 )
 FITS = length_predicate(
     "fits",
     (_HAND, _OBJECT, _PLACE),
     everywhere(_room),
     kind=Kind.STATIC,
+    competence=True,
     description="{hand} fits at the {place} of {object}",
     denial="{hand} does not fit at the {place} of {object}",
 )

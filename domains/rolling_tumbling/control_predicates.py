@@ -46,6 +46,7 @@ ROUGH_ENOUGH = Predicate(
     scale=0.1,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
+    competence=True,
     description="the friction of {object} is large enough for {hand} and a second hand to tumble it without slipping",
     denial="{object} is too smooth: its edge slides on the floor when {hand} and a second hand tumble it",
 )

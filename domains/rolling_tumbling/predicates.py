@@ -67,6 +67,7 @@ LIES_ON_SIDE = Predicate(
     scale=0.05,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
+    competence=True,
     description="the axis of rotation of {object} is level",
     denial="the axis of rotation of {object} is not level",
 )
@@ -76,6 +77,7 @@ ON_ROLLING_LINE = length_predicate(
     _closeness_of_line,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
+    competence=True,
     description="{region} is on the rolling line of {object}, a line perpendicular to the object's axis",
     denial="{region} is not on the rolling line of {object}",
 )

@@ -140,6 +140,7 @@ ALIGNED = Predicate(
     scale=0.05,
     reads={"hand": ("orientation",), "object": ("orientation",)},
     kind=Kind.STATIC,
+    competence=True,
     description="the axis of {hand} is level and parallel to the {face} face of {object}",
     denial="{hand} cannot turn, and its axis is not level or not parallel to the {face} face of {object}",
 )
@@ -152,6 +153,7 @@ ON_SIDE = Predicate(
     # The side on which the hand starts does not change, so `reads` omits the positions.
     reads={"hand": ("orientation",), "object": ("orientation",)},
     kind=Kind.STATIC,
+    competence=True,
     description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
     denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
 )
@@ -164,6 +166,7 @@ STRONG_ENOUGH = Predicate(
     scale=10.0,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
+    competence=True,
     description="{hand} is strong enough to tumble {object} together with a second hand",
     denial="{object} is too heavy to be tumbled by {hand} and a second hand",
     share=_share,
@@ -177,6 +180,7 @@ WITHIN_REACH = length_predicate(
     one_by_one(_reach),
     reads={"object": POSE},
     kind=Kind.STATIC,
+    competence=True,
     bound=_largest_reach,
     description="{hand} can reach its positions beside and above {object}",
     denial="{hand} cannot reach its positions beside and above {object} within its workspace",
@@ -189,6 +193,7 @@ LOW_ENOUGH = Predicate(
     scale=0.1,
     reads={"object": ("orientation",)},
     kind=Kind.STATIC,
+    competence=True,
     description=f"the edges of {{object}} perpendicular to {{hand}} have lengths with a ratio of at most {SLENDERNESS}",
     denial=f"the edges of {{object}} perpendicular to {{hand}} have lengths with a ratio above {SLENDERNESS}",
 )

@@ -19,13 +19,12 @@ from ..common.predicates import depth_in_region, everywhere, length_predicate
 from ..common.roles import POSE
 from ..common.vectors import HORIZONTAL, UP, depth_in_workspace, largest_depth, to_body
 from .classes import Pushable, Pusher, Strikable, Striker
-from .geometry import foot, half_depth, handle_length, point, way
+from .geometry import foot, half_depth, point, way
 from .predicates import HAND, OPEN, TOOL
-from .swing import swing_of
+from .swing import largest_impulse
 
 _FLOOR_FRICTION = 1.0
 _SQUARE_TOLERANCE = np.radians(5.0)
-_GRASPS = 31
 _HANDLE = ("handle_from", "handle_to")
 
 
@@ -44,21 +43,22 @@ def resistance(thing: Token) -> float:
 
 
 def _push(hand: Token, tool: Token, thing: Token) -> float:
-    """Return the force [N] that a hand can exert if it grasps the tool near the head, minus the force of the push."""
+    """Return an upper bound of the force [N] with which a hand can push over all grasps, minus the force of the push.
+
+    The friction of the grip bears the weight of the tool perpendicular to the push, so it limits each force alone.
+    """
     force = resistance(thing)
-    lever = abs(tool["pushing_point"][0] - tool["handle_to"][0])
-    most = min(hand["maximal_force"], GRIP_FRICTION * hand["maximal_grip"] - GRAVITY * tool["mass"])
+    most = min(hand["maximal_force"], GRIP_FRICTION * hand["maximal_grip"])
+    head = tool["pushing_point"][0]
+    lever = max(head - tool["handle_to"][0], tool["handle_from"][0] - head, 0.0)
     if lever > 0:
         most = min(most, hand["maximal_torque"] / lever)
     return float(most - force)
 
 
 def _strike(hand: Token, tool: Token, thing: Token) -> float:
-    """Return the largest impulse [N s] over all grasps that the wrist can bear, minus the impulse needed."""
-    places = np.linspace(0.0, handle_length(tool), _GRASPS)
-    swing = swing_of(hand, tool, tool["handle_to"][0] - places, 0.0)
-    bearable = swing.torque(hand) + swing.weight_torque <= hand["maximal_torque"]
-    return float(np.max(np.where(bearable, swing.impulse, 0.0)) - thing["impulse_needed"])
+    """Return an upper bound of the impulse [N s] of a strike, minus the impulse needed."""
+    return largest_impulse(hand, tool) - float(thing["impulse_needed"])
 
 
 def _depth(hand: Token, *places: FloatArray) -> FloatArray:
@@ -117,6 +117,7 @@ WIDE_ENOUGH = length_predicate(
     (HAND, TOOL),
     everywhere(_width),
     kind=Kind.STATIC,
+    competence=True,
     description="{hand} can open wide enough for the handle of {tool}",
     denial="the handle of {tool} is too wide for {hand}",
 )
@@ -126,6 +127,7 @@ HANDLE_WITHIN_REACH = length_predicate(
     _reach_of_handle,
     reads={"tool": POSE},
     kind=Kind.STATIC,
+    competence=True,
     description="the handle of {tool} is inside the workspace of {hand}",
     denial="the handle of {tool} is not inside the workspace of {hand}",
 )
@@ -157,6 +159,7 @@ SQUARE_TO = Predicate(
     scale=0.05,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
+    competence=True,
     bound=_squareness_within,
     description="{object} has a side perpendicular to the line to {region}",
     denial="{object} has no side perpendicular to the line to {region}, so a push would turn {object}",
@@ -167,6 +170,7 @@ PUSH_WITHIN_REACH = length_predicate(
     _reach_of_push,
     reads={"object": POSE, "region": ("position",)},
     kind=Kind.STATIC,
+    competence=True,
     bound=_largest_reach_of_push,
     description="{hand} can push {object} to {region} with {tool} without leaving the workspace of the hand",
     denial="{hand} cannot push {object} to {region} with {tool} without leaving the workspace of the hand",

@@ -53,6 +53,7 @@ from .geometry import (
 )
 from .holding import HeldTool, effective_mass, keeping, pose_tool
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
+from .swing import LARGEST_RADIUS
 
 _ABOVE = 0.15
 """Angle above the horizontal to which the hand raises the tool after the impact [rad]."""
@@ -205,7 +206,7 @@ STRIKING = Block(
         _offset(
             "swing_radius",
             0.0,
-            0.3,
+            LARGEST_RADIUS,
             "distance between the hand and the elbow of its swing; at 0 the hand only turns",
         ),
         _offset("target_x", -0.03, 0.03, "forward offset of the target from the centre of the object's top"),

@@ -8,6 +8,10 @@ from hybrid_tamp.authoring import CONTROL_PERIOD, GRAVITY, FloatArray, Token
 
 from .geometry import LEVEL
 
+LARGEST_RADIUS = 0.3
+"""Largest distance between the hand and the elbow [m]."""
+_CELLS = 256
+"""Number of intervals into which `largest_impulse` divides each range."""
 _COASTING = 0.2
 """Number of control periods in which the tool coasts at its final speed before the planned impact."""
 
@@ -81,3 +85,34 @@ def swing_of(hand: Token, tool: Token, held_at: FloatArray, radius: FloatArray |
     off_centre = tool["impact_point"][0] - held_at * (hand["mass"] / mass)
     met = 1.0 / (1.0 / mass + off_centre**2 / free)
     return Swing(inertia, rate, np.asarray(lever), met * rate * lever, tool["mass"] * GRAVITY * away)
+
+
+def largest_impulse(hand: Token, tool: Token) -> float:
+    """Return an upper bound of the impulse [N s] over all grasps and radii with which the wrist can bear the tool.
+
+    The ranges of the grasp and of the radius are divided into cells. In each cell, every factor of the impulse in
+    `swing_of` is replaced by its largest value. The bound exceeds the largest impulse by about 2 %. It does not limit
+    the driving torque of the wrist, because a hand that moves on an arc drives the tool by its force.
+    """
+    ends = np.linspace(tool["handle_from"][0], tool["handle_to"][0], _CELLS + 1)[:, None]
+    radii = np.linspace(0.0, LARGEST_RADIUS, _CELLS + 1)
+    low, high, near, far = ends[:-1], ends[1:], radii[:-1], radii[1:]
+    aside = tool["handle_to"][2]
+    whole = tool["mass"] + hand["mass"]
+    own = tool["inertia"][1] + hand["wrist_inertia"]
+    arm = _smallest_square(low - far, high - near) + aside**2
+    inertia = own + tool["mass"] * arm + hand["mass"] * near**2
+    rate = np.sqrt(2.0 * hand["strike_torque"] * hand["strike_angle"] / inertia)
+    lever = np.maximum(tool["impact_point"][0] - low + far, 0.0)
+    away = np.maximum(low**2, high**2) + aside**2
+    free = own + tool["mass"] * hand["mass"] / whole * away
+    share = hand["mass"] / whole
+    off_centre = _smallest_square(tool["impact_point"][0] - high * share, tool["impact_point"][0] - low * share)
+    met = 1.0 / (1.0 / whole + off_centre / free)
+    weight_torque = tool["mass"] * GRAVITY * np.sqrt(_smallest_square(low, high) + aside**2)
+    return float(np.max(np.where(weight_torque <= hand["maximal_torque"], met * rate * lever, 0.0)))
+
+
+def _smallest_square(low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the smallest square of the numbers from `low` to `high`."""
+    return np.where(low * high > 0, np.minimum(low**2, high**2), 0.0)

@@ -40,14 +40,18 @@ def find_blocked(task: Task) -> list[Atom]:
 
 
 def describe_shortfall(task: Task, predicate: Predicate, values: tuple[Value, ...], margin: float) -> str:
-    """Return the amount by which a fact fails. If the predicate has a safety factor, the text has both figures."""
+    """Return the amount by which a fact fails. If the predicate has a safety factor, the text has both figures.
+
+    The text also says whether the fact is a limit of the blocks.
+    """
+    limit = "; a limit of the blocks, not of physics" if predicate.competence else ""
     off = f"off by {with_unit(abs(margin), predicate.unit)}"
     if predicate.safety is None or predicate.safety.factor == 1.0:
-        return off
+        return off + limit
     bound = float(with_factor(predicate, 1.0).evaluate(task.state, *values))
     spare = f"{with_unit(abs(bound), predicate.unit)} to spare"
     without = f"off by {with_unit(-bound, predicate.unit)}" if bound < 0 else spare
-    return f"{off} with safety factor {predicate.safety.factor:g}, {without} without"
+    return f"{off} with safety factor {predicate.safety.factor:g}, {without} without{limit}"
 
 
 def describe_blocked(task: Task, atoms: Iterable[Atom]) -> str:

@@ -14,8 +14,8 @@ from hybrid_tamp.midlevel.rollout import Chosen, Condition, Key, Rollout
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
 from hybrid_tamp.model.authored import authored
-from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray

@@ -66,6 +66,7 @@ class Predicate:
         share: function ``share(state, *values)`` for a load that several tokens bear together. The function returns the
             load on the first value and the capacity of the first value [unit]. None for other predicates.
         safety: safety factor of a static predicate, or None.
+        competence: whether a static predicate states what blocks can do, not what physics allows. Messages say so.
         at_start: whether the predicate by definition describes the initial state, so that no block changes its atoms.
         bound: function ``bound(state, radius, *values)`` that returns an upper bound of the margin over all horizontal
             displacements of the tokens by at most `radius` [m], which can be infinite.
@@ -90,6 +91,7 @@ class Predicate:
     rows: tuple[tuple[str, ...], ...] | None = None
     by_name: bool = False
     safety: SafetyFactor | None = None
+    competence: bool = False
     at_start: bool = False
     bound: Callable[..., FloatArray] | None = None
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contracts.imports import KNOWN, ROOT
 
 from hybrid_tamp.errors import HybridTampError, NoPlan
+from hybrid_tamp.taskfile.domains import available_domains, find_domain
 
 
 def packages() -> set[str]:
@@ -38,3 +39,25 @@ def test_the_table_of_exit_statuses_is_complete() -> None:
         0,
         *exit_statuses(HybridTampError),
     }
+
+
+def test_the_table_of_feasibility_facts_has_the_kinds_of_the_bundled_domains() -> None:
+    text = (ROOT / "docs" / "domains.md").read_text(encoding="utf-8")
+    _, table = text.split("| predicate | domain | kind | what it states |\n")
+    told = {
+        (name, domain): kind
+        for names, domains, kind in re.findall(r"^\| (`[^|]+) \| (`[^|]+) \| ([^|]+) \|", table, re.MULTILINE)
+        for name in re.findall(r"\w+", names)
+        for domain in re.findall(r"\w+", domains)
+    }
+    declared = {
+        (predicate.name, name): predicate
+        for name in available_domains()
+        for predicate in find_domain(name).static_predicates
+        if predicate.rows is None
+    }
+    assert set(told) == set(declared)
+    for key, predicate in declared.items():
+        assert ("competence" in told[key]) == predicate.competence, key
+        factor = f"safety factor {predicate.safety.factor:g}" if predicate.safety else "safety factor"
+        assert (factor in told[key]) == (predicate.safety is not None), key

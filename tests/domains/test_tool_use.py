@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from hybrid_tamp_domains.tool_use import DOMAIN
 from hybrid_tamp_domains.tool_use.classes import Graspable, Striker
+from hybrid_tamp_domains.tool_use.feasibility import ABLE_TO_STRIKE
 from hybrid_tamp_domains.tool_use.geometry import RAISED, on_handle, push_pose, tool_orientation, top
+from hybrid_tamp_domains.tool_use.swing import LARGEST_RADIUS, largest_impulse, swing_of
 from random_tasks.hammer import Scene, hammer_shape, hammer_task, random_hammer
 from validation import val_accepts
 
@@ -132,6 +134,34 @@ def test_a_hand_that_swings_about_an_elbow_is_slower_at_the_tip_and_moves_itself
     rate = np.sqrt(2.0 * 4.0 * np.pi / 2 / (0.00399 + 0.6 * (0.08 + radius) ** 2 + 1.5 * radius**2))
     assert np.allclose(np.sqrt(found["tip_speed_squared"]), rate * (0.105 + radius), rtol=5e-3)
     assert np.allclose(found["hand_speed"], rate * radius, rtol=0.05)
+
+
+@pytest.mark.parametrize(("wrist", "torque"), [(10.0, 4.0), (0.5, 0.05), (0.09, 0.05)])
+def test_no_strike_exceeds_the_bound_of_able_to_strike(wrist: float, torque: float) -> None:
+    """Strikes about an elbow have larger impulses than strikes in which the hand only turns."""
+    hand = Token.make("hand", list(HAND.classes), {**HAND.properties, "maximal_torque": wrist, "strike_torque": torque})
+    held_at, radius = np.linspace(-0.15, 0.0, 301)[:, None], np.linspace(0.0, LARGEST_RADIUS, 301)
+    swing = swing_of(hand, HAMMER, held_at, radius)
+    borne = np.broadcast_to(swing.weight_torque <= wrist, swing.impulse.shape)
+    bound, most = largest_impulse(hand, HAMMER), swing.impulse[borne].max()
+    assert most <= bound <= 1.03 * most
+    assert bound > 1.2 * swing.impulse[:, 0][borne[:, 0]].max()
+
+
+def test_a_strike_about_an_elbow_is_stronger_than_able_to_strike_allowed_for_grasps_alone() -> None:
+    """With a strike torque of 0.05 N m, no grasp alone gives 0.4 N s, but a swing about an elbow does."""
+    hand = Token.make("hand", list(HAND.classes), {**HAND.properties, "maximal_torque": 0.09, "strike_torque": 0.05})
+    block = Token.make("block", list(BLOCK.classes), {**BLOCK.properties, "impulse_needed": 0.4}, BLOCK.shape)
+    used = {**USED, "hand": hand, "object": block}
+    facts = dict(zip(("hand", "tool", "object"), (hand, HAMMER, block), strict=True))
+    assert ABLE_TO_STRIKE.evaluate(TASK.state, *facts.values()) >= 0
+    start = ready_to_strike(np.array([0.01]))
+    chosen = STRIKING.initial_values(used, start) | {"swing_radius": np.array([0.047])}
+    policy, system = STRIKING.policy(used, start, Parameters(chosen)), STRIKING.system(used, start)
+    state = start
+    for step in range(900):
+        state = system(state, policy(np.float64(step * CONTROL_PERIOD), state), CONTROL_PERIOD)
+    assert float(state[block, "impulse"].max()) > 0.4
 
 
 def test_the_target_point_does_not_matter_for_the_measures() -> None:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 from bank import problem
 
+import hybrid_tamp
 from hybrid_tamp.feasibility.safety_figures import find_blocked
 from hybrid_tamp.model.change import SetFactor
 from hybrid_tamp.model.deadline import NEVER, Deadline
@@ -35,6 +36,17 @@ def crate(mass: float, factor: float = 1.5) -> Task:
 
 def plan_safely(task: Task, planner: PlannerProcess, deadline: Deadline = NEVER) -> PlanOutcome:
     return blame_factors(plan_task(task, planner), planner, deadline)
+
+
+def test_a_message_says_what_physics_forbids_and_what_blocks_cannot_do() -> None:
+    askew, heavy = (
+        [reason.message for reason in outcome.explanation.reasons]
+        for outcome in (hybrid_tamp.plan(problem("roll_cylinder_off_axis")), hybrid_tamp.plan(crate(24)))
+        if outcome.explanation is not None
+    )
+    assert any("(off by 0.078 m; a limit of the blocks, not of physics)" in message for message in askew)
+    assert heavy
+    assert not any("limit of the blocks" in message for message in heavy)
 
 
 @pytest.mark.parametrize(
