@@ -37,6 +37,7 @@ from ..common.timetable import round_up
 from ..common.vectors import UP
 from .bearing import Course, Roles, bearing, bearing_system, places_of, squeezing
 from .classes import Liftable
+from .heights import rising, usual_height
 from .places import FLOOR_TOLERANCE, STANDBY_GAP, corner_heights, gap_at, place_at
 from .predicates import (
     AT_PLACE,
@@ -44,14 +45,12 @@ from .predicates import (
     CLEAR_OF,
     FEASIBLE,
     FITS,
-    LOWEST_LIFT,
     ON_SIDE,
     RAISED,
     RAISED_HEIGHT,
     STANDS,
     UPRIGHT,
     WITHIN_REACH,
-    room_above,
 )
 
 MODES = {"two": "two hands", "four": "four hands"}
@@ -63,20 +62,6 @@ GRASPED = 0.5
 _HELD = 1.0
 """Minimum duration of HOLDING [s]."""
 _SPEED = Hyperparameter("speed", "m/s", 0.03, 0.2, lambda b, s: np.asarray(0.1), "mean vertical speed")
-_USUAL_LIFT, _HIGHEST_LIFT = 0.15, 0.3
-"""Height to which a box is lifted by default, and largest height [m]."""
-
-
-def _initial_height(crew: str, binding: Binding, state: State) -> FloatArray:
-    """Return the usual height ``(...)`` [m] of a lift, or a lower height if a hand would leave its workspace."""
-    roles = Roles.of(crew, binding)
-    room = np.min([room_above(state, hand, roles.thing, place) for hand, place in roles.hands], axis=0)
-    return np.asarray(np.clip(room, LOWEST_LIFT, _USUAL_LIFT))
-
-
-def _height(crew: str) -> Hyperparameter:
-    description = "height to which the box is lifted"
-    return Hyperparameter("height", "m", LOWEST_LIFT, _HIGHEST_LIFT, partial(_initial_height, crew), description)
 
 
 def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
@@ -141,7 +126,7 @@ def _lowered(crew: str, binding: Binding, state: State, chosen: Hyperparameters)
 
 def _up(crew: str, binding: Binding, state: State) -> State:
     """Return the state with the box lifted and the hands at its faces."""
-    return _at(Roles.of(crew, binding), state, _initial_height(crew, binding, state)[..., None] * UP, 0.0)
+    return _at(Roles.of(crew, binding), state, usual_height(crew, binding, state)[..., None] * UP, 0.0)
 
 
 def _down(crew: str, binding: Binding, state: State) -> State:
@@ -206,7 +191,7 @@ def lifting(mode: str, primitive: DMP | None = None) -> Block:
         block,
         entry=(STANDS("object"), *block.entry),
         exit=(RAISED("object"), ~STANDS("object"), *_at_places(crew), *block.exit),
-        hyperparameters=(*block.hyperparameters, _height(crew), _SPEED),
+        hyperparameters=(*block.hyperparameters, rising(crew), _SPEED),
         taught=partial(lifting, mode),
         movement=Movement("object", "position", 1),
         outcome=partial(_up, crew),
