@@ -291,15 +291,15 @@ def _properties(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
 
 
 def _decreed(task: Task, wanted: Any, margin: float = 1.0) -> Task:
-    """Return the task with some feasibility facts decreed. A fact about an unknown property does not hold."""
+    """Return the task with some feasibility facts decreed. A fact about an unknown property or shape does not hold."""
 
     def changed(predicate: Any) -> Any:
         def decided(state: State, *values: Any) -> Any:
             if wanted(predicate, values) and predicate.static:
                 return np.full(state.values.shape[:-1], margin)
             try:
-                return predicate.evaluate(state, *values)
-            except KeyError:
+                return predicate.margin(state, *values, **predicate.keywords)
+            except (KeyError, AssertionError):
                 return np.full(state.values.shape[:-1], -1.0)
 
         of_symbols = all(isinstance(p.sort, SymbolSort) for p in predicate.parameters)
@@ -311,7 +311,14 @@ def _decreed(task: Task, wanted: Any, margin: float = 1.0) -> Task:
         return tuple(replace(each, predicate=new[each.predicate]) for each in some)
 
     blocks = tuple(
-        replace(b, entry=literals(b.entry), exit=literals(b.exit), keeps=tuple(new[k] for k in b.keeps))
+        replace(
+            b,
+            entry=literals(b.entry),
+            exit=literals(b.exit),
+            invariants=literals(b.invariants),
+            waived=dict(zip(literals(b.waived), b.waived.values(), strict=True)),
+            keeps=tuple(new[k] for k in b.keeps),
+        )
         for b in task.domain.blocks
     )
     return task.replaced(domain=replace(task.domain, predicates=tuple(new.values()), blocks=blocks))
