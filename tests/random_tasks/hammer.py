@@ -15,6 +15,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
+from random_tasks.corners import Corner
 
 HAND = {
     "radius": 0.03,
@@ -113,13 +114,13 @@ def hammer_task(name: str, scene: Scene, goal: Sequence[str] = ("push", "strike"
     return Task(name, DOMAIN, tokens, state, (*(atoms[each] for each in goal), Atom("empty", ("hand",))), seed=seed)
 
 
-def random_hammer(seed: int) -> Task:
+def random_hammer(seed: int, rng: np.random.Generator | Corner | None = None) -> Task:
     """Return a task in which a hand pushes a block to a region with a hammer and strikes it there.
 
     Distance U(0.1, 1.0) m in any direction, mass U(1, 3) kg, friction U(0.4, 0.6). The hammer stands 0.3 to 0.5 m
     behind the block, up to 0.3 m aside, in any heading. The hand starts within 0.3 m of it.
     """
-    rng = np.random.default_rng(seed)
+    rng = rng or np.random.default_rng(seed)
     heading, distance = rng.uniform(-np.pi, np.pi), rng.uniform(*_DISTANCES)
     turn = quaternion_from_rpy((0.0, 0.0, heading))
     end = rotate(turn, (distance, 0.0, 0.0))

@@ -13,6 +13,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import quaternion_from_rpy
+from random_tasks.corners import Corner
 
 _HAND = {
     "radius": 0.035,
@@ -28,7 +29,7 @@ _LOADS = {2: (0.3, 0.95), 4: (1.05, 1.9)}
 """Masses as shares of the load that two hands bear. A box for four hands is too heavy for two."""
 
 
-def random_lifting(seed: int, hands: int = 2) -> Task:
+def random_lifting(seed: int, hands: int = 2, rng: np.random.Generator | Corner | None = None) -> Task:
     """Return a task in which two hands lift a light box, or four hands of two robots one that is too heavy for two.
 
     Half extents: x U(0.08, 0.22) m; y U(0.06, 0.25) m for two hands and U(0.12, 0.3) m for four; z U(0.06, 0.2) m.
@@ -36,7 +37,7 @@ def random_lifting(seed: int, hands: int = 2) -> Task:
     four. The box is up to 3 cm and 3 degrees off its place. The upright hands start within 5 cm of places 0.5 m aside
     and 0.4 m high.
     """
-    rng = np.random.default_rng(seed)
+    rng = rng or np.random.default_rng(seed)
     halves = [float(rng.uniform(*bounds)) for bounds in ((0.08, 0.22), _WIDTHS[hands], (0.06, 0.2))]
     friction = float(rng.uniform(0.4, 0.9))
     ends = [Token.make(f"hand {number + 1}", [StaticEndEffector], _HAND) for number in range(hands)]
