@@ -303,7 +303,7 @@ def _decreed(task: Task, wanted: Any, margin: float = 1.0) -> Task:
                 return np.full(state.values.shape[:-1], -1.0)
 
         of_symbols = all(isinstance(p.sort, SymbolSort) for p in predicate.parameters)
-        return predicate if of_symbols else replace(predicate, margin=decided, safety=None)
+        return predicate if of_symbols else replace(predicate, margin=decided, safety=None, by_name=True)
 
     new = {predicate: changed(predicate) for predicate in task.domain.predicates}
 
