@@ -7,9 +7,19 @@ import numpy as np
 import pytest
 from hybrid_tamp_domains.joint_lifting.bearing import SLOTS, Roles
 from hybrid_tamp_domains.joint_lifting.classes import Liftable
+from hybrid_tamp_domains.joint_lifting.heights import usual_height
 from hybrid_tamp_domains.joint_lifting.load import HAND_FRICTION, RESERVE, bearable, largest_squeeze, load, squeeze_for
 from hybrid_tamp_domains.joint_lifting.places import CREWS, SPOTS, corner_heights, gap_at, place_at
-from hybrid_tamp_domains.joint_lifting.predicates import BEARS, FEASIBLE, FITS, ON_SIDE, PREDICATES, UPRIGHT
+from hybrid_tamp_domains.joint_lifting.predicates import (
+    BEARS,
+    FEASIBLE,
+    FITS,
+    ON_SIDE,
+    PREDICATES,
+    UPRIGHT,
+    WITHIN_REACH,
+    room_above,
+)
 from pydantic import ValidationError
 from random_tasks.lifting import random_lifting
 from texts import load_task_text
@@ -151,6 +161,30 @@ def test_a_hand_that_leans_is_not_upright() -> None:
         leaning = quaternion_from_rpy(np.array([np.radians(lean), 0.0, 1.0]))
         state = task.state.replace({(hand.name, "orientation"): leaning})
         assert (float(UPRIGHT.evaluate(state, hand)) >= 0) == upright
+
+
+def test_a_low_workspace_allows_a_low_lift() -> None:
+    """Hands that can rise by only 0.12 m lift a box by 0.12 m, and hands that can rise by 0.1 m cannot lift it."""
+    task = lifting("two")
+    top = float(room_above(task.state, task.tokens[0], crate(task), "left"))
+    for room, usual in ((0.5, 0.15), (0.12, 0.12), (0.1, None)):
+        upper = (2.0, 2.0, 1.5 - top + room)
+        hands = [
+            Token.make(h.name, list(h.classes), {**h.properties, "workspace_upper": upper}) for h in task.tokens[:2]
+        ]
+        low = task.replaced(tokens=(*hands, crate(task)))
+        able = float(WITHIN_REACH.evaluate(low.state, hands[0], crate(low), "left")) >= 0
+        assert able == (usual is not None)
+        if usual is not None:
+            assert usual_height("two hands", low.bind(roles_of(low, "two")), low.state) == pytest.approx(usual)
+
+
+def test_a_lifted_box_is_as_near_as_on_the_floor() -> None:
+    task = lifting("two")
+    box = crate(task)
+    raised = task.state.replace({(box.name, "position"): task.state[box, "position"] + np.array([0.0, 0.0, 0.3])})
+    on_floor, in_air = (WITHIN_REACH.evaluate(state, task.tokens[0], box, "left") for state in (task.state, raised))
+    assert in_air == pytest.approx(on_floor)
 
 
 def test_margins_take_a_whole_population_at_once() -> None:

@@ -13,6 +13,8 @@ from hybrid_tamp.midlevel.plan_search import NotFinite
 from hybrid_tamp.midlevel.refinement import refine
 from hybrid_tamp.model.block import Measure
 from hybrid_tamp.model.deadline import Deadline
+from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.predicate import Parameter, Predicate, SymbolSort
 from hybrid_tamp.model.refined import RefinedPlan
 
 
@@ -163,3 +165,21 @@ def test_the_violation_comes_first() -> None:
     assert refined.best.violation == 0.0
     # Half a scale of the goal's margin is reserved for errors in physics.
     assert values(refined)["b"] == pytest.approx(0.245, abs=2e-3)
+
+
+def test_the_result_of_an_earlier_action_keeps_a_reserve_too() -> None:
+    # FIRST would like x = 0.2, but must slide the puck into x < 0.15, which is no goal of the task.
+    def left(state: Any, puck: Any, zone: str) -> Any:
+        return 0.15 - state[puck, "place"][..., 0]
+
+    task = puck_task(second=replace(SECOND, performance=()))
+    zone = Parameter("zone", SymbolSort("zone", ("left",)))
+    parameters = (*task.domain.predicates[0].parameters, zone)
+    within = Predicate("within", parameters, left, "m", 0.01, {"puck": ("place",)}, Kind.FUNCTIONAL, "zone")
+    first, second, *others = task.domain.blocks
+    first = replace(first, exit=(*first.exit, within("puck", "left")))
+    second = replace(second, keeps=(within,))
+    domain = replace(task.domain, predicates=(*task.domain.predicates, within), blocks=(first, second, *others))
+    refined = refine(task.replaced(domain=domain), puck_plan())
+    assert refined.best.violation == 0.0
+    assert values(refined)["a"] == pytest.approx(0.145, abs=2e-3)
