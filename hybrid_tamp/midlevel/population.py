@@ -18,6 +18,7 @@ from hybrid_tamp.model.facts import fact_margin
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Literal
+from hybrid_tamp.model.shapes import check_shape
 from hybrid_tamp.model.state import State, StateLayout
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -195,12 +196,16 @@ class Population:
             mine = self.figures[self.rows, column]
             if measure.peak is not None:
                 with authored(f"{self.model.block.name}.{measure.name}", binding):
-                    figure = np.where(counted, measure.peak(binding, run), -np.inf).max(axis=0)
+                    peaks = measure.peak(binding, run)
+                    check_shape(f"{self.model.block.name}.{measure.name}", binding, peaks, counted.shape)
+                    figure = np.where(counted, peaks, -np.inf).max(axis=0)
                 self.figures[self.rows, column] = np.maximum(mine, figure)
             elif measure.rate is not None:
                 commands = {key: np.stack([each[key] for each in commanded]) for key in commanded[0]}
                 with authored(f"{self.model.block.name}.{measure.name}", binding):
-                    rate = np.where(counted, measure.rate(binding, run, commands), 0.0)
+                    rates = measure.rate(binding, run, commands)
+                    check_shape(f"{self.model.block.name}.{measure.name}", binding, rates, counted.shape)
+                    rate = np.where(counted, rates, 0.0)
                 self.figures[self.rows, column] = mine + rate.sum(axis=0) * CONTROL_PERIOD
 
     def _keep_least(self, run: State, counted: BoolArray) -> None:
@@ -215,7 +220,11 @@ class Population:
         for column, measure in enumerate(self.measures):
             if measure.end is not None:
                 with authored(f"{self.model.block.name}.{measure.name}", self.model.binding):
-                    self.figures[:, column] = measure.end(self.model.binding, before, after, self.chosen)
+                    figures = measure.end(self.model.binding, before, after, self.chosen)
+                    check_shape(
+                        f"{self.model.block.name}.{measure.name}", self.model.binding, figures, (len(self.after),)
+                    )
+                    self.figures[:, column] = figures
         finite = self.finite & np.isfinite(self.figures).all(axis=1) & np.isfinite(self.exits).all(axis=1)
         return Stretch(self.after, self.steps, self.exits, self.invariants, self.figures, finite)
 

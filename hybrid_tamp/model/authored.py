@@ -48,11 +48,16 @@ class authored:  # noqa: N801 the name of a context manager is lower case
 
 def blame(error: Exception, where: str, values: Mapping[str, Token | str]) -> DomainError:
     """Return the translated exception of an author's function. See `authored` for the arguments."""
-    bound = ", ".join(f"{role}={getattr(value, 'name', value)}" for role, value in values.items())
-    wanted = f"the function must not raise an exception{bound and f' for {bound}'}"
+    wanted = f"the function must not raise an exception{describe_roles(values)}"
     said = str(error).strip().split("\n")[0][:_LONGEST]
     came = f"{type(error).__name__}{said and f': {said}'}{_line(error)}"
     return DomainError([Issue(where, wanted, came, remedy=_advise(error, values))])
+
+
+def describe_roles(values: Mapping[str, Token | str]) -> str:
+    """Return roles with their values as text, e.g. `` for hand=left, object=box``, or an empty text."""
+    bound = ", ".join(f"{role}={getattr(value, 'name', value)}" for role, value in values.items())
+    return f" for {bound}" if bound else ""
 
 
 def _line(error: Exception) -> str:

@@ -6,6 +6,7 @@ Positive exit conditions are adds and negative exit conditions are deletes. All 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from hybrid_tamp.model.affordance import ObjectClass
@@ -21,6 +22,7 @@ from hybrid_tamp.model.control import (
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import ANY, Binding, Literal, Predicate, SymbolSort
+from hybrid_tamp.model.shapes import check_initial_value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 
@@ -238,5 +240,8 @@ class Block:
 
     def initial_value(self, hyperparameter: Hyperparameter, binding: Binding, state: State) -> FloatArray:
         """Return the initial value of a hyperparameter of this block, clipped to its bounds."""
-        with authored(f"{self.name}.{hyperparameter.name}", binding):
-            return hyperparameter.initial_value(binding, state)
+        where = f"{self.name}.{hyperparameter.name}"
+        with authored(where, binding):
+            value = hyperparameter.initial_value(binding, state)
+            check_initial_value(where, binding, value, state, partial(hyperparameter.initial_value, binding))
+        return value

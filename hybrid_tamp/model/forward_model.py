@@ -10,6 +10,7 @@ from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Parameters
 from hybrid_tamp.model.predicate import Binding
+from hybrid_tamp.model.shapes import check_commands, check_shape, sizes_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
@@ -30,8 +31,10 @@ class ForwardModel:
             self._policy = None if block.policy is None else block.policy(binding, start, parameters)
         with authored(self._names[1], binding):
             self._system = block.system(binding, start)
-        held = (binding[slot.name] for slot in block.slots)
-        self._limits = _limits(token for token in held if isinstance(token, Token))
+        held = {slot.name: token for slot in block.slots if isinstance(token := binding[slot.name], Token)}
+        self._limits = _limits(held.values())
+        self._sizes = sizes_of(held)
+        self._checked = False
 
     def step(self, elapsed: FloatArray, state: State, dt: float = CONTROL_PERIOD) -> tuple[State, Commands, BoolArray]:
         """Return the next state, the commands scaled to their limits, and whether state and commands are finite.
@@ -45,6 +48,8 @@ class ForwardModel:
         """
         with authored(self._names[0], self._binding):
             commands = {} if self._policy is None else self._policy(elapsed, state)
+        if not self._checked:
+            check_commands(self._names[0], self._binding, commands, self._sizes, state)
         finite = np.ones(state.values.shape[:-1], dtype=bool)
         for key, command in commands.items():
             square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
@@ -55,6 +60,9 @@ class ForwardModel:
                 commands[key] = _limited(np.where(sound[..., None], command, 0.0), limit)
         with authored(self._names[1], self._binding):
             after = self._system(state, commands, dt)
+        if not self._checked:
+            check_shape(self._names[1], self._binding, after.values, state.values.shape)
+            self._checked = True  # Later steps call the same functions with the same shapes.
         if not isfinite(np.add.reduce(after.values, axis=None)):
             finite &= np.isfinite(after.values).all(axis=-1)
             after = State(after.layout, np.where(finite[..., None], after.values, state.values))

@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from hybrid_tamp.model.authored import OWN_ERRORS, authored, blame
+from hybrid_tamp.model.shapes import check_shape
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
@@ -78,6 +79,10 @@ class Margin(Protocol):
         """Scale of the margin [unit]."""
 
     @property
+    def reads(self) -> Mapping[str, tuple[str, ...]]:
+        """Varying properties that the margin reads from each parameter."""
+
+    @property
     def bound(self) -> Callable[..., FloatArray] | None:
         """Function ``bound(state, radius, *values)`` that returns an upper bound of the margin, or None."""
 
@@ -86,16 +91,25 @@ def evaluate_margin(predicate: Margin, state: State, values: Sequence[Token | st
     """Return the margin of a predicate ``(...)`` without rounding errors.
 
     Raises:
-        DomainError: the margin function raised an exception.
+        DomainError: the margin function raised an exception, or returned a margin of the wrong shape.
     """
     try:
-        return without_rounding(predicate.margin(state, *values, **predicate.keywords), predicate.scale)
+        margin = predicate.margin(state, *values, **predicate.keywords)
+        without = without_rounding(margin, predicate.scale)
     except OWN_ERRORS:
         raise
     except Exception as error:
         # The context manager `authored` would be slower, and margins are evaluated very often.
-        names = (parameter.name for parameter in predicate.parameters)
-        raise blame(error, f"predicate {predicate.name}", dict(zip(names, values, strict=False))) from error
+        raise blame(error, f"predicate {predicate.name}", _roles(predicate, values)) from error
+    # A margin of fixed properties may be one number for all states.
+    if without.shape != state.values.shape[:-1] and (predicate.reads or without.shape != ()):
+        check_shape(f"predicate {predicate.name}", _roles(predicate, values), without, state.values.shape[:-1])
+    return without
+
+
+def _roles(predicate: Margin, values: Sequence[Token | str]) -> dict[str, Token | str]:
+    """Return a mapping from each parameter to its value."""
+    return dict(zip((parameter.name for parameter in predicate.parameters), values, strict=False))
 
 
 def bound_margin(predicate: Margin, state: State, radius: float, values: Sequence[Token | str]) -> float:
@@ -108,7 +122,6 @@ def bound_margin(predicate: Margin, state: State, radius: float, values: Sequenc
     """
     if predicate.bound is None:
         return np.inf
-    names = (parameter.name for parameter in predicate.parameters)
-    with authored(f"the bound of {predicate.name}", dict(zip(names, values, strict=False))):
+    with authored(f"the bound of {predicate.name}", _roles(predicate, values)):
         bound = predicate.bound(state, radius, *values, **predicate.keywords)
     return float(without_rounding(np.asarray(bound), predicate.scale))

@@ -11,6 +11,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import Atom, Binding, Literal, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.testing.batches import check_batches
 from hybrid_tamp.testing.disagreement import Disagreement, Disagreements, with_unit
 from hybrid_tamp.testing.ends import check_ends
 from hybrid_tamp.testing.facts import check_facts
@@ -52,6 +53,10 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
         - ``bound``: the margin of a static predicate exceeded its declared bound.
         - ``ends``: a declared end differs from a rollout, or depends on something that is not listed.
         - ``invariant``: an entry condition held throughout all rollouts, but is neither an invariant nor waived.
+        - ``batch``: a function gives a state of a batch another result than the same state alone.
+
+    Raises:
+        DomainError: a function of the domain raised an exception, or returned a result of the wrong shape.
     """
     check = _Check(task, samples, seed, dt)
     for _ in range(_WALKS * samples):
@@ -98,6 +103,7 @@ class _Check:
             self._succeeded.add(choice.key)
             self._standing.note(rolled)
             if not repeated:
+                check_batches(rolled, self._found)
                 check_facts(self._task, first, rolled, self._found, self._rng)
                 check_ends(rolled, choice.bindings, self._found, self._rng)
             row = rolled.rows[0 if self._rng.random() < _INITIAL else -1]

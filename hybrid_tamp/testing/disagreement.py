@@ -12,7 +12,8 @@ class Disagreement:
     """A declaration of a domain that a rollout refutes, or that is missing.
 
     Attributes:
-        kind: kind of the declaration: ``entry``, ``exit``, ``keeps``, ``fixed``, ``bound``, ``ends`` or ``invariant``.
+        kind: kind of the declaration: ``entry``, ``exit``, ``keeps``, ``fixed``, ``bound``, ``ends``,
+            ``invariant`` or ``batch``.
         block: name of the block that was rolled out.
         binding: pairs of (role, token or symbol) of the rollout, sorted. Empty if no single rollout is meant.
         declared: the declaration, e.g. a condition over roles.

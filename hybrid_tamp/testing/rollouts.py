@@ -76,7 +76,7 @@ def draw_hyperparameters(
     """
     chosen = {}
     for hyperparameter in block.hyperparameters:
-        initial = float(hyperparameter.initial_value(binding, state))
+        initial = float(block.initial_value(hyperparameter, binding, state))
         drawn = rng.uniform(*hyperparameter.bounds(binding), count)
         chosen[hyperparameter.name] = np.append(initial, np.where(rng.random(count) < _INITIAL, initial, drawn))
     return chosen

@@ -1,0 +1,97 @@
+"""Checks of the shapes of what the functions of a domain return.
+
+A function that forgets ``axis`` returns one number for a whole batch of states. Numpy would silently broadcast this
+number, and the optimiser would then optimise nonsense.
+"""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hybrid_tamp.errors import DomainError, Issue
+from hybrid_tamp.model.authored import describe_roles
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.token import Token
+
+Value = Token | str
+"""Value of a role: a token or a symbol."""
+
+_REMEDY = "compute one result for each state of a batch, e.g. np.linalg.norm(..., axis=-1)"
+
+
+def check_shape(where: str, values: Mapping[str, Value], found: ArrayLike, wanted: tuple[int, ...]) -> None:
+    """Check the shape of a result.
+
+    Args:
+        where: name of the function, e.g. ``predicate inside``.
+        values: maps each role of the block, or each parameter of the predicate, to its value.
+        found: the result.
+        wanted: shape that the result must have.
+
+    Raises:
+        DomainError: the result has another shape.
+    """
+    shape = np.shape(found)
+    if shape != wanted:
+        said = f"the result must have the shape {wanted}{describe_roles(values)}"
+        raise DomainError([Issue(where, said, str(shape), remedy=_REMEDY)])
+
+
+def check_commands(
+    where: str,
+    values: Mapping[str, Value],
+    commands: Mapping[tuple[str, str], ArrayLike],
+    sizes: Mapping[tuple[str, str], int],
+    state: State,
+) -> None:
+    """Check the commands of a policy.
+
+    Args:
+        where: name of the policy.
+        values: maps each role of the block to its value.
+        commands: maps each pair of (token, basic action) to a command.
+        sizes: maps each pair of (token, basic action) to the number of components of the action.
+        state: state for which the policy was called.
+
+    Raises:
+        DomainError: a command has the wrong shape, or no token of the block has the action.
+    """
+    for (token, action), command in commands.items():
+        if (token, action) not in sizes:
+            wanted = "a policy must command only actions of the tokens in its block's slots"
+            have = ", ".join(f"{name} of {owner}" for owner, name in sizes) or "none"
+            raise DomainError([Issue(where, wanted, f"{action} of {token}", remedy=f"the actions are {have}")])
+        check_shape(f"{where}, {action} of {token}", values, command, (*state.values.shape[:-1], sizes[token, action]))
+
+
+def check_initial_value(
+    where: str, values: Mapping[str, Value], value: ArrayLike, state: State, initial: Callable[[State], ArrayLike]
+) -> None:
+    """Check the shape of a hyperparameter's initial value.
+
+    One number for a whole batch is right only if the value is constant. It is compared with the values for the first
+    and for the last state alone.
+
+    Args:
+        where: name of the hyperparameter.
+        values: maps each role of the block to its value.
+        value: initial value for `state`.
+        state: a state, or a batch of states.
+        initial: function that returns the initial value for a state.
+
+    Raises:
+        DomainError: the value has the wrong shape.
+    """
+    batch = state.values.shape[:-1]
+    if np.shape(value) == () and batch:
+        rows = state.values.reshape(-1, state.values.shape[-1])
+        ends = (initial(State(state.layout, row)) for row in (rows[0], rows[-1]))
+        if all(np.array_equal(end, value, equal_nan=True) for end in ends):
+            return
+    check_shape(where, values, value, batch)
+
+
+def sizes_of(tokens: Mapping[str, Token]) -> dict[tuple[str, str], int]:
+    """Return a mapping from each pair of (token, basic action) to its number of components, for tokens in slots."""
+    return {(token.name, action.name): action.size for token in tokens.values() for action in token.basic_actions}

@@ -1,0 +1,122 @@
+"""Slips of numpy in a correct domain: each of them is refused by name."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from toys import MOVING, Pusher, World, free_motion, servo
+
+from hybrid_tamp.errors import DomainError
+from hybrid_tamp.model.block import Block, Measure
+from hybrid_tamp.model.control import Hyperparameter
+from hybrid_tamp.model.predicate import Parameter, Predicate
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.testing import check_domain
+
+
+def fact(margin: Callable[..., Any]) -> Task:
+    """Return a task whose domain has the condition `slip`, with a margin of the pusher's position ``(..., 3)``."""
+    slip = Predicate(
+        "slip",
+        (Parameter("pusher", Pusher),),
+        lambda state, pusher: margin(state[pusher, "position"]),
+        reads={"pusher": ("position",)},
+    )
+    moving = replace(MOVING, entry=(slip("pusher"),), invariants=(slip("pusher"),), keeps=(slip,))
+    return task(moving)
+
+
+def task(moving: Block) -> Task:
+    return World(moving=moving).pusher(limit=1000.0).spot("spot 0", 0.4).spot("spot 1", 0.7).task()
+
+
+def policy(command: Callable[[Any], Any], name: str = "force") -> Task:
+    """Return a task whose policy commands a function of the right command ``(..., 3)``."""
+
+    def make(binding: Any, start: State, parameters: Any) -> Any:
+        right = servo(binding, start, parameters)
+        pusher = cast(Token, binding["pusher"])
+        return lambda elapsed, state: {(pusher.name, name): command(right(elapsed, state)[pusher.name, "force"])}
+
+    return task(replace(MOVING, policy=make))
+
+
+def system(values: Callable[[Any], Any]) -> Task:
+    """Return a task whose system computes a function of the right state ``(..., m)``."""
+
+    def make(binding: Any, start: State) -> Any:
+        right = free_motion(binding, start)
+
+        def wrong(state: State, commands: Any, dt: float) -> State:
+            after = right(state, commands, dt)
+            return State(after.layout, values(after.values))
+
+        return wrong
+
+    return task(replace(MOVING, system=make))
+
+
+def guess(value: Callable[[Any], Any]) -> Task:
+    """Return a task whose hyperparameter starts at a function of the pusher's position ``(..., 3)``."""
+    stiffness = Hyperparameter("stiffness", "N/m", 1.0, 1000.0, lambda b, s: 200.0 + value(s[b["pusher"], "position"]))
+    return task(replace(MOVING, hyperparameters=(stiffness,)))
+
+
+def measure(**value: Any) -> Task:
+    return task(replace(MOVING, performance=(Measure("slip", "m", -1.0, **value),)))
+
+
+def place(binding: Any, state: State) -> Any:
+    return state[binding["pusher"], "position"]
+
+
+def faults() -> Iterator[Any]:
+    yield pytest.param(fact(lambda x: 9.0 - np.linalg.norm(x)), "predicate slip", id="norm without axis")
+    yield pytest.param(fact(lambda x: 9.0 - x), "predicate slip", id="a margin for each component")
+    yield pytest.param(fact(lambda x: 9.0 - x[..., 0] + x.max()), "predicate slip", id="margins mix the states")
+    yield pytest.param(policy(lambda f: f.mean()), "MOVING.policy, force of pusher", id="one number as command")
+    yield pytest.param(policy(lambda f: f[..., :2]), "MOVING.policy, force of pusher", id="two components")
+    yield pytest.param(policy(lambda f: f, "torque"), "MOVING.policy", id="an action that the token lacks")
+    yield pytest.param(policy(lambda f: f - 0.1 * np.abs(f).max()), "the policy", id="commands mix the states")
+    yield pytest.param(system(lambda x: x.reshape(-1, x.shape[-1])[0]), "MOVING.system", id="only the first state")
+    yield pytest.param(system(lambda x: x + 1e-6 * np.linalg.norm(x)), "the system", id="the system mixes the states")
+    yield pytest.param(guess(lambda x: np.linalg.norm(x)), "MOVING.stiffness", id="initial value without axis")
+    yield pytest.param(guess(lambda x: x), "MOVING.stiffness", id="an initial value for each component")
+    yield pytest.param(guess(lambda x: x[..., 0] - x.max()), "initial value stiffness", id="initial values mix states")
+    yield pytest.param(
+        measure(end=lambda b, before, after, h: np.linalg.norm(place(b, after))), "MOVING.slip", id="end without axis"
+    )
+    yield pytest.param(measure(peak=lambda b, state: place(b, state).max()), "MOVING.slip", id="peak without axis")
+    yield pytest.param(
+        measure(rate=lambda b, state, c: c["pusher", "force"]), "MOVING.slip", id="a rate for each component"
+    )
+    yield pytest.param(
+        measure(peak=lambda b, state: place(b, state)[..., 0] + place(b, state).max()),
+        "measure slip",
+        id="measures mix the states",
+    )
+
+
+@pytest.mark.parametrize(("wrong", "where"), list(faults()))
+def test_a_slip_is_refused_by_name(wrong: Task, where: str) -> None:
+    refused = refusals(wrong)
+    assert refused, "nothing is refused"
+    assert all(each.startswith(where) for each in refused)
+
+
+def refusals(wrong: Task) -> list[str]:
+    """Return the names of the functions that a check refuses, by an error or by a disagreement of the kind batch."""
+    try:
+        return [each.declared for each in check_domain(wrong, samples=2) if each.kind == "batch"]
+    except DomainError as error:
+        return [issue.where for issue in error.issues]
+
+
+def test_a_correct_domain_is_not_refused() -> None:
+    right = measure(peak=lambda b, state: place(b, state)[..., 0])
+    assert check_domain(right, samples=2) == []
+    assert check_domain(fact(lambda x: 9.0 - np.linalg.norm(x, axis=-1)), samples=2) == []
