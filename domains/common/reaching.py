@@ -7,6 +7,7 @@ descends. REACHING can also be taught another primitive.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -82,6 +83,21 @@ def time_of_reach(
     return chosen, Duration(0.3, 12.0, lambda binding, state, values: float(values["duration"]) + settling)
 
 
+def _follow(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
+    """Return the policy of a hand that follows the movement of the primitive to the goal."""
+    hand = get_token(binding, "hand")
+    movement = primitive or demonstrated_reach()
+    duration = parameters.hyperparameters["duration"]
+    reference = movement.trajectory(start[hand, "position"], goal.position(binding, start), duration)
+    servo = hand_servo(hand, start)
+    timetable = Timetable(lambda elapsed: reference.at(elapsed)[:2], start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        return servo(state, *timetable(elapsed))
+
+    return policy
+
+
 def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
     """Return the block REACHING for one kind of goal.
 
@@ -94,19 +110,6 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
     def distance(binding: Binding, state: State) -> FloatArray:
         way = goal.position(binding, state) - state[get_token(binding, "hand"), "position"]
         return np.asarray(np.linalg.norm(way, axis=-1))
-
-    def make_policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
-        hand = get_token(binding, "hand")
-        movement = primitive or demonstrated_reach()
-        duration = parameters.hyperparameters["duration"]
-        reference = movement.trajectory(start[hand, "position"], goal.position(binding, start), duration)
-        servo = hand_servo(hand, start)
-        timetable = Timetable(lambda elapsed: reference.at(elapsed)[:2], start)
-
-        def policy(elapsed: FloatArray, state: State) -> Commands:
-            return servo(state, *timetable(elapsed))
-
-        return policy
 
     def outcome(binding: Binding, state: State) -> State:
         return state.replace({(get_token(binding, "hand").name, "position"): goal.position(binding, state)})
@@ -125,7 +128,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         hyperparameters=(chosen,),
         duration=duration,
         hold=True,
-        policy=make_policy,
+        policy=partial(_follow, goal, primitive),
         system=hand_system,
         taught=lambda other: reaching(goal, mode, other),
         movement=Movement("hand", "position", 3),

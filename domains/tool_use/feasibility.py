@@ -45,7 +45,8 @@ def resistance(thing: Token) -> float:
 def _push(hand: Token, tool: Token, thing: Token) -> float:
     """Return an upper bound of the force [N] with which a hand can push over all grasps, minus the force of the push.
 
-    The friction of the grip bears the weight of the tool perpendicular to the push, so it limits each force alone.
+    The grip limits the force in each direction alone, as the joint of the physics backend does. So the weight of the
+    tool does not reduce the force of the push.
     """
     force = resistance(thing)
     most = min(hand["maximal_force"], GRIP_FRICTION * hand["maximal_grip"])

@@ -14,13 +14,10 @@ from hybrid_tamp.model.authored import describe_roles
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 
-Value = Token | str
-"""Value of a role: a token or a symbol."""
-
 _REMEDY = "compute one result for each state of a batch, e.g. np.linalg.norm(..., axis=-1)"
 
 
-def check_shape(where: str, values: Mapping[str, Value], found: ArrayLike, wanted: tuple[int, ...]) -> None:
+def check_shape(where: str, values: Mapping[str, Token | str], found: ArrayLike, wanted: tuple[int, ...]) -> None:
     """Check the shape of a result.
 
     Args:
@@ -40,7 +37,7 @@ def check_shape(where: str, values: Mapping[str, Value], found: ArrayLike, wante
 
 def check_commands(
     where: str,
-    values: Mapping[str, Value],
+    values: Mapping[str, Token | str],
     commands: Mapping[tuple[str, str], ArrayLike],
     sizes: Mapping[tuple[str, str], int],
     state: State,
@@ -66,7 +63,7 @@ def check_commands(
 
 
 def check_initial_value(
-    where: str, values: Mapping[str, Value], value: ArrayLike, state: State, initial: Callable[[State], ArrayLike]
+    where: str, values: Mapping[str, Token | str], value: ArrayLike, state: State, initial: Callable[[State], ArrayLike]
 ) -> None:
     """Check the shape of a hyperparameter's initial value.
 

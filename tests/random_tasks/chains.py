@@ -98,8 +98,8 @@ def push_push(seed: int) -> Task:
 
     The legs are 0.2 to 0.5 m long. No side of the block is perpendicular to the line from the start to the goal. The
     block turns the corner in a region; a second region is at no corner. Mass U(1, 2.5) kg. The legs are along x and y,
-    because Bullet's friction on the floor turns a thin block by up to 9 degrees in a push between the axes, and the
-    second push must then refuse the block.
+    because Bullet's anisotropic friction on the floor turns a thin block in a push between the axes. The block would
+    then not be square enough for the second push.
     """
     rng = np.random.default_rng(seed)
     yaw, side = float(rng.choice(np.pi / 2 * np.arange(4))), float(rng.choice((-1.0, 1.0)))
