@@ -97,10 +97,13 @@ class Objective:
 
         Without reserves, the search would trade all of these margins for value, and the plan would fail in physics.
         """
-        results = (c for c in rollout.conditions if self._is_result(c) and c.margin[0] > 0)
-        return replace(
-            self, reserves={(c.where, c.atom): min(RESERVE * c.predicate.scale, float(c.margin[0])) for c in results}
-        )
+        reserves: dict[tuple[str, Atom], float] = {}
+        for c in rollout.conditions:
+            if self._is_result(c) and c.margin[0] > 0:
+                # An atom that is an entry and an exit condition of one instance has the smaller reserve of the two.
+                key, reserve = (c.where, c.atom), min(RESERVE * c.predicate.scale, float(c.margin[0]))
+                reserves[key] = min(reserve, reserves.get(key, reserve))
+        return replace(self, reserves=reserves)
 
     def _is_result(self, condition: Condition) -> bool:
         """Return whether a condition depends on where an action leaves its tokens, and not on when the action ends.
