@@ -38,7 +38,6 @@ from hybrid_tamp.model.affordance import quantity as quantity
 from hybrid_tamp.model.block import FLOOR as FLOOR
 from hybrid_tamp.model.block import Block as Block
 from hybrid_tamp.model.block import Duration as Duration
-from hybrid_tamp.model.block import Measure as Measure
 from hybrid_tamp.model.block import Slot as Slot
 from hybrid_tamp.model.block import Target as Target
 from hybrid_tamp.model.control import CONTROL_PERIOD as CONTROL_PERIOD
@@ -57,6 +56,7 @@ from hybrid_tamp.model.grasp import aperture_property as aperture_property
 from hybrid_tamp.model.kind import Kind as Kind
 from hybrid_tamp.model.margins import SafetyFactor as SafetyFactor
 from hybrid_tamp.model.margins import without_rounding as without_rounding
+from hybrid_tamp.model.measure import Measure as Measure
 from hybrid_tamp.model.movement import Movement as Movement
 from hybrid_tamp.model.network import ReassignmentNetwork as ReassignmentNetwork
 from hybrid_tamp.model.plan import BlockInstance as BlockInstance

@@ -7,7 +7,6 @@ from typing import TypeVar
 import numpy as np
 
 from hybrid_tamp.midlevel.rollout import Condition, Key, Rollout
-from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.facts import fact_margin
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
@@ -113,12 +112,11 @@ def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Itera
     }
     chosen = {name: np.asarray(value) for name, value in instance.hyperparameters.items()}
     for measure in block.performance:
-        with authored(f"{block.name}.{measure.name}", binding):
-            if measure.end is not None:
-                figure = float(measure.end(binding, recording.state(first), recording.state(last), chosen))
-            elif measure.peak is not None:
-                figure = float(np.max(measure.peak(binding, run), initial=-np.inf))
-            else:
-                assert measure.rate is not None, "a measure must define end, peak or rate"
-                figure = float(np.sum(measure.rate(binding, run, commands))) * recording.timestep
+        if measure.end is not None:
+            before, after = recording.state(first), recording.state(last)
+            figure = float(measure.at_end(block.name, binding, before, after, chosen))
+        elif measure.peak is not None:
+            figure = float(np.max(measure.during(block.name, binding, run, commands), initial=-np.inf))
+        else:
+            figure = float(np.sum(measure.during(block.name, binding, run, commands))) * recording.timestep
         yield measure.name, np.array([figure])

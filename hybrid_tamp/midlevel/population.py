@@ -11,14 +11,12 @@ from math import floor
 import numpy as np
 from numpy.typing import NDArray
 
-from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Parameters
 from hybrid_tamp.model.facts import fact_margin
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Literal
-from hybrid_tamp.model.shapes import check_shape
 from hybrid_tamp.model.state import State, StateLayout
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -191,21 +189,16 @@ class Population:
     def _measure(self, run: State, commanded: list[Commands], counted: BoolArray) -> None:
         """Update the peaks and integrals of the measures with those states of a chunk that `counted` selects."""
         counted = counted & self.pending[self.rows]
-        binding = self.model.binding
+        name, binding = self.model.block.name, self.model.binding
         for column, measure in enumerate(self.measures):
             mine = self.figures[self.rows, column]
             if measure.peak is not None:
-                with authored(f"{self.model.block.name}.{measure.name}", binding):
-                    peaks = measure.peak(binding, run)
-                    check_shape(f"{self.model.block.name}.{measure.name}", binding, peaks, counted.shape)
-                    figure = np.where(counted, peaks, -np.inf).max(axis=0)
+                peaks = measure.during(name, binding, run, {})
+                figure = np.where(counted, peaks, -np.inf).max(axis=0)
                 self.figures[self.rows, column] = np.maximum(mine, figure)
             elif measure.rate is not None:
                 commands = {key: np.stack([each[key] for each in commanded]) for key in commanded[0]}
-                with authored(f"{self.model.block.name}.{measure.name}", binding):
-                    rates = measure.rate(binding, run, commands)
-                    check_shape(f"{self.model.block.name}.{measure.name}", binding, rates, counted.shape)
-                    rate = np.where(counted, rates, 0.0)
+                rate = np.where(counted, measure.during(name, binding, run, commands), 0.0)
                 self.figures[self.rows, column] = mine + rate.sum(axis=0) * CONTROL_PERIOD
 
     def _keep_least(self, run: State, counted: BoolArray) -> None:
@@ -219,12 +212,8 @@ class Population:
         before, after = self.model.state(self.start), self.model.state(self.after)
         for column, measure in enumerate(self.measures):
             if measure.end is not None:
-                with authored(f"{self.model.block.name}.{measure.name}", self.model.binding):
-                    figures = measure.end(self.model.binding, before, after, self.chosen)
-                    check_shape(
-                        f"{self.model.block.name}.{measure.name}", self.model.binding, figures, (len(self.after),)
-                    )
-                    self.figures[:, column] = figures
+                name, binding = self.model.block.name, self.model.binding
+                self.figures[:, column] = measure.at_end(name, binding, before, after, self.chosen)
         finite = self.finite & np.isfinite(self.figures).all(axis=1) & np.isfinite(self.exits).all(axis=1)
         return Stretch(self.after, self.steps, self.exits, self.invariants, self.figures, finite)
 

@@ -19,10 +19,11 @@ from hybrid_tamp.model.control import (
     PolicyMaker,
     SystemMaker,
 )
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import ANY, Binding, Literal, Predicate, SymbolSort
-from hybrid_tamp.model.shapes import check_initial_value
+from hybrid_tamp.model.shapes import check_initial_value, check_shape
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 
@@ -66,34 +67,6 @@ class Duration:
     minimum: float
     maximum: float
     expected: Callable[[Binding, State, Hyperparameters], float]
-
-
-@dataclass(frozen=True)
-class Measure:
-    """A weighted term of a block's performance measure (paper, Secs. II-D and III-B).
-
-    Exactly one of the functions `end`, `peak` and `rate` computes the figure of the term. The value of the term is
-    ``weight * figure / scale``. All functions return arrays of shape ``(...)``.
-
-    Attributes:
-        name: name of the measure, e.g. ``"contact"``.
-        unit: SI unit of the figure.
-        weight: weight of the term in the value of a plan. Negative for a cost. A task can change the weight.
-        scale: divisor of the figure [unit].
-        end: function ``end(binding, before, after, hyperparameters)`` of the states before and after the instance.
-        peak: function ``peak(binding, state)`` whose maximum over the duration is the figure.
-        rate: function ``rate(binding, state, commands)`` [unit/s] whose integral over the duration is the figure.
-        description: description in one line.
-    """
-
-    name: str
-    unit: str
-    weight: float
-    scale: float = 1.0
-    end: Callable[[Binding, State, State, Hyperparameters], FloatArray] | None = None
-    peak: Callable[[Binding, State], FloatArray] | None = None
-    rate: Callable[[Binding, State, Commands], FloatArray] | None = None
-    description: str = ""
 
 
 Outcome = Callable[[Binding, State], State]
@@ -245,3 +218,29 @@ class Block:
             value = hyperparameter.initial_value(binding, state)
             check_initial_value(where, binding, value, state, partial(hyperparameter.initial_value, binding))
         return value
+
+    def expected_duration(self, binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+        """Return the expected duration [s] of an instance that starts in a state without batch dimensions.
+
+        Raises:
+            DomainError: the function raised an exception, or returned more than one number.
+        """
+        where = f"{self.name}.duration"
+        with authored(where, binding):
+            expected = self.duration.expected(binding, state, hyperparameters)
+        check_shape(where, binding, expected, ())
+        return float(expected)
+
+    def expected_end(self, binding: Binding, state: State) -> State | None:
+        """Return the expected state at the end of an instance, or None if the block declares no `outcome`.
+
+        Raises:
+            DomainError: the function raised an exception, or returned a state of another shape.
+        """
+        if self.outcome is None:
+            return None
+        where = f"{self.name}.outcome"
+        with authored(where, binding):
+            after = self.outcome(binding, state)
+        check_shape(where, binding, after.values, state.values.shape)
+        return after

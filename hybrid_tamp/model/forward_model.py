@@ -34,7 +34,6 @@ class ForwardModel:
         held = {slot.name: token for slot in block.slots if isinstance(token := binding[slot.name], Token)}
         self._limits = _limits(held.values())
         self._sizes = sizes_of(held)
-        self._checked = False
 
     def step(self, elapsed: FloatArray, state: State, dt: float = CONTROL_PERIOD) -> tuple[State, Commands, BoolArray]:
         """Return the next state, the commands scaled to their limits, and whether state and commands are finite.
@@ -45,11 +44,13 @@ class ForwardModel:
             elapsed: time since the start of the instance [s], shape ``()`` or ``(...)``.
             state: current state.
             dt: time step [s].
+
+        Raises:
+            DomainError: the policy or the system raised an exception, or returned a result of the wrong shape.
         """
         with authored(self._names[0], self._binding):
             commands = {} if self._policy is None else self._policy(elapsed, state)
-        if not self._checked:
-            check_commands(self._names[0], self._binding, commands, self._sizes, state)
+        check_commands(self._names[0], self._binding, commands, self._sizes, state)
         finite = np.ones(state.values.shape[:-1], dtype=bool)
         for key, command in commands.items():
             square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
@@ -60,9 +61,7 @@ class ForwardModel:
                 commands[key] = _limited(np.where(sound[..., None], command, 0.0), limit)
         with authored(self._names[1], self._binding):
             after = self._system(state, commands, dt)
-        if not self._checked:
-            check_shape(self._names[1], self._binding, after.values, state.values.shape)
-            self._checked = True  # Later steps call the same functions with the same shapes.
+        check_shape(self._names[1], self._binding, after.values, state.values.shape)
         if not isfinite(np.add.reduce(after.values, axis=None)):
             finite &= np.isfinite(after.values).all(axis=-1)
             after = State(after.layout, np.where(finite[..., None], after.values, state.values))

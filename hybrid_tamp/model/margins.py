@@ -124,4 +124,5 @@ def bound_margin(predicate: Margin, state: State, radius: float, values: Sequenc
         return np.inf
     with authored(f"the bound of {predicate.name}", _roles(predicate, values)):
         bound = predicate.bound(state, radius, *values, **predicate.keywords)
+    check_shape(f"the bound of {predicate.name}", _roles(predicate, values), bound, state.values.shape[:-1])
     return float(without_rounding(np.asarray(bound), predicate.scale))

@@ -11,7 +11,6 @@ from functools import cached_property
 
 from hybrid_tamp.feasibility.fillable import Members
 from hybrid_tamp.feasibility.relevance import restrict_domain
-from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
@@ -70,8 +69,7 @@ class Reduction:
 def _resting(task: Task, block: Block, token: Token, name: str, end: float) -> BlockInstance:
     binding = {block.anchor: token}
     initial = block.initial_values(binding, task.state)
-    with authored(f"{block.name}.duration", binding):
-        expected = float(block.duration.expected(binding, task.state, initial))
+    expected = block.expected_duration(binding, task.state, initial)
     return BlockInstance(name, block.name, {block.anchor: token.name}, 0.0, end, reached=min(expected, end))
 
 

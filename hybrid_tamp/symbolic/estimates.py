@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.predicate import Binding, Literal
@@ -100,8 +99,7 @@ class Estimates:
     def _make(self, block: Block, roles: Mapping[str, str], state: State) -> Estimate:
         binding = self.task.bind(roles)
         initial = block.initial_values(binding, state)
-        with authored(f"{block.name}.duration", binding):
-            expected = block.duration.expected(binding, state, initial)
+        expected = block.expected_duration(binding, state, initial)
         bounded = float(np.clip(expected, block.duration.minimum, block.duration.maximum))
         # The duration is a whole number of ticks, so that sums of durations are exact.
         seconds = round(math.ceil(bounded / TICK - 1e-6) * TICK, 6)
@@ -109,11 +107,10 @@ class Estimates:
         return Estimate(seconds, values, self._outcome(block, roles, binding, state))
 
     def _outcome(self, block: Block, roles: Mapping[str, str], binding: Binding, state: State) -> Poses:
-        if block.outcome is None:
+        after = block.expected_end(binding, state)
+        if after is None:
             placed = [self._place(literal, roles, state) for literal in block.exit]
             return {key: value for each in placed for key, value in each.items()}
-        with authored(f"{block.name}.outcome", binding):
-            after = block.outcome(binding, state)
         tokens = [roles[slot.name] for slot in block.slots]
         return {(name, p): after[name, p].copy() for name in tokens for p in _properties(state, name)}
 

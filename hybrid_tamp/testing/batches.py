@@ -8,12 +8,11 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from hybrid_tamp.model.authored import authored
-from hybrid_tamp.model.block import Measure
+from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Commands, Parameters
 from hybrid_tamp.model.forward_model import ForwardModel
-from hybrid_tamp.model.predicate import Literal
-from hybrid_tamp.model.shapes import check_shape
+from hybrid_tamp.model.measure import Measure
+from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.testing.disagreement import Disagreements
@@ -69,6 +68,9 @@ def _results(rolled: Rollouts, batch: State) -> Iterator[_Result]:
         conditions.setdefault(literal.predicate.name, literal)
     for name, literal in conditions.items():
         yield _compare_margins(f"predicate {name}", literal, rolled, batch)
+    ends = block.expected_end(binding, batch)
+    if ends is not None:
+        yield "the outcome", ends.values, [_end(block, binding, _row(batch, row)) for row in range(len(batch.values))]
     values = block.initial_values(binding, batch)
     alone = [block.initial_values(binding, _row(batch, row)) for row in range(len(batch.values))]
     for name in values:
@@ -76,6 +78,12 @@ def _results(rolled: Rollouts, batch: State) -> Iterator[_Result]:
         yield f"initial value {name}", rows, [np.asarray(one[name]) for one in alone]
     chosen = {name: np.broadcast_to(value, len(batch.values)).copy() for name, value in values.items()}
     yield from _compare_models(rolled, batch, chosen)
+
+
+def _end(block: Block, binding: Binding, state: State) -> FloatArray:
+    end = block.expected_end(binding, state)
+    assert end is not None
+    return end.values
 
 
 def _compare_margins(what: str, literal: Literal, rolled: Rollouts, batch: State) -> _Result:
@@ -119,17 +127,10 @@ def _measure(
     chosen: Mapping[str, FloatArray],
 ) -> FloatArray:
     """Return the value of a measure for one step, shape ``(...)``."""
-    where, batch = f"{rolled.block.name}.{measure.name}", before.values.shape[:-1]
-    with authored(where, rolled.binding):
-        if measure.end is not None:
-            value = measure.end(rolled.binding, before, after, chosen)
-        elif measure.peak is not None:
-            value = measure.peak(rolled.binding, after)
-        else:
-            assert measure.rate is not None, "a measure must define end, peak or rate"
-            value = measure.rate(rolled.binding, after, commands)
-    check_shape(where, rolled.binding, value, batch)
-    return np.asarray(value)
+    name, binding = rolled.block.name, rolled.binding
+    if measure.end is not None:
+        return measure.at_end(name, binding, before, after, chosen)
+    return measure.during(name, binding, after, commands)
 
 
 def _equal(one: FloatArray, other: FloatArray) -> bool:

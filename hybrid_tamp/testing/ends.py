@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
@@ -95,9 +94,9 @@ def _check_surroundings(
 
 
 def _outcome(block: Block, binding: Binding, state: State) -> State:
-    assert block.outcome is not None
-    with authored(f"{block.name}.outcome", binding):
-        return block.outcome(binding, state)
+    after = block.expected_end(binding, state)
+    assert after is not None
+    return after
 
 
 def _radius(binding: Binding, target: str) -> float:

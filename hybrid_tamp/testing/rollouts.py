@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Parameters
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
@@ -134,5 +133,4 @@ def _exits_hold(block: Block, binding: Binding, states: State) -> BoolArray:
 
 
 def _expected(block: Block, binding: Binding, start: State, chosen: Mapping[str, FloatArray], row: int) -> float:
-    with authored(f"{block.name}.duration", binding):
-        return float(block.duration.expected(binding, start, {name: values[row] for name, values in chosen.items()}))
+    return block.expected_duration(binding, start, {name: values[row] for name, values in chosen.items()})

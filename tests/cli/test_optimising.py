@@ -156,7 +156,7 @@ def test_a_domain_that_computes_nothing_is_a_wrong_input(
 ) -> None:
     (tmp_path / "nan.py").write_text(
         DOMAIN
-        + "from hybrid_tamp.model.block import Measure\n"
+        + "from hybrid_tamp.model.measure import Measure\n"
         + "def nothing(b, before, after, h):\n    return after[b['puck'], 'place'][..., 0] * np.nan\n"
         + "nothing = Measure('nothing', 'm', 1.0, end=nothing)\n"
         + "DOMAIN = DOMAIN.with_blocks([replace(SECOND, performance=(nothing,))])\n"

@@ -11,9 +11,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from hybrid_tamp.model.affordance import TOKEN, BasicAction, CapabilityClass, VaryingProperty
-from hybrid_tamp.model.block import Block, Duration, Measure, Slot
+from hybrid_tamp.model.block import Block, Duration, Slot
 from hybrid_tamp.model.control import Hyperparameter
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Atom, Parameter, Predicate

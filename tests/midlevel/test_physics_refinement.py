@@ -11,7 +11,8 @@ from hybrid_tamp.midlevel.objective import Objective
 from hybrid_tamp.midlevel.physics_refinement import narrow_space
 from hybrid_tamp.midlevel.refinement import refine
 from hybrid_tamp.midlevel.rollout import Rollouts
-from hybrid_tamp.model.block import Block, Measure
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.refined import RefinedPlan
 
 

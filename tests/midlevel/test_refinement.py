@@ -11,9 +11,9 @@ from midlevel.pucks import APART, FIRST, JOINT, SECOND, puck_plan, puck_task, wi
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.midlevel.plan_search import NotFinite
 from hybrid_tamp.midlevel.refinement import refine
-from hybrid_tamp.model.block import Measure
 from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.predicate import Parameter, Predicate, SymbolSort
 from hybrid_tamp.model.refined import RefinedPlan
 

@@ -12,7 +12,7 @@ import hybrid_tamp
 from hybrid_tamp.midlevel.measured import measure_run
 from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.model.affordance import TOKEN
-from hybrid_tamp.model.block import Measure
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.predicate import Parameter, Predicate
 from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.model.task import Task

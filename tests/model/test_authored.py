@@ -13,8 +13,9 @@ from contracts.imports import ROOT
 import hybrid_tamp
 from hybrid_tamp.errors import DomainError, Issue, LimitReached
 from hybrid_tamp.model.authored import authored
-from hybrid_tamp.model.block import Duration, Measure
+from hybrid_tamp.model.block import Duration
 from hybrid_tamp.model.control import Hyperparameter
+from hybrid_tamp.model.measure import Measure
 
 BOUND = "for pusher=pusher, spot=spot"
 

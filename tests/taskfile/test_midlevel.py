@@ -11,9 +11,10 @@ from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from texts import load_task_text
 
 from hybrid_tamp.errors import InputError
-from hybrid_tamp.model.block import Block, Measure
+from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Hyperparameter
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.predicate import ANY, Atom, Binding
 from hybrid_tamp.model.task import MidLevel, Task
 from hybrid_tamp.model.token import Token

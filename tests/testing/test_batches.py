@@ -9,8 +9,10 @@ import pytest
 from toys import MOVING, Pusher, World, free_motion, servo
 
 from hybrid_tamp.errors import DomainError
-from hybrid_tamp.model.block import Block, Measure
+from hybrid_tamp.model.block import Block, Duration
 from hybrid_tamp.model.control import Hyperparameter
+from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.predicate import Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -34,13 +36,18 @@ def task(moving: Block) -> Task:
     return World(moving=moving).pusher(limit=1000.0).spot("spot 0", 0.4).spot("spot 1", 0.7).task()
 
 
-def policy(command: Callable[[Any], Any], name: str = "force") -> Task:
-    """Return a task whose policy commands a function of the right command ``(..., 3)``."""
+def policy(command: Callable[[Any], Any], name: str = "force", since: float = 0.0) -> Task:
+    """Return a task whose policy commands a function of the right command ``(..., 3)`` from a time [s] on."""
 
     def make(binding: Any, start: State, parameters: Any) -> Any:
         right = servo(binding, start, parameters)
         pusher = cast(Token, binding["pusher"])
-        return lambda elapsed, state: {(pusher.name, name): command(right(elapsed, state)[pusher.name, "force"])}
+
+        def commands(elapsed: Any, state: State) -> Any:
+            force = right(elapsed, state)[pusher.name, "force"]
+            return {(pusher.name, name): force if np.all(elapsed < since) else command(force)}
+
+        return commands
 
     return task(replace(MOVING, policy=make))
 
@@ -70,6 +77,30 @@ def measure(**value: Any) -> Task:
     return task(replace(MOVING, performance=(Measure("slip", "m", -1.0, **value),)))
 
 
+def outcome(values: Callable[[Any], Any]) -> Task:
+    """Return a task whose block expects an end state that is a function of the initial state ``(..., m)``."""
+    return task(replace(MOVING, outcome=lambda binding, state: State(state.layout, values(state.values))))
+
+
+def duration(expected: Callable[[Any], Any]) -> Task:
+    """Return a task whose block expects a duration that is a function of the pusher's position ``(3,)``."""
+    moving = Duration(MOVING.duration.minimum, MOVING.duration.maximum, lambda b, s, h: expected(place(b, s)))
+    return task(replace(MOVING, duration=moving))
+
+
+def bound(expected: Callable[[Any], Any]) -> Task:
+    """Return a task with a feasibility condition whose bound is a function of the pusher's position ``(3,)``."""
+    close = Predicate(
+        "close",
+        (Parameter("pusher", Pusher),),
+        lambda state, pusher: 9.0 - state[pusher, "position"][..., 0],
+        kind=Kind.STATIC,
+        reads={"pusher": ("position",)},
+        bound=lambda state, radius, pusher: expected(state[pusher, "position"]),
+    )
+    return task(replace(MOVING, entry=(*MOVING.entry, close("pusher"))))
+
+
 def place(binding: Any, state: State) -> Any:
     return state[binding["pusher"], "position"]
 
@@ -80,6 +111,9 @@ def faults() -> Iterator[Any]:
     yield pytest.param(fact(lambda x: 9.0 - x[..., 0] + x.max()), "predicate slip", id="margins mix the states")
     yield pytest.param(policy(lambda f: f.mean()), "MOVING.policy, force of pusher", id="one number as command")
     yield pytest.param(policy(lambda f: f[..., :2]), "MOVING.policy, force of pusher", id="two components")
+    yield pytest.param(
+        policy(lambda f: f[..., 0], since=0.05), "MOVING.policy, force of pusher", id="a wrong command after a while"
+    )
     yield pytest.param(policy(lambda f: f, "torque"), "MOVING.policy", id="an action that the token lacks")
     yield pytest.param(policy(lambda f: f - 0.1 * np.abs(f).max()), "the policy", id="commands mix the states")
     yield pytest.param(system(lambda x: x.reshape(-1, x.shape[-1])[0]), "MOVING.system", id="only the first state")
@@ -99,6 +133,11 @@ def faults() -> Iterator[Any]:
         "measure slip",
         id="measures mix the states",
     )
+
+    yield pytest.param(outcome(lambda x: x[..., :4]), "MOVING.outcome", id="an outcome without all properties")
+    yield pytest.param(outcome(lambda x: x + np.linalg.norm(x)), "the outcome", id="the outcome mixes the states")
+    yield pytest.param(duration(lambda x: 1.0 + np.abs(x)), "MOVING.duration", id="a duration for each component")
+    yield pytest.param(bound(lambda x: 9.0 + x), "the bound of close", id="a bound for each component")
 
 
 @pytest.mark.parametrize(("wrong", "where"), list(faults()))

@@ -14,7 +14,6 @@ import numpy as np
 
 from hybrid_tamp.feasibility.bindings import order_conditions
 from hybrid_tamp.model.affordance import BODY_STATE
-from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.facts import StaticFacts
@@ -219,10 +218,7 @@ class Hypotheses:
         seen = self.observation
         tokens = [token for _, token in slots]
         before = seen.likely(start)
-        after, binding = before, self.task.bind(dict(slots + targets))
-        if block.outcome is not None:
-            with authored(f"{block.name}.outcome", binding):
-                after = block.outcome(binding, before)
+        after = block.expected_end(self.task.bind(dict(slots + targets)), before) or before
         places = np.array([seen.place(token, reached) for token in tokens])
         off = np.stack([np.linalg.norm(after[t, "position"] - p, axis=-1) for t, p in zip(tokens, places, strict=True)])
         way = np.linalg.norm(places - [seen.place(token, start) for token in tokens], axis=-1)

@@ -8,7 +8,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.forward_model import roll_out
@@ -68,8 +67,7 @@ def count_unexpected_pauses(block: Block, binding: Binding, seen: Observation, s
         return 0
     begin = seen.state(start)
     initial = block.initial_values(binding, begin)
-    with authored(f"{block.name}.duration", binding):
-        expected = block.duration.expected(binding, begin, initial)
+    expected = block.expected_duration(binding, begin, initial)
     states = roll_out(block, binding, begin, min(block.duration.maximum, _PATIENCE * expected), every=_CHECK_EVERY)
     own, speeds = (np.stack([[state[t, name] for t in moved] for state in states]) for name in ("position", "velocity"))
     if way > _too_long(measure_length(own, CONTROL_PERIOD)):

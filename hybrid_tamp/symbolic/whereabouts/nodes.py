@@ -13,7 +13,6 @@ from typing import ClassVar
 import numpy as np
 
 from hybrid_tamp.model.affordance import PlaceClass
-from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.kind import Kind
@@ -165,9 +164,8 @@ class _Explorer:
     def _end(
         self, block: Block, slot: str, node: Node, targets: Mapping[str, Value], binding: Binding, state: State
     ) -> Node:
-        assert block.outcome is not None, "only an outcome determines an end"
-        with authored(f"{block.name}.outcome", binding):
-            after = block.outcome(binding, state)
+        after = block.expected_end(binding, state)
+        assert after is not None, "only an outcome determines an end"
         pose = {name: after[self.token, name].copy() for name in node.pose}
         place = next((v.name for v in targets.values() if isinstance(v, Token) and v.place), None)
         if place is None and not node.oriented:
