@@ -13,7 +13,7 @@ Units
 Quaternions
     Unit quaternions have the order ``(x, y, z, w)``, as in PyBullet. The identity is ``(0, 0, 0, 1)``. The product
     is Hamilton's product: ``quaternion_multiply(a, b)`` rotates first by ``b`` and then by ``a``. The quaternions
-    ``q`` and ``-q`` represent the same rotation. Functions return the smaller of the two possible rotation angles.
+    ``q`` and ``-q`` represent the same rotation. A rotation vector always has a length of at most pi.
 
 Names of rotations
     ``target_from_source`` transforms the coordinates of a vector from the source frame to the target frame. In a
@@ -26,8 +26,8 @@ Names of rotations
 
 Batches
     Batch dimensions come first. A vector has shape ``(..., 3)``, a quaternion has shape ``(..., 4)`` and a scalar
-    has shape ``(...)``. The batch dimensions of all arguments of a function are broadcast. So one call can evaluate
-    a single policy or a whole population. In a time series, time comes before the batch: ``(t, ..., 3)``.
+    has shape ``(...)``. A function broadcasts the batch dimensions of its arguments. So one call can evaluate a
+    single policy or a whole population. In a time series, time comes before the batch: ``(t, ..., 3)``.
 
 Purity
     Functions do not change their arguments and keep no state. Equal arguments give bit-identical results.

@@ -1,4 +1,7 @@
-"""Batched sums of products of components, e.g. products of quaternions, with few calls of numpy."""
+"""Weighted sums of products of vector components, computed for a whole batch by few calls of numpy.
+
+For example, each component of a quaternion product is a sum of this form.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +15,10 @@ def sums(*rows: dict[tuple[int, int], float]) -> tuple[IntArray, IntArray, Float
     """Return the table that `products` needs to compute the given sums of products.
 
     Args:
-        rows: one mapping per sum. Maps each pair of (first component, second component) to the weight of the product.
+        rows: one mapping for each sum. Maps each pair (component of a, component of b) to the weight of their product.
 
     Returns:
-        First components of all products, second components, and weights with one column per sum.
+        Three arrays: the component of a in each product, the component of b, and the weights with one column per sum.
     """
     pairs = sorted({pair for row in rows for pair in row})
     weights = np.array([[row.get(pair, 0.0) for row in rows] for pair in pairs])
@@ -39,12 +42,12 @@ TURN = sums(
     {(1, 2): 2.0, (0, 3): 2.0},
     {(0, 0): -2.0, (1, 1): -2.0},
 )
-"""Table for the rotation matrix minus the identity, row by row. Both factors must be the same quaternion."""
+"""Table whose sums are the elements of the rotation matrix minus the identity. Both vectors are the same quaternion."""
 EACH_ROW, ROW_SUMS = np.tile(np.arange(3), 3), np.kron(np.eye(3), np.ones((3, 1)))
-"""Indices of the vector components that multiply the elements of the `TURN` result, and a matrix for row sums."""
+"""Column of each of the nine elements of a 3 x 3 matrix, and the matrix that sums the elements of each row."""
 
 
 def products(a: FloatArray, b: FloatArray, table: tuple[IntArray, IntArray, FloatArray]) -> FloatArray:
-    """Return sums of products of components for a batch, with one multiplication and one matrix product."""
+    """Return the sums that the table defines for the vectors a and b, shape ``(..., number of sums)``."""
     one, other, weights = table
     return np.asarray((a.take(one, -1) * b.take(other, -1)) @ weights)

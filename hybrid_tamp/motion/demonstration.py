@@ -34,8 +34,8 @@ class ShownMovement:
         """Return the samples from which a primitive is learnt, and their scale.
 
         Args:
-            moves: ``position`` or ``orientation``.
-            dimensions: 1 for the travelled fraction of the path or angle, otherwise the number of position components.
+            moves: the quantity to learn, ``position`` or ``orientation``.
+            dimensions: 1 to learn the travelled fraction of the movement. Otherwise the number of position components.
 
         Returns:
             The samples, shape ``(t, dimensions)``, and the scale. For fractions, the scale is the length [m] or the
@@ -70,7 +70,7 @@ class ShownMovement:
 
 
 def learnt(movements: Sequence[ShownMovement], moves: str, dimensions: int, n_weights: int) -> tuple[DMP, float]:
-    """Return the primitive that imitates all movements, and the fitting error.
+    """Return the primitive that best imitates all movements, and the error of the fit.
 
     Args:
         movements: demonstrated movements, at least one.
@@ -79,7 +79,7 @@ def learnt(movements: Sequence[ShownMovement], moves: str, dimensions: int, n_we
         n_weights: number of basis functions.
 
     Returns:
-        The primitive, and the root mean square of its distance from the samples [m, or rad for an orientation].
+        The primitive, and the root mean square of its errors at the samples [m, or rad for an orientation].
 
     Raises:
         ValueError: if a movement cannot be imitated.

@@ -1,9 +1,9 @@
 """Discrete dynamic movement primitives (DMPs), which consist of a spring to the goal and a learnt forcing term.
 
 DMPs are from Ijspeert, Nakanishi and Schaal (NIPS 2003; reviewed in Ijspeert et al. 2013, Neural Computation
-25:328-373). This module implements the form of Pastor, Hoffmann, Asfour and Schaal and of Hoffmann, Pastor, Park and
-Schaal (both ICRA 2009). In this form, the forcing term is not scaled by ``goal - start``, so start and goal can be
-equal along some or all axes. The equations in normalised time ``p = t / duration`` are::
+25:328-373). This module implements the form of Pastor et al. and Hoffmann et al. (both ICRA 2009). In this form, the
+forcing term is not scaled by ``goal - start``, so start and goal can be equal along some or all axes. The equations of
+the position y and the phase s in normalised time ``p = t / duration`` are::
 
     y'' = alpha beta (goal - y - soft_start s (goal - start) + f(s)) - alpha y',   y(0) = start,  y'(0) = 0
     s'  = -alpha_phase s,                                                          s(0) = 1
@@ -77,8 +77,8 @@ class DMP:
             time: times of the samples [s], shape ``(t,)``, or a sequence with one array for each demonstration.
             positions: positions [m], shape ``(t, d)``, or a sequence with one array for each demonstration.
             n_weights: number k of basis functions.
-            soft_start: value of the attribute `soft_start`. If the goal changes, a soft start better preserves the
-                initial part of the movement, e.g. lifting before travelling.
+            soft_start: value of the attribute `soft_start`. For a goal that was not demonstrated, a soft start better
+                preserves the initial part of the movement, e.g. lifting before travelling.
 
         Returns:
             The learnt primitive, with the default spring.
@@ -116,8 +116,8 @@ class DMP:
             Sampled movement, with the broadcast batch shape ``(...)``.
 
         Raises:
-            ValueError: if a duration or ``n_steps`` is not positive, ``settle`` is negative, or the shapes do not
-                match.
+            ValueError: if a duration or ``n_steps`` is not positive, if ``settle`` is negative, or if the shapes do
+                not match.
         """
         begin, end, tau = (np.asarray(values, dtype=np.float64) for values in (start, goal, duration))
         if not np.all((tau > 0.0) & np.isfinite(tau)):
@@ -131,7 +131,7 @@ class DMP:
         return Trajectory(tau, end, 1.0 / n_steps, self._samples(begin, end, responses))
 
     def _samples(self, start: FloatArray, goal: FloatArray, responses: FloatArray) -> FloatArray:
-        """Return the weighted sum, shape ``(t, ..., 3, d)``, of the responses, shape ``(t, 3, 1 + k)``."""
+        """Return the samples ``(t, ..., 3, d)`` of the movement from the responses ``(t, 3, 1 + k)`` of the spring."""
         n_weights, d = self.weights.shape[-2:]
         weight_batch = self.weights.shape[:-2]
         batch = np.broadcast_shapes(start.shape[:-1], goal.shape[:-1], weight_batch)
@@ -148,8 +148,8 @@ class DMP:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the movement of the primitive as time series.
 
-        All movements of a batch have the same grid in normalised time. The time step of the longest movement is at most
-        ``dt`` and divides the duration of this movement.
+        All movements of a batch have the same grid in normalised time. The longest movement has the largest time step,
+        which is at most ``dt`` and divides the duration of the longest movement.
 
         Args:
             start: initial positions [m], shape ``(..., d)``. The initial velocity is zero.
@@ -159,11 +159,12 @@ class DMP:
             settle: settling time after the movement, as a fraction of the duration.
 
         Returns:
-            Times [s], shape ``(t,)`` or ``(t, ...)`` for a batch of durations, and positions [m] and velocities [m/s],
-            each with the broadcast shape ``(t, ..., d)``.
+            Times [s], positions [m] and velocities [m/s]. The times have shape ``(t,)``, or ``(t, ...)`` for a batch of
+            durations. The positions and the velocities have the broadcast shape ``(t, ..., d)``.
 
         Raises:
-            ValueError: if a duration or ``dt`` is not positive, ``settle`` is negative, or the shapes do not match.
+            ValueError: if a duration or ``dt`` is not positive, if ``settle`` is negative, or if the shapes do not
+                match.
         """
         if not 0.0 < dt < np.inf:
             raise ValueError(f"dt must be positive and finite, got {dt}")
@@ -179,5 +180,5 @@ class DMP:
 
 
 def _steps(amount: float) -> int:
-    # The tolerance prevents a rounding error from turning 100.00000000000001 into 101.
+    # Without the tolerance, a rounding error could add a step: 100.00000000000001 would become 101.
     return ceil(amount - 1e-9)

@@ -33,7 +33,7 @@ def fitted_weights(system: TransformationSystem, demonstrations: Sequence[Demons
     equations = [_equations(system, demonstration) for demonstration in demonstrations]
     design, target = (np.concatenate(rows) for rows in zip(*equations, strict=True))
     # Each weight is scaled by s at the centre of its basis function. A weak penalty on second differences of the
-    # scaled weights keeps the forcing term smooth. The penalty matters only if samples are fewer than weights.
+    # scaled weights keeps the forcing term smooth. The penalty matters only if there are fewer samples than weights.
     centres = system.centres()
     roughness = _SMOOTHNESS * np.diff(np.eye(system.n_weights), 2, axis=0)
     design = np.concatenate([design / centres, roughness])
@@ -53,7 +53,7 @@ def _equations(system: TransformationSystem, demonstration: Demonstration) -> tu
     span = positions[-1] - positions[0]
     responses = system.combined(system.responses_to_inputs(normalised))
     target = held - positions[0] - responses[:, 0, :1] * span
-    # Heavily weighted equations almost fix the position and velocity at the end, where the hand reaches its goal.
+    # The final position and velocity get large weights, because the hand must reach its goal accurately.
     at_end = responses[len(time) - 1, :2]
     end_target = (np.array([[1.0], [0.0]]) - at_end[:, :1]) * span
     design = np.concatenate([responses[:, 0, 1:], _END_EMPHASIS * at_end[:, 1:]])

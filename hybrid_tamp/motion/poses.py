@@ -175,14 +175,14 @@ def quaternion_of_rotation(matrix: ArrayLike) -> FloatArray:
 
 
 def rotation_vector(quaternion: ArrayLike) -> FloatArray:
-    """Return the shortest rotation vectors, by the logarithmic map (Sola 2017, Sec. 2.4).
+    """Return the rotation vectors of unit quaternions, by the logarithmic map (Sola 2017, Sec. 2.4).
 
     Args:
         quaternion: unit quaternions, shape ``(..., 4)``.
 
     Returns:
-        Rotation vectors of length at most pi [rad], shape ``(..., 3)``. A half turn has two shortest rotation vectors,
-        and the sign of the quaternion selects the returned vector.
+        Rotation vectors of length at most pi [rad], shape ``(..., 3)``. For a half turn, two opposite vectors have
+        length pi, and the sign of the quaternion selects the returned vector.
 
     Raises:
         ValueError: if the last dimension is not 4.
@@ -237,7 +237,7 @@ def angle_about(axis: ArrayLike, quaternions: ArrayLike) -> FloatArray:
     series, unit_axis = _array(quaternions, 4, "quaternions"), normalized(_array(axis, 3, "axis"))
     if series.ndim < 2 or len(series) == 0:
         raise ValueError(f"quaternions must have shape (t, ..., 4) with t at least 1, got {series.shape}")
-    # Batch dimensions that only the axis has are inserted after the time dimension.
+    # If the axis has more batch dimensions than the series, the missing dimensions are inserted after the time.
     missing = max(0, unit_axis.ndim + 1 - series.ndim)
     series = series.reshape(len(series), *(1,) * missing, *series.shape[1:])
     before_from_after = quaternion_multiply(quaternion_conjugate(series[:-1]), series[1:])

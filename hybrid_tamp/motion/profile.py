@@ -36,7 +36,7 @@ class Profile:
 
     @cached_property
     def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Normalised times, fractions and rates of the samples, each of shape ``(t,)``. The last sample is at rest."""
+        """Normalised times, fractions and rates of the samples, each of shape ``(t,)``. The last rate is set to 0."""
         samples = self.trajectory.samples[:, :, 0].copy()
         samples[-1] = (1.0, 0.0, 0.0)
         time = np.asarray(np.arange(len(samples)) * self.trajectory.spacing, dtype=np.float64)
@@ -62,7 +62,7 @@ class Profile:
         return np.asarray(np.interp(np.asarray(phase, dtype=np.float64), time, rate, left=0.0))
 
     def arrival(self, amount: ArrayLike, duration: ArrayLike, near: float, slow: float) -> FloatArray:
-        """Return the time after which a movement stays slow and close to its end [s], shape ``(...)``.
+        """Return the time [s] after which a movement stays slow and close to its end, shape ``(...)``.
 
         Args:
             amount: length of the movement [m or rad], shape ``(...)``.

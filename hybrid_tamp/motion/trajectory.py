@@ -30,7 +30,7 @@ class Trajectory:
         return np.asarray(self.duration * (self.spacing * (len(self.samples) - 1)))
 
     def at(self, elapsed: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the position, velocity and acceleration at a time, each interpolated linearly between its samples.
+        """Return the position, velocity and acceleration at a time. Each is linearly interpolated between samples.
 
         Args:
             elapsed: time since the start of the movement [s], shape ``(...)``. Negative times are treated as 0.
@@ -45,7 +45,7 @@ class Trajectory:
         last = len(self.samples) - 1
         place = np.clip(now, 0.0, last)
         below = np.minimum(place.astype(np.intp), last - 1)
-        # With an open grid of indices over the batch, each member of the batch reads its own samples.
+        # The open grid of indices lets each member of the batch read its own samples.
         members = np.indices(batch, sparse=True)
         at_lower, at_upper = (below, *members), (below + 1, *members)
         lower, upper = self.samples[at_lower], self.samples[at_upper]

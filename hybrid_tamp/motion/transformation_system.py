@@ -60,7 +60,7 @@ class TransformationSystem(NamedTuple):
         return np.concatenate([np.ones_like(s), s, psi], axis=-1)
 
     def transition(self, steps: FloatArray) -> FloatArray:
-        """Return the transition matrices of the state ``(y, y')`` for zero input, computed as matrix exponentials.
+        """Return the matrices that advance the state ``(y, y')`` by a step without input (matrix exponentials).
 
         Args:
             steps: lengths of the steps in normalised time, shape ``(...)``.
@@ -80,7 +80,7 @@ class TransformationSystem(NamedTuple):
         return np.asarray((decay * even)[..., None, None] * np.eye(2) + (decay * odd)[..., None, None] * rest)
 
     def driven(self, begins: FloatArray, steps: FloatArray) -> FloatArray:
-        """Return the states of the spring after short steps that start at rest, for each input.
+        """Return the states to which each input moves the spring in short steps from rest.
 
         Args:
             begins: normalised times at which the steps start, shape ``(n,)``.
@@ -105,8 +105,9 @@ class TransformationSystem(NamedTuple):
         Returns:
             Positions and their first and second derivatives, shape ``(t, 3, 2 + k)``.
         """
-        # The nodes are dense compared with the basis functions and the time constants. The nodes do not depend on
-        # `times`. Each response is one step from the previous node, so the responses agree on all time grids.
+        # The spring is first simulated at the nodes, which are equally spaced times. The spacing is small compared with
+        # the basis functions and the time constants, and does not depend on `times`. A last step leads from a node to
+        # each requested time. So the response at a time is the same for all time grids.
         density = max(8 * self.n_weights, ceil(4.0 * max(self.alpha, self.beta, self.alpha_phase)))
         nodes = np.arange(ceil(density * np.max(times)) + 1) / density
         steps = np.full(len(nodes), 1.0 / density)
@@ -138,9 +139,9 @@ class TransformationSystem(NamedTuple):
 def settling_responses(system: TransformationSystem, n_steps: int, n_settle: int) -> FloatArray:
     """Return the responses on a uniform time grid that includes the settling time after the movement.
 
-    During the settling time, a minimum-jerk profile fades out the displacement due to decaying inputs. So the movement
-    ends on the goal for all weights. The response to the goal is not faded out. With default constants, this response
-    differs from its limit by ``(1 + 12.5 p) exp(-12.5 p)``, e.g. 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
+    During the settling time, a minimum-jerk profile fades out the responses to s and to the weights. So the movement
+    ends at the goal for all weights. The response to the goal is not faded out. With default constants, its distance
+    from its limit is ``(1 + 12.5 p) exp(-12.5 p)`` at time p, e.g. 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
 
     Args:
         system: spring and its inputs.
