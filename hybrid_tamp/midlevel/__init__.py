@@ -10,5 +10,7 @@ In the `RefinedPlan`, the hand grasps the hammer 0.11 m from its head, because t
                              └─ optimiser ──► best candidate, by CMA-ES (`cma`) or direct sampling (`grid`)
     best candidate ─► RefinedPlan
 
-The optimisers do not depend on plans. An optimiser gets a `SearchSpace` and a function that maps points to `Scores`.
+A candidate is one choice of all hyperparameters. V sums how far the candidate misses each condition. J is the weighted
+sum of the performance measures. The optimisers do not depend on plans: an optimiser gets a `SearchSpace` and a function
+that maps points to `Scores`.
 """

@@ -15,9 +15,9 @@ from hybrid_tamp.motion.arrays import FloatArray
 _POINTS = 61
 _SWEEPS = 2
 _NARROWER = 0.05
-"""Half-width of the second sweep, as a fraction of the variable's range. Equal to three steps of the first sweep."""
+"""Half-width of the range scanned in the second sweep, as a fraction of the first range. Equal to three grid steps."""
 _EQUAL = 1e-6
-"""Largest difference at which two values are treated as equal, as a fraction of the spread over a scan."""
+"""Values that differ by at most this fraction of their spread over a scan are treated as equal."""
 
 
 def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArray:
@@ -32,7 +32,7 @@ def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArra
             for index, (key, name) in enumerate(zip(objective.keys, objective.space.names, strict=True))
             if key[0] == instance.name and name in relevant
         ]
-        # The best values of the variables are coupled, so a second sweep repeats the scans in narrower ranges.
+        # The best value of each variable depends on the others, so a second sweep repeats the scans in narrower ranges.
         for sweep in range(_SWEEPS):
             for index in mine:
                 point[index] = _scan(objective, objective.restrict_to(instance), point, index, _NARROWER**sweep)
@@ -40,7 +40,7 @@ def optimise_apart(objective: Objective, relevant: Collection[str]) -> FloatArra
 
 
 def _scan(objective: Objective, evaluate: Evaluate, point: FloatArray, index: int, share: float) -> float:
-    """Return the midpoint of the best interval of one variable. The scan covers a share of its range around a point."""
+    """Scan one variable, up to a share of its range away from the point. Return the midpoint of its best interval."""
     lower, upper = objective.space.lower[index], objective.space.upper[index]
     low, high = lower, upper
     if share < 1.0:

@@ -1,16 +1,16 @@
 """CMA-ES with restarts (Hansen and Ostermeier 2001, Evolutionary Computation 9:159-195), based on the package cmaes.
 
 The search starts at the default point. The search space is scaled to the unit cube, so that metres and seconds have the
-same weight. cmaes uses only the order of scores within a generation. The scores are passed as ranks, because no single
-number represents the order of pairs (V, J). If all scores of a generation are equal up to rounding, all ranks are 0, so
-that cmaes recognises a flat objective.
+same weight. cmaes expects one number as the cost of a candidate, but candidates are compared by two numbers, first by
+violation and then by value. So the costs are the ranks of the candidates in their generation. If all scores of a
+generation are equal up to rounding, all costs are 0, so that cmaes recognises a flat objective.
 
 The first generations are about as wide as the cube. In these generations, cmaes replaces points outside the cube by new
-samples. In later generations, points outside the cube are mirrored at its faces. New samples would push the
-distribution away from a face, so that the search could not reach an optimum in a corner (see `scripts/optimisers`).
+samples. In later generations, points outside the cube are mirrored at its faces. New samples would push these narrow
+generations away from a face, so that the search could not reach an optimum in a corner (see `scripts/optimisers`).
 
-A run ends when its generation has shrunk to a point, or when cmaes stops. The optimum of a run may be local. So another
-run starts at a random point with twice the population (IPOP, Auger and Hansen, CEC 2005).
+A run ends when the candidates of a generation almost coincide, or when cmaes stops. The optimum of a run may be local.
+So another run starts at a random point with twice the population (IPOP, Auger and Hansen, CEC 2005).
 """
 
 from dataclasses import dataclass
@@ -23,11 +23,11 @@ from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.motion.arrays import FloatArray
 
 REDRAWN = 10
-"""Number of generations in which points outside the cube are replaced by new samples instead of mirrored points."""
+"""Number of first generations in which new samples replace points outside the cube. Later points are mirrored."""
 PATIENCE = 7
-"""Number of generations within which a quick run must improve."""
+"""Number of generations over which `CMAES.quick` measures the recent gain."""
 LEAST_GAIN = 0.03
-"""Smallest gain within `PATIENCE` generations that lets a quick run continue, as a fraction of the total gain."""
+"""Smallest recent gain with which `CMAES.quick` continues a run, as a fraction of the search's total gain."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,11 @@ class CMAES(Optimiser):
         population: number of candidates per generation in the first run, at least 4. None means ``4 + 3 ln k`` for k
             variables. A larger population explores more and costs little if rollouts run in batches.
         sigma: initial standard deviation, as a fraction of each variable's range.
-        tolerance: a run ends if the spread of a generation is less than this fraction of each variable's range.
+        tolerance: a run ends if the candidates of a generation differ by less than this fraction of each variable's
+            range.
         restarts: maximum number of further runs within the budget.
-        quick: whether to end a run if its last generations gained almost nothing, and to start no further run if a
-            candidate meets all conditions.
+        quick: whether to save evaluations. A quick run ends if its last generations gained almost nothing, and no
+            further run starts if a candidate meets all conditions.
         noisy: whether to adapt the learning rates to noise (Nomura, Akimoto and Ono, GECCO 2023). Without noise,
             adaptation wastes evaluations.
 

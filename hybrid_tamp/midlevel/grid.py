@@ -44,7 +44,8 @@ class Grid(Optimiser):
 def axis_counts(k: int, evaluations: int) -> tuple[int, ...]:
     """Return the number of grid points on each of k axes. The grid has at most ``evaluations`` points.
 
-    The numbers differ by at most 1, and earlier axes have the larger numbers. An axis with one point is not searched.
+    The numbers differ by at most 1, and earlier axes have the larger numbers. A variable whose axis has only one point
+    keeps its default.
     """
     least = 1
     while k > 0 and (least + 1) ** k <= evaluations:

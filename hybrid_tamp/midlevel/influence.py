@@ -19,7 +19,7 @@ class Influence:
 
     Attributes:
         moves: maps the name of each variable to the performance measures that the variable changes.
-        own: names of the variables that change a condition or a measure of their own instance.
+        own: names of the variables that change a condition or a measure of the block instance to which they belong.
     """
 
     moves: Mapping[str, tuple[MeasureKey, ...]] = field(default_factory=dict)

@@ -21,7 +21,8 @@ _Name = TypeVar("_Name")
 def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout:
     """Convert a recording to the rollout of a population with one candidate.
 
-    If the run failed, its violation is infinite. The goal is measured only if the run covers the `whole` plan.
+    If the run failed, its violation is infinite. ``whole`` says whether the run covers the whole plan. If not, the goal
+    atoms are left out.
     """
     conditions: list[Condition] = []
     figures: dict[Key, FloatArray] = {}
@@ -44,7 +45,7 @@ def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout
 
 
 def merge_rollouts(runs: Sequence[Rollout]) -> Rollout:
-    """Merge rollouts with one candidate each into the rollout of a population. Missing values are NaN."""
+    """Merge the rollouts of single candidates into the rollout of a population. Values that a run lacks are NaN."""
     margins = [{(c.where, c.atom, c.throughout): c.margin for c in run.conditions} for run in runs]
     longest = max(runs, key=lambda run: len(run.conditions))
     conditions = [replace(c, margin=_concatenate(margins, (c.where, c.atom, c.throughout))) for c in longest.conditions]
@@ -90,7 +91,7 @@ def _conditions(task: Task, recording: Recording, instance: BlockInstance) -> It
 
 
 def _rows_until_exit(recording: Recording, instance: BlockInstance) -> tuple[int, int]:
-    """Return the first and the last row of an instance, up to the time at which its exit conditions hold."""
+    """Return the row at the start of an instance, and the row at which its exit conditions hold (or else its end)."""
     end = instance.end if instance.reached is None else min(instance.reached, instance.end)
     first, last = (round(time / recording.timestep) for time in (instance.start, end))
     return first, last
@@ -102,7 +103,7 @@ def _run_until_exit(recording: Recording, instance: BlockInstance) -> State:
 
 
 def _figures(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, FloatArray]]:
-    """Yield pairs of (measure, figure), measured from the start of an instance until its exit conditions hold."""
+    """Yield (measure, figure) for each measure. The figure covers an instance until its exit conditions hold."""
     block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
     first, last = _rows_until_exit(recording, instance)
     run = _run_until_exit(recording, instance)

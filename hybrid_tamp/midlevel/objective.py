@@ -1,6 +1,6 @@
 """Objective of the mid-level planner: minimise violations, then maximise the weighted sum of performance measures.
 
-The same objective can score both rollouts of a population on forward models and single runs in physics.
+An objective scores rollouts on forward models and runs in physics alike.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -21,12 +21,12 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 RESERVE = 0.5
-"""Largest reserve for a margin during a search, as a multiple of the predicate's scale."""
+"""Largest reserve, as a multiple of the predicate's scale. A reserve is a margin that every candidate must keep."""
 _ROUNDING = 1e-9
-"""Largest shortfall from a reserve that counts as a rounding error, as a multiple of the predicate's scale."""
+"""Largest shortfall from a reserve that is treated as a rounding error, as a multiple of the predicate's scale."""
 
 Reserves = Mapping[tuple[str, Atom], float]
-"""Maps pairs of (instance or `GOAL`, atom) to the margin that a search reserves, in the unit of the predicate."""
+"""Maps each pair of (instance or `GOAL`, atom) to its reserve, in the unit of the predicate."""
 
 
 class RollOut(Protocol):
@@ -52,7 +52,7 @@ class Objective:
         plan: plan whose hyperparameters vary.
         roll_out: function that rolls out candidates.
         until: name of an instance. Rollouts may stop after the exit of this instance. If None, rollouts are complete.
-        reserves: margins that a search reserves. None if the reserves are not yet known.
+        reserves: margins that candidates must keep. None if the reserves are not yet known.
     """
 
     task: Task
@@ -93,14 +93,15 @@ class Objective:
         return np.asarray(rollout.violation + _lacking(rollout.conditions, self.reserves or {}))
 
     def keep_reserves(self, rollout: Rollout) -> "Objective":
-        """Return the objective with reserves for the plan's results, taken from the margins of the first candidate.
+        """Return the objective with reserves, which are taken from the margins of the first candidate.
 
-        Without reserves, the search would trade all of these margins for value, and the plan would fail in physics.
+        Only the results of actions get a reserve (see `_is_result`). Without reserves, the search would trade the
+        margins of the results for value until nothing is left, and the plan would fail in physics.
         """
         reserves: dict[tuple[str, Atom], float] = {}
         for c in rollout.conditions:
             if self._is_result(c) and c.margin[0] > 0:
-                # An atom that is an entry and an exit condition of one instance has the smaller reserve of the two.
+                # If an atom is both an entry and an exit condition of an instance, the smaller reserve applies.
                 key, reserve = (c.where, c.atom), min(RESERVE * c.predicate.scale, float(c.margin[0]))
                 reserves[key] = min(reserve, reserves.get(key, reserve))
         return replace(self, reserves=reserves)
@@ -108,8 +109,8 @@ class Objective:
     def _is_result(self, condition: Condition) -> bool:
         """Return whether a condition depends on where an action leaves its tokens, and not on when the action ends.
 
-        These are goal atoms, functional exit conditions, e.g. that an object is inside a region, and feasibility
-        conditions on the poses from which later actions start.
+        There are three kinds: goal atoms, functional conditions (e.g. that an object is inside a region), and
+        feasibility conditions, which depend on the poses from which later actions start.
         """
         predicate = condition.predicate
         result = condition.atom in self.task.goal or predicate.kind is Kind.FUNCTIONAL or predicate.static
@@ -162,7 +163,10 @@ class Evaluator:
 
 
 def _lacking(conditions: Iterable[Condition], reserves: Reserves) -> FloatArray:
-    """Return the summed shortfalls of the reserves, divided by the predicates' scales. Negative margins become 0."""
+    """Return the sum of the shortfalls from the reserves, each as a multiple of the predicate's scale. Shape ``(n,)``.
+
+    Negative margins are treated as 0, because the violation already includes them.
+    """
     lacking = [
         (reserves[c.where, c.atom] - np.maximum(c.margin, 0.0)) / c.predicate.scale
         for c in conditions
@@ -178,7 +182,7 @@ def find_last_measured(task: Task, plan: TaskPlan) -> str | None:
 
 
 def _variables(task: Task, plan: TaskPlan) -> Iterable[tuple[Key, Variable]]:
-    """Yield (key, variable) for each hyperparameter. The default is the planned value, or else the initial value."""
+    """Yield (key, variable) for each hyperparameter. The default is the plan's value or, without it, the block's."""
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
         block, binding = task.domain.block_by_name[instance.block], task.bind(instance.roles)
         for h in block.hyperparameters:

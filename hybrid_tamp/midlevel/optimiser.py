@@ -2,8 +2,9 @@
 
 The best candidate has the smallest violation and, at equal violations, the largest value (`Scores`). The default point
 is always the first candidate. Candidates are tied if the relative difference between their scores is below 1e-12. Of
-tied candidates, the candidate with the smallest Euclidean distance to the default in the unit cube wins. If distances
-are equal, the earliest candidate wins. So a hyperparameter changes only if the change improves the score.
+tied candidates, the candidate nearest to the default point wins. The distance is Euclidean, with the range of each
+variable scaled to [0, 1]. If distances are equal, the earliest candidate wins. So a hyperparameter changes only if the
+change improves the score.
 """
 
 from abc import ABC, abstractmethod
@@ -22,7 +23,7 @@ Evaluate = Callable[[FloatArray], Scores]
 """Function that maps read-only points of shape ``(n, d)`` to the scores of n candidates. NaN marks a failed rollout."""
 
 Progress = Callable[[Milestone], None]
-"""Progress callback, which is called with every milestone of a search."""
+"""Progress callback, which is called after each batch with the best score so far."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Optimum:
         violation: violation V of the best candidate. Positive if no candidate met all conditions.
         value: value J of the best candidate.
         evaluations: number of evaluated candidates.
-        history: milestones after each batch.
+        history: best score so far, after each batch.
         stopped: reason why the search ended: ``converged``, ``evaluations`` or ``all sampled``.
     """
 
@@ -183,7 +184,7 @@ class Optimiser(ABC):
             space: the variables and their bounds. Constant variables keep their values.
             budget: the limit of the search.
             rng: only source of randomness. The same generator state gives a bit-identical optimum.
-            progress: callback for each milestone.
+            progress: callback that is called after each batch.
 
         Raises:
             NothingFinite: if every rollout failed.

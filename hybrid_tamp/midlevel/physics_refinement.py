@@ -1,8 +1,8 @@
 """Refinement in physics. A physics backend simulates candidates near the optimum of the forward models.
 
-The forward models omit effects that shift the optimum slightly. The search covers only a fraction of each variable's
-range around the models' optimum. Within the searched ranges, the models predict no additional violation. The models'
-optimum is the first candidate and wins ties.
+The forward models omit effects that shift the optimum slightly. So the search changes each variable by only a fraction
+of its range. Within these narrow bounds, the models predict no additional violation. The optimum of the forward models
+is the first candidate and wins ties.
 """
 
 import logging
@@ -23,7 +23,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 _logger = logging.getLogger(__name__)
 
 _SHARE, _LEAST, _MOST = 50, 4, 40
-"""Number of evaluations in the budget for each run in physics, and minimum and maximum number of runs in physics."""
+"""The number of runs in physics is the budget of evaluations divided by `_SHARE`, clipped to `_LEAST` and `_MOST`."""
 _REACH = 0.1
 """Largest distance of a value from the optimum, as a fraction of the variable's range."""
 _HALVINGS = 8
@@ -50,7 +50,7 @@ def refine_in_physics(
     """Search near a point. Candidates are scored by runs in physics.
 
     Args:
-        settings: optimiser and budget. The number of runs in physics is a share of the budget of evaluations.
+        settings: optimiser and budget. The number of runs in physics is proportional to the budget.
         searched: result of the search on the forward models.
         point: optimum on the forward models. Shape ``(d,)``.
         measured: objective that scores runs in physics. Repeated runs give bit-identical scores, so there is no noise.
@@ -68,7 +68,7 @@ def refine_in_physics(
         optimum = find_optimiser(midlevel.optimiser)(runs, part, budget, settings.rng, tell)
         best, stopped, history = part.embed(optimum.point[None])[0], optimum.stopped, optimum.history
     except NothingFinite as error:
-        _logger.warning("refinement in physics failed: %s", error)
+        _logger.warning("refinement in physics failed, so the optimum of the forward models is kept: %s", error)
     before, (value, shortfall) = _look_up(runs, point)[0], _look_up(runs, best)
     count = sum(len(points) for points, _ in runs.batches)
     return RefinedInPhysics(best, shortfall, Retuning(before, value, count, time.monotonic() - began, stopped, history))
@@ -83,9 +83,9 @@ def _look_up(runs: Evaluator, point: FloatArray) -> tuple[Value, Shortfall | Non
 
 
 def narrow_space(objective: Objective, point: FloatArray, names: Collection[str]) -> SearchSpace:
-    """Return the part of the space around a point in which changes of a single variable do not increase the violation.
+    """Return a small space around a point, within which no change of a single variable increases the violation.
 
-    The point has shape ``(d,)`` and becomes the default. The part contains only the named variables.
+    The point has shape ``(d,)`` and becomes the default. The small space contains only the named variables.
     """
     space = objective.space
     columns = [index for index, name in enumerate(space.names) if name in names]

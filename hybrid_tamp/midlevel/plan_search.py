@@ -28,7 +28,7 @@ _BATCHES = {"cma": 48}
 _SCREENING = 0.4
 """Largest share of the budget for screening."""
 _TOLERANCE = 1e-2
-"""Largest negligible effect of a variable, as a fraction of the spread over the sample."""
+"""Largest negligible effect of a variable, as a fraction of the spread over all screened points."""
 _BASES = (4, 6)
 """Minimum and maximum number of base points for screening."""
 
@@ -126,7 +126,7 @@ def _screen(settings: SearchSettings, objective: Objective) -> tuple[Evaluator, 
 
 
 def _choose_start(objective: Objective, apart: FloatArray | None) -> FloatArray:
-    """Return the better start point: the default point, or the result of optimising each action separately."""
+    """Return the default point or, if better, the point from optimising each action separately."""
     default = objective.space.default
     if apart is None or np.allclose(apart, default, rtol=1e-9):
         return default
@@ -160,4 +160,5 @@ def _blame_block(evaluated: Evaluator, error: NothingFinite) -> NotFinite:
     where = next((instance for instance in evaluated.objective.plan.instances if instance.name in failed), None)
     if where is None:
         return NotFinite([Issue("", str(error))])
-    return NotFinite([Issue(where.name, str(error), remedy=f"block {where.block} has the first non-finite result")])
+    remedy = f"check the forward model of {where.block}: block {where.block} has the first non-finite result"
+    return NotFinite([Issue(where.name, str(error), remedy=remedy)])

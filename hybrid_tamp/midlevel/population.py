@@ -1,7 +1,7 @@
 """Model of one block instance, and rollouts of many candidates as rows of one array.
 
-As in a real run, a candidate reaches its exit when all exit conditions hold for the first time after the minimum
-duration. Otherwise, the rollout ends at the block's maximum duration, or when the state and the commands are constant.
+A candidate reaches its exit, as in a real run, as soon as all exit conditions hold and the minimum duration has passed.
+A candidate that reaches no exit ends at the block's maximum duration, or once its state and commands are constant.
 """
 
 from collections.abc import Mapping, Sequence
@@ -41,8 +41,8 @@ class InstanceModel:
         instance: the block instance.
         block: block of the instance.
         binding: maps each role of the instance to its token or symbol.
-        columns: indices of the instance's tokens in a row of the task's state. Shape ``(m,)``.
-        held: mask of the columns that belong to a token in a slot. Shape ``(m,)``.
+        columns: indices of the m values of the instance's tokens in the task's state. Shape ``(m,)``.
+        held: mask of the columns that belong to tokens in slots. Tokens that are only targets are excluded.
         longest: maximum number of control steps.
         shortest: minimum duration in seconds.
     """
@@ -202,7 +202,7 @@ class Population:
                 self.figures[self.rows, column] = mine + rate.sum(axis=0) * CONTROL_PERIOD
 
     def _keep_least(self, run: State, counted: BoolArray) -> None:
-        """Update the least margins of the invariants by the counted states of a chunk ``(t, n)``."""
+        """Update the least margins of the invariants with those states of a chunk that `counted` selects."""
         counted = counted & self.pending[self.rows]
         least = np.where(counted[..., None], self.model.invariants(run), np.inf).min(axis=0)
         self.invariants[self.rows] = np.minimum(self.invariants[self.rows], least)

@@ -34,8 +34,8 @@ def refine(
     """Optimise the hyperparameters of a plan with the settings of its task.
 
     Args:
-        task: task of the plan. The goal must have no choice.
-        plan: a lawful plan of the task.
+        task: task of the plan. The goal must name all tokens, without ``ANY``.
+        plan: a valid plan of the task.
         progress: progress callback.
         roll_out: function that rolls out candidates. By default, the blocks' forward models are used.
         compare: whether to also optimise each action separately, for comparison.
@@ -60,7 +60,7 @@ def refine(
     searched = search_plan(settings, replace(objective, until=last))
     candidates = _compare(searched)
     if last is not None and searched.optimum.violation == 0 and candidates.violation > 0:
-        # The rollouts of the search stopped after the last measure, but a later condition is violated.
+        # The rollouts of the search stopped after the last measure, but a later condition is violated. Search again.
         searched = search_plan(settings, replace(searched.objective, until=None), searched.spent)
         candidates = _compare(searched)
     refined = None

@@ -1,9 +1,9 @@
 """Rollouts of a plan on the forward models of its blocks, for a whole population of candidates at the same time.
 
-The plan determines the order of the reassignments. The times of the reassignments differ between candidates. Each
-instance starts from the states of its tokens at the end of earlier instances. Instances that end in the same
-reassignment continue until all these instances have reached their exits. If a condition does not hold, its shortfall is
-added to the violation, and the rollout continues.
+At a reassignment, some instances end and others start. The plan determines the order of the reassignments, but their
+times differ between candidates. An instance starts from the states in which earlier instances leave its tokens. If
+several instances end in one reassignment, all of them continue until the last of them reaches its exit. If a condition
+does not hold, its shortfall is added to the violation, and the rollout continues.
 """
 
 from collections.abc import Iterable, Mapping
@@ -31,7 +31,7 @@ Chosen = Mapping[Key, FloatArray]
 """Maps each pair of (instance, hyperparameter) to the values of all candidates. Shape ``(n,)``."""
 
 _SETTLING = 0.5
-"""Minimum duration of the last instances before the goal is measured, in seconds, as in a real run."""
+"""Minimum time from the last start of an instance to the measurement of the goal, in seconds, as in a real run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Condition:
     """One condition with its margins for all candidates.
 
     Attributes:
-        where: name of the instance with this entry or exit condition, or `GOAL` for a goal atom.
+        where: name of the instance to which the condition belongs, or `GOAL` for a goal atom.
         atom: the ground condition.
         predicate: predicate of the condition. A margin of ``-predicate.scale`` is a violation of 1.
         margin: signed margins, in the unit of the predicate. Not finite for failed rollouts. Shape ``(n,)``.
@@ -72,7 +72,7 @@ class Rollout:
         value: value J, which is the weighted sum of the performance measures. Shape ``(n,)``.
         final: final states. Shape ``(n, layout.size)``.
         intervals: maps each instance to a pair of (start time, end time) in seconds, each of shape ``(n,)``.
-        failed: maps each instance to a mask of candidates that first became non-finite in the instance. Shape ``(n,)``.
+        failed: maps each instance to a mask of the candidates that failed in it, because a value was not finite.
     """
 
     conditions: tuple[Condition, ...]
@@ -114,8 +114,8 @@ class Rollouts:
         """Roll out a population.
 
         Args:
-            chosen: maps (instance, hyperparameter) to values of shape ``(n,)``. Other hyperparameters keep their value
-                in the plan or, without one, their initial value.
+            chosen: maps (instance, hyperparameter) to values of shape ``(n,)``. Every other hyperparameter keeps its
+                value in the plan or, if the plan has no value, its initial value.
             count: size n of the population.
             until: name of the instance after whose exit the rollout may stop. None rolls out the whole plan.
 
@@ -163,7 +163,7 @@ class _Chain:
         self.last = np.zeros(self.count, dtype=np.int64)
 
     def begin(self, instances: tuple[BlockInstance, ...], time: IntArray) -> None:
-        """Start instances from the current states of their tokens. `time` contains one control step per candidate."""
+        """Start instances from the current states of their tokens. ``time`` is in control steps. Shape ``(n,)``."""
         for instance in instances:
             simulation = self.simulations[instance.name]
             start = self.now[:, simulation.columns]

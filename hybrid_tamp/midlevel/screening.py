@@ -23,11 +23,11 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 LEVELS = (0.0, 0.5, 1.0)
 FEW = 4
-"""Minimum number of lines with two points that meet all conditions. Otherwise, all finite points are compared."""
+"""Minimum number of lines with at least two points that meet all conditions. Else, all finite points are compared."""
 
 
 class Effect(NamedTuple):
-    """Largest changes of V and J by one variable. ``violation`` is inf if the variable can make a rollout fail."""
+    """Largest changes of violation V and value J that one variable causes. If rollouts can fail, V changes by inf."""
 
     violation: float
     value: float
@@ -90,9 +90,9 @@ def screen_hyperparameters(
         space: the variables, k of which are not constant.
         rng: random generator for the base points and the random values.
         bases: number of base points including the default, at least 1. ``bases * (4 k + 1)`` points are evaluated.
-        tolerance: largest negligible effect. For the value, a fraction of the spread over the sample. The spread is
-            measured from the 5th to the 95th percentile, to exclude extreme rollouts. For the violation, a fraction of
-            the larger of the spread and 1.
+        tolerance: largest negligible effect, as a fraction of the spread over all points. The spread is the difference
+            between the 5th and the 95th percentile, so that extreme rollouts do not matter. The spread of the violation
+            is taken to be at least 1.
 
     Raises:
         NothingFinite: if every rollout failed.
@@ -161,7 +161,7 @@ def _effect(violation: FloatArray, value: FloatArray, allowed: float) -> Effect:
 
 
 def _largest_range(figures: FloatArray, counted: BoolArray) -> float:
-    """Return the largest difference between two counted figures of a line, or 0 if fewer than two are counted."""
+    """Return the largest difference between two figures of the same line. Only `counted` figures are compared."""
     high = np.max(np.where(counted, figures, -np.inf), axis=1)
     low = np.min(np.where(counted, figures, np.inf), axis=1)
     return max(0.0, float(np.max(high - low)))

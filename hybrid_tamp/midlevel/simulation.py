@@ -1,4 +1,4 @@
-"""Rollout of one block instance for a whole population until its exit, and then until the reassignment."""
+"""Rollout of one block instance for a whole population, first until the exit and then until the instance ends."""
 
 from collections.abc import Mapping
 
@@ -43,7 +43,8 @@ class Simulation(InstanceModel):
     def hold(self, start: FloatArray, chosen: Mapping[str, FloatArray], begun: Stretch, until: IntArray) -> FloatArray:
         """Continue the instance after its exit, and return the final states of its tokens. Shape ``(n, m)``.
 
-        ``until`` is the number of control steps from the start of the instance to its end. Shape ``(n,)``.
+        ``begun`` is the rollout until the exit. ``until`` is the number of control steps from the start of the instance
+        to its end. Shape ``(n,)``.
         """
         more: IntArray = until - begun.steps
         if not self.block.moves or not more.max() > 0:

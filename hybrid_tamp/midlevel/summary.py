@@ -1,4 +1,4 @@
-"""Summary of a search as a refined plan. The remaining candidates are rolled out over the whole plan."""
+"""Summary of a search as a refined plan. The best candidates of the search are rolled out over the whole plan."""
 
 import time
 from collections.abc import Iterator
@@ -120,7 +120,7 @@ def _summarise(
 
 
 def _tune(objective: Objective, point: FloatArray, statuses: dict[str, str]) -> Iterator[Tuned]:
-    """Yield each hyperparameter with its value at a point of shape ``(d,)``. The status for equal bounds is "fixed"."""
+    """Yield each hyperparameter with its value at the point. A hyperparameter with equal bounds is "fixed"."""
     for key, variable, value in zip(objective.keys, objective.space.variables, point.tolist(), strict=True):
         status = statuses[variable.name] if variable.lower < variable.upper else "fixed"
         yield Tuned(*key, variable.unit, variable.lower, variable.upper, variable.default, value, status)
