@@ -89,8 +89,8 @@ class StaticEndEffector(CapabilityClass):
     length: float = positive("m", "length of the cylindrical hand", 10)
     mass: float = mass_property()
     maximal_force: float = positive("N", "largest force that the hand can exert", 1e7)
-    workspace_lower: Vector3 = quantity("m", "lower corner of the workspace, the box that limits the hand's centre")
-    workspace_upper: Vector3 = quantity("m", "upper corner of the workspace, the box that limits the hand's centre")
+    workspace_lower: Vector3 = quantity("m", "lower corner of the box in which the hand's centre must stay")
+    workspace_upper: Vector3 = quantity("m", "upper corner of the box in which the hand's centre must stay")
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:

@@ -67,7 +67,7 @@ def move_straight(origin: FloatArray, way: FloatArray, duration: float, begin: f
 
 
 def reach_over(start: FloatArray, goal: FloatArray, duration: FloatArray) -> Reference:
-    """Return the reference of the demonstrated reach, rotated and scaled horizontally to run from start to goal.
+    """Return the demonstrated reach, rotated about the vertical and scaled so that it leads from start to goal.
 
     Args:
         start: initial position ``(..., 3)`` [m].

@@ -71,7 +71,7 @@ def time_of_reach(
     """Return the hyperparameter ``duration`` of a reach and the `Duration` of its block.
 
     Args:
-        distance: ``distance(binding, state)`` returns the distance ``(...)`` [m], which sets the initial value.
+        distance: ``distance(binding, state)`` returns the distance ``(...)`` [m] that determines the initial value.
         least: lower bound of the hyperparameter [s].
         settling: time from the end of the reach until the hand is at rest [s].
     """

@@ -14,7 +14,7 @@ Reference = Callable[[FloatArray], tuple[FloatArray, ...]]
 
 
 class Timetable:
-    """A cache of a reference's values at whole control periods. Evaluating 64 periods costs little more than one.
+    """A cache of a reference's values at whole control periods. Evaluating 64 periods takes little longer than one.
 
     The values that a timetable returns do not depend on earlier calls.
     """

@@ -40,7 +40,7 @@ class Pose(_Entry):
         "rad", "roll, pitch and yaw: rotations about the fixed world axes x, y, z, applied in this order", default=None
     )
     quaternion: Quaternion | None = quantity(
-        "1", "rotation as a quaternion x, y, z, w instead of rpy, normalised after reading", default=None
+        "1", "rotation as a quaternion x, y, z, w; an alternative to rpy; normalised after reading", default=None
     )
 
     @model_validator(mode="after")
@@ -69,7 +69,7 @@ class TokenEntry(_Entry):
 
 
 class LimitsEntry(_Entry):
-    """Limits of the planner."""
+    """Limits of the command, the planner and the run."""
 
     time: Number = quantity("s", "wall-clock time of the whole command", default=Limits.time, gt=0, le=1e6)
     memory: Number = quantity(
@@ -79,7 +79,7 @@ class LimitsEntry(_Entry):
         "1", "maximum number of times to replan after a refused plan", default=Limits.refinements, ge=0, le=1000
     )
     contact: Number = quantity(
-        "N", "largest force of a contact that no running block allows", default=Limits.contact, ge=0, le=1e6
+        "N", "largest force of a forbidden contact; a larger force ends the run", default=Limits.contact, ge=0, le=1e6
     )
 
 
@@ -117,7 +117,7 @@ class MidLevelEntry(_Entry):
         description="maps each BLOCK.measure to its weight in the value of a plan; costs have negative weights",
     )
     hyperparameters: dict[str, NumberOrRange] = Field(
-        default_factory=dict, description="maps each BLOCK.name to narrower bounds and a default, or to a fixed value"
+        default_factory=dict, description="maps each BLOCK.name to a fixed value, or to narrower bounds and a default"
     )
 
 
@@ -139,8 +139,8 @@ class TaskFile(_Entry):
     )
     primitives: dict[str, Text] = Field(
         default_factory=dict,
-        description="maps each block or action to the file of its motor primitive, written by 'hybrid-tamp learn'; an "
-        "action stands for all its modes; paths are relative to the task file",
+        description="maps each block or action to the file of its motor primitive, which 'hybrid-tamp learn' writes; "
+        "an entry for an action applies to all its modes; paths are relative to the task file",
     )
     planner: Annotated[Text, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\[\]-]*$")] = Field(
         default=DEFAULT_PLANNER, description="name of the planning engine"
@@ -148,13 +148,13 @@ class TaskFile(_Entry):
     objective: Literal["length", "makespan"] = Field(
         default="length", description="quantity to minimise: the number of actions (length) or the time (makespan)"
     )
-    limits: LimitsEntry = Field(default=LimitsEntry(), description="limits of the planner")
+    limits: LimitsEntry = Field(default=LimitsEntry(), description="limits of the command, the planner and the run")
     midlevel: MidLevelEntry = Field(
         default=MidLevelEntry(), description="settings for the optimisation of a plan's hyperparameters"
     )
     safety: dict[str, Factor] = Field(
         default_factory=dict,
-        description="maps predicates to safety factors; with the factor 1, only the physical bound counts",
+        description="maps each predicate to its safety factor; the factor 1 leaves no safety margin",
     )
     seed: Whole = quantity("1", "seed of all random numbers", default=0, ge=0, le=2**32 - 1)
     name: Text | None = Field(default=None, description="name of the task; default: the file's name without its ending")

@@ -47,7 +47,7 @@ def make_task(
         primitives: maps each block or action to the file of a motor primitive.
         planner: name of the planning engine.
         objective: quantity to minimise, ``length`` or ``makespan``.
-        limits: limits of the planner.
+        limits: limits of the command, the planner and the run.
         midlevel: settings for the optimisation of hyperparameters, including bounds and weights of measures.
         safety: maps names of predicates to safety factors of at least 1; the domain's factors by default.
         seed: seed of all random numbers.

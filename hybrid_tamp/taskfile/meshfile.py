@@ -98,7 +98,7 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
 
 @lru_cache(maxsize=4)
 def _read_text(path: Path, source: str, scale: float, text: str) -> MeshShape:
-    """Return the shape in the text of a mesh file. The cache keeps the last files only, because texts can be large."""
+    """Return the shape in the text of a mesh file. The cache keeps only the last files, because texts can be large."""
     vertices, surfaces = _read_objects(text, source)
     _check_count(sum(len(surface.triangles) for surface in surfaces), source)
     if len(surfaces) > MOST_SOLIDS:
@@ -106,14 +106,14 @@ def _read_text(path: Path, source: str, scale: float, text: str) -> MeshShape:
     size = _size(vertices, surfaces) * scale
     if not SMALLEST <= size <= LARGEST:
         remedy = (
-            "write scale: 0.001 if the file is in millimetres" if size > LARGEST else "set scale to the file's unit"
+            "write scale: 0.001 if the file is in millimetres" if size > LARGEST else "set scale to the unit in metres"
         )
         wanted = f"the length of a mesh must be between {SMALLEST:g} m and {LARGEST:g} m"
         raise InputError([Issue(source, wanted, f"{size:.4g} m", remedy=remedy)])
     solids = [_solid(vertices * scale, surface, size, source) for surface in surfaces]
     shape = MeshShape.of(path, scale, digest_of(text), solids)
     if shape.skew > MOST_SKEW:
-        wanted = f"the products of inertia of a mesh must be at most {MOST_SKEW:g} of its moments of inertia"
+        wanted = f"the products of inertia of a mesh must be at most {MOST_SKEW:g} times its largest moment of inertia"
         remedy = "rotate the mesh in its file to its principal axes and adapt the pose"
         raise InputError([Issue(source, wanted, f"{shape.skew:.3g}", remedy=remedy)])
     return shape
@@ -195,7 +195,7 @@ def _fault(solid: Hull) -> tuple[str, str] | None:
 
 
 def _partners(edges: NDArray[np.intp]) -> NDArray[np.intp] | None:
-    """Return the index of each directed edge's reversed edge ``(e, 2)``, or None unless each has exactly one."""
+    """Return the index of each directed edge's reversed edge ``(e, 2)``, or None if an edge has none or several."""
     count = int(edges.max()) + 1
     keys, mirrored = edges @ [count, 1], edges @ [1, count]
     order = np.argsort(keys)

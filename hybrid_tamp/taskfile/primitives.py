@@ -120,7 +120,7 @@ def teach(data: dict[str, Any], faults: Faults, domain: Domain | None, folder: P
 
 
 def teach_block(block: Block, primitive: DMP) -> Block:
-    """Return a block that has a motor primitive, with another motor primitive."""
+    """Return a copy of a block with another motor primitive."""
     assert block.taught is not None, f"the block {block.name} has no motor primitive"
     with authored(f"{block.name}.taught", {}):
         return block.taught(primitive)

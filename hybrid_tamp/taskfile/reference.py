@@ -20,6 +20,9 @@ A task file is one YAML 1.2 document in UTF-8. In YAML 1.2, `no` is text and `01
 allowed. All numbers are in SI units. All vectors are in the world frame unless stated otherwise. This page is generated
 from the declarations that also check task files.
 """
+_BLOCKS = """The name of a block is `ACTION` or, if the action has several modes, `ACTION:mode`. If a block has several
+slots, one slot is marked as anchor. The token in this slot identifies the running block.
+"""
 _COLUMNS = ("key", "type", "unit", "bounds", "default", "meaning")
 
 
@@ -67,7 +70,7 @@ def _domain(domain: Domain) -> list[str]:
     sections += [f"### Classes of `{domain.name}`\n"]
     sections += [_class(object_class) for object_class in known_classes(domain).values()]
     sections += [f"### Predicates of `{domain.name}`\n", _predicates(domain.predicates)]
-    sections += [f"### Blocks of `{domain.name}`\n"]
+    sections += [f"### Blocks of `{domain.name}`\n\n{_BLOCKS}"]
     sections += [_block(block) for block in domain.blocks]
     return sections
 
@@ -82,9 +85,9 @@ def _class(object_class: type[ObjectClass]) -> str:
     if object_class.model_fields:
         text += f"\n{_keys(object_class)}"
     for action in object_class.basic_actions:
-        limit = f" with a norm of at most the token's `{action.limit}`" if action.limit else ""
+        limit = f"; its norm must not exceed `{action.limit}`" if action.limit else ""
         vector = f"vector of size {action.size} [{action.unit}]{limit}"
-        text += f"\nBasic action `{action.name}`: {vector}: {action.description}\n"
+        text += f"\nBasic action `{action.name}`: {action.description} ({vector})\n"
     return text
 
 
@@ -106,20 +109,20 @@ def _notes(predicate: Predicate) -> str:
     if predicate.value_of is not None:
         notes.append(f"at most one {predicate.value_of} at a time")
     if predicate.maintained:
-        notes.append("holds only while the block that achieved it runs")
+        notes.append("holds only as long as the block that made it true runs")
     return "; ".join(notes)
 
 
 def _static_note(predicate: Predicate) -> str:
     if predicate.at_start:
-        return "static: describes the start of a task"
+        return "static: describes the initial state of a task"
     if any(predicate.reads.values()):
-        return "static: evaluated at the start, and again where blocks have moved tokens"
+        return "static: evaluated in the initial state, and again after blocks have moved the tokens"
     return "static: never changes during a task"
 
 
 def _block(block: Block) -> str:
-    after = "; the block maintains its exit conditions until another block relieves it" if block.hold else ""
+    after = "; then the block maintains its exit conditions until its tokens leave the block" if block.hold else ""
     lines = [
         f"#### `{block.name}`\n",
         f"{block.description}\n" if block.description else "",

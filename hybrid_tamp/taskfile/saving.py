@@ -176,7 +176,7 @@ def _plain(value: Any) -> Any:
 
 
 def _is_free(path: Path, content: str) -> bool:
-    """Return whether no file exists at the path, or whether the existing file has exactly this content."""
+    """Return whether the path is free for the content: no file exists there, or a file with this content."""
     return not path.exists() or (path.is_file() and path.read_bytes() == content.encode("utf-8"))
 
 

@@ -56,7 +56,7 @@ def _check_floor(token: Token, body: Body, faults: Faults) -> None:
 
 
 def _check_overlaps(bodies: list[tuple[Token, Body]], faults: Faults) -> None:
-    # Report the later of two overlapping tokens as the token to move. Hands come last, so that hands move first.
+    # Report the later of two overlapping tokens as the token to move. Hands come last, so messages move hands.
     ordered = sorted(bodies, key=lambda body: is_capability(body[0]))
 
     def may_share(earlier: int, later: int) -> bool:

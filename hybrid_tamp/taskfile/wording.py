@@ -40,7 +40,7 @@ _WANTED = {
 _REMOVED: dict[KeyPath, str] = {
     ("midlevel", "seconds"): "delete it: midlevel.evaluations limits the search, and limits.time limits the command",
 }
-"""Maps the path of each key that earlier versions had to advice on how to do without the key."""
+"""Maps the path of each removed key to advice that replaces the key."""
 _BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 _NUMBERS = ("finite_number", "float_type", *_BOUNDS)
 _MOST_DEGREES = 720.0
@@ -164,7 +164,7 @@ class _Way:
 
 
 def _tags(member: Any) -> tuple[Any, ...]:
-    """Return the names of a union's member in error locations: the kinds of a model, or the name of another type."""
+    """Return the names by which error locations refer to a member of a union: the kinds of a model, or a type name."""
     kinds = member.model_fields.get("kind") if issubclass(member, BaseModel) else None
     return get_args(kinds.annotation) if kinds else (member.__name__,)
 

@@ -120,7 +120,7 @@ def test_the_reference_page_names_everything(toy: Domain) -> None:
         "| `friction` | number |  | ≥ 0, ≤ 5 | `0.5` | friction coefficient |",
         "#### `HAND` (capability class)",
         "#### `REGION` (place)",
-        "Basic action `force`: vector of size 3 [N] with a norm of at most the token's `force`",
+        "(vector of size 3 [N]; its norm must not exceed `force`)",
         "| `within(object: ROLLABLE, region: REGION)` | `object` is within `region` | m | at most one region at a time",
         "- slot `object`: ROLLABLE (anchor)",
         "- target `region`: REGION",

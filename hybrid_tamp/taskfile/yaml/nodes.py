@@ -49,7 +49,7 @@ def read_text(path: Path, what: str = "a task file", most: int = MAX_BYTES) -> s
     """
     try:
         if path.is_dir():
-            raise InputError([Issue(str(path), f"must be {what}", "a folder", remedy="give the path of a file in it")])
+            raise InputError([Issue(str(path), f"must be {what}", "a folder", remedy="give the path of a file")])
         with open(path, "rb", opener=_open_at_once) as file:
             raw = file.read(most + 1)
             size = max(os.fstat(file.fileno()).st_size, len(raw))
