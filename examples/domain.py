@@ -44,7 +44,7 @@ from hybrid_tamp.testing import check_domain
 
 
 class Cart(CapabilityClass):
-    """A cart that the robot drives by force."""
+    """A cart that the robot drives by a force."""
 
     name: ClassVar[str] = "CART"
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (BasicAction("force", 3, "N", limit="maximal_force"),)
@@ -56,7 +56,7 @@ class Dock(PlaceClass):
     """A place where a cart can stop."""
 
     name: ClassVar[str] = "DOCK"
-    radius: float = quantity("m", "largest distance between the centre and a docked cart", gt=0)
+    radius: float = quantity("m", "largest distance between the dock's centre and a docked cart", gt=0)
 
 
 def distance_left(state: State, cart: Token, dock: Token) -> FloatArray:

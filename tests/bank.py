@@ -1,4 +1,4 @@
-"""Unsolvable tasks, made by hand or by random deletions from solvable ones."""
+"""Unsolvable tasks that were made by hand, or by random deletions from solvable tasks."""
 
 import random
 from collections.abc import Callable
@@ -28,7 +28,7 @@ Made = Callable[[], Task]
 
 
 def problem(name: str, *edits: tuple[str, str], once: bool = True) -> Task:
-    """Return a bundled task with edits of its text, each made once or everywhere."""
+    """Return a bundled task with replacements in its text. Each replacement is made once or everywhere."""
     text = (PROBLEMS / f"{name}.yaml").read_text(encoding="utf-8")
     for old, new in edits:
         assert old in text
@@ -82,7 +82,7 @@ def by_hand() -> dict[str, Made]:
 
 
 def bases() -> dict[str, Made]:
-    """Return the solvable tasks from which something is deleted."""
+    """Return the solvable tasks from which unsolvable tasks are made."""
     return {
         "roll": rolling_task,
         "roll two": partial(rolling_task, 2, [(0, 0), (0, 1)], [(0.7, 0), (0.7, 1)], [(0, 0), (1, 1)]),
@@ -96,7 +96,7 @@ def bases() -> dict[str, Made]:
 
 @lru_cache
 def by_deletion(count: int) -> dict[str, Made]:
-    """Return `count` tasks made by random deletions, one kind after the other, and proven unsolvable."""
+    """Return `count` tasks that random deletions of alternating kinds have made unsolvable, with proof."""
     found: dict[str, Made] = {}
     seed = FIRST_SEED
     while len(found) < count:
@@ -113,13 +113,13 @@ def by_deletion(count: int) -> dict[str, Made]:
             if name not in found and not solvable(made()):
                 found[name] = made
         except DomainError:
-            # The domain refuses a slot without an edge.
+            # A domain rejects a slot without edges.
             continue
     return found
 
 
 def _deletion(task: Task, kind: str, rng: random.Random) -> tuple[str, Made]:
-    """Return a random deletion that spares the tokens of the goal: its description, and a maker of the task."""
+    """Return a random deletion without goal tokens, as a pair of (description, function that makes the task)."""
     named = {name for atom in task.goal for name in atom.arguments}
     token = rng.choice([token for token in task.tokens if token.name not in named and not token.place])
     if kind == "edge":

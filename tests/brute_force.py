@@ -1,7 +1,8 @@
-"""Every single repair of an unsolvable task, found by solving each repaired task, to check explanations by.
+"""Search by brute force for all single repairs of an unsolvable task, to check explanations.
 
-It shares only the compilation to STRIPS with the code that it checks. Repairs are enumerated and applied here, and an
-exhaustive search solves the repaired tasks.
+The module enumerates and applies repairs, and solves the repaired tasks by an exhaustive search. It shares only the
+compilation to STRIPS with the code that it checks.
+
 """
 
 from collections import Counter, defaultdict, deque
@@ -34,7 +35,7 @@ class Undecided(Exception):
 
 
 def solvable(task: Task) -> bool:
-    """Say whether a task has a plan, by exhaustion.
+    """Return whether a task has a plan, by exhaustive search.
 
     Raises:
         Undecided: the search reaches too many states.
@@ -43,7 +44,7 @@ def solvable(task: Task) -> bool:
 
 
 def decide(problem: PlanningProblem) -> bool:
-    """Say whether a planning problem has a plan, by exhaustion.
+    """Return whether a planning problem has a plan, by exhaustive search.
 
     Raises:
         Undecided: the search reaches too many states.
@@ -77,7 +78,7 @@ def decide(problem: PlanningProblem) -> bool:
 
 
 def _watched(actions: list[tuple[int, int, int]]) -> dict[int, list[tuple[int, int, int]]]:
-    """Return the actions by their rarest condition."""
+    """Return a mapping from each condition to the actions of which it is the rarest condition."""
     bits = [[1 << n for n in range(needed.bit_length()) if needed >> n & 1] or [0] for needed, _, _ in actions]
     often = Counter(bit for each in bits for bit in each)
     found: defaultdict[int, list[tuple[int, int, int]]] = defaultdict(list)
@@ -88,7 +89,7 @@ def _watched(actions: list[tuple[int, int, int]]) -> dict[int, list[tuple[int, i
 
 
 def _ground(problem: PlanningProblem) -> tuple[list[tuple[int, int, int]], dict[Key, int]]:
-    """Return the actions reachable without deletes, as bits, and the number of each fact's bit."""
+    """Return the actions that are reachable without deletions, as bit masks, and the number of each fact's bit."""
     parents = dict(problem.domain.types)
     things = (*problem.domain.constants, *problem.objects)
 
@@ -156,7 +157,7 @@ def _bindings(operator: Any, rows: Any, of_type: Any) -> list[dict[str, str]]:
 
 
 def repairs(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
-    """Yield every single repair: its key and how to make the repaired task."""
+    """Yield every single repair as a pair of (key, function that makes the repaired task)."""
     yield from _tokens(task)
     yield from _classes(task)
     yield from _edges(task)
@@ -165,7 +166,7 @@ def repairs(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
 
 
 def all_single_repairs(task: Task, only: Collection[Key] | None = None) -> set[Key]:
-    """Return the keys of all single repairs that give the task a plan, or only of those in `only`."""
+    """Return the keys of all single repairs (or of those in `only`) that make the task solvable."""
     found = set()
     base = _ground(compile_task(task).problem)
     for key, made in repairs(task):
@@ -173,11 +174,11 @@ def all_single_repairs(task: Task, only: Collection[Key] | None = None) -> set[K
             continue
         try:
             problem = compile_task(made()).problem
-            # A repair that makes no action possible makes no plan possible.
+            # A repair that makes no further action possible cannot make a plan possible.
             if _ground(problem) != base and decide(problem):
                 found.add(key)
         except InputError:
-            # The domain, or the encoder, refuses it.
+            # The domain or the encoder rejects the repaired task.
             continue
     return found
 
@@ -272,7 +273,7 @@ def _facts(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
 
 
 def _properties(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
-    """Yield changes of properties by small and large amounts that change any feasibility fact."""
+    """Yield small and large changes of properties, if they change at least one feasibility fact."""
     facts = static_facts(task)
     for token in task.tokens:
         for name, value in token.properties.items():
@@ -291,7 +292,7 @@ def _properties(task: Task) -> Iterator[tuple[Key, Callable[[], Task]]]:
 
 
 def _decreed(task: Task, wanted: Any, margin: float = 1.0) -> Task:
-    """Return the task with some feasibility facts decreed. A fact about an unknown property or shape does not hold."""
+    """Return the task with given feasibility facts. A fact about an unknown property or shape is false."""
 
     def changed(predicate: Any) -> Any:
         def decided(state: State, *values: Any) -> Any:

@@ -24,7 +24,7 @@ def timeline(plan: TaskPlan, token: str) -> list[str]:
 
 
 def lawful(folder: Path, compilation: Compilation, actions: list[PlannedAction]) -> TaskPlan:
-    """Return the plan of the actions. VAL and the law checker must accept it, also after re-encoding."""
+    """Return the plan with the given actions. VAL and the law checker must accept this plan, also after re-encoding."""
     assert val_accepts(folder, compilation.problem, actions)
     plan = schedule(compilation.task, decode(compilation, actions))
     assert check_law(compilation.task, plan) == []

@@ -1,4 +1,4 @@
-"""Checks of explanations against brute force and the declarations."""
+"""Checks of explanations by brute force and by the declarations of the domain."""
 
 from collections.abc import Collection, Iterator
 
@@ -10,17 +10,17 @@ from hybrid_tamp.questions.changes import apply_change
 
 
 def faults(task: Task, explanation: Explanation, every: Collection[Key]) -> Iterator[str]:
-    """Yield what is wrong with an explanation, given the keys of all single repairs."""
+    """Yield the faults of an explanation, given the keys of all single repairs."""
     for suggestion in explanation.suggestions:
         change, key = suggestion.change, key_of(suggestion)
         if key not in every:
-            yield f"{key} is no single repair"
+            yield f"{key} does not make the task solvable"
         if not solvable(apply_change(task, change)):
-            yield f"{change.what}: there is still no plan"
+            yield f"{change.what}: the changed task still has no plan"
     if every and not explanation.suggestions:
-        yield "there are single repairs and none is suggested"
+        yield "single repairs exist, but the explanation suggests none"
     if every and not any(is_among(task, reason, every) for reason in explanation.reasons):
-        yield "no reason is among the single repairs"
+        yield "no single repair removes a stated reason"
     if not explanation.reasons:
         yield "there is no reason"
     for reason in explanation.reasons:
@@ -35,7 +35,7 @@ def key_of(suggestion: Suggestion) -> Key:
 
 
 def is_among(task: Task, reason: Reason, every: Collection[Key]) -> bool:
-    """Say whether one of the repairs removes the obstacle that a reason names."""
+    """Return whether one of the repairs removes the obstacle that a reason names."""
     lacks = _lacks(reason)
     for kind, *names in every:
         if reason.atom is not None and kind == "fact" and names[0] == reason.atom.text:
@@ -52,7 +52,7 @@ def is_among(task: Task, reason: Reason, every: Collection[Key]) -> bool:
 
 
 def is_true(task: Task, reason: Reason) -> bool:
-    """Say whether a reason is true of the task."""
+    """Return whether a reason is true for the task."""
     blocks = [b for b in task.domain.blocks if reason.block in (b.name, b.action, "")]
     lacks = _lacks(reason)
     if reason.kind == "not_feasible":

@@ -1,7 +1,7 @@
-"""Fig. 6: the best grasp of a hammer against the final location of the block, for scripts/figure6 and tests.
+"""Fig. 6: the best grasp of a hammer as a function of the final location of the block, for scripts/figure6 and tests.
 
-The closed form of a grasp at distance g from the end of the handle near the head (physics of a rigid hammer, SI units),
-with a = g - x(handle_to), the distance of the hand from the centre of mass, and lambda = a + x(impact point):
+The closed form describes a rigid hammer in SI units. A grasp is at the distance g from the end of the handle near the
+head. The distance of the hand from the centre of mass is a = g - x(handle_to), and lambda = a + x(impact point):
 
     contact  = overlap of [g - w/2, g + w/2] with the handle [0, L], over w
     torque   = F (a + x(pushing point)), F = mu m_block 9.81, over the distance d = x - 0.1
@@ -9,8 +9,8 @@ with a = g - x(handle_to), the distance of the hand from the centre of mass, and
     v_tip    = omega (lambda + R), v_hand = omega R
     J        = contact - 4 torque^2 d [push] + 0.2 v_tip^2 + weight v_hand [strike]
 
-where R is the distance of the hand from the elbow. Among grasps of equal value the one nearest to the default, the
-middle of the handle, is chosen, as the optimisers do.
+where R is the distance of the hand from the elbow. If several grasps have the same value, the grasp nearest to the
+middle of the handle is chosen, because the middle is the default of the optimisers.
 """
 
 from collections.abc import Mapping, Sequence
@@ -47,7 +47,7 @@ TABLE = {
     "strike": (12.0,) * 10,
     "both": (12.0, 11.6, 9.3, 8.0, 7.0, 6.2, 5.6, 5.0, 4.5, 4.0),
 }
-"""Expected best grasps [cm]. The first of `push` is a tie of all grasps with full contact."""
+"""Expected best grasps [cm]. For the first location of `push`, all grasps with full contact are equally good."""
 GRASP = ("GRASPING-1", "grasp_location")
 LONG: Mapping[str, Any] = {
     "mass": 0.8,
@@ -57,7 +57,7 @@ LONG: Mapping[str, Any] = {
     "impact_point": [0.035, 0, -0.05],
     "pushing_point": [0.035, 0, 0.05],
 }
-"""Edits of the task file for a longer and heavier hammer."""
+"""Changes of the task file for a longer and heavier hammer."""
 _LONG_PARTS: list[dict[str, Any]] = [
     {"kind": "box", "half_extents": [0.13, 0.012, 0.012], "position": [-0.10, 0, 0]},
     {"kind": "box", "half_extents": [0.02, 0.02, 0.035], "position": [0.035, 0, 0]},
@@ -75,7 +75,7 @@ def figure_task(kind: str, x: float, *, radius: float = 0.0, hand_weight: float 
         x: final location of the block [m].
         radius: distance of the hand from the elbow about which it swings [m].
         hand_weight: weight of the hand's speed in a strike.
-        long: whether the hammer is the long one.
+        long: whether the task has the longer hammer.
     """
     yaml = YAML()
     file = yaml.load((PROBLEMS / f"{FILES[kind]}.yaml").read_text(encoding="utf-8"))
@@ -95,7 +95,7 @@ def figure_task(kind: str, x: float, *, radius: float = 0.0, hand_weight: float 
 
 @cache
 def figure_plan(kind: str) -> TaskPlan:
-    """Return the plan of a kind. It is the same for every final location, so a push may have no distance."""
+    """Return the plan of a kind. The plan is the same for every final location, so a push may have the length zero."""
     found = hybrid_tamp.plan(figure_task(kind, 0.5)).required()
     return replace(found, instances=tuple(replace(instance, hyperparameters={}) for instance in found.instances))
 
@@ -117,19 +117,19 @@ class Scan:
 
     @property
     def best(self) -> float:
-        """The best grasp [m]; among equal ones the nearest to the middle of the handle."""
+        """The best grasp [m]. If several grasps are equally good, the grasp nearest to the middle of the handle."""
         away = np.abs(self.grasps - (self.grasps[0] + self.grasps[-1]) / 2)
         return float(self.grasps[np.argmin(np.where(self._good, away, np.inf))])
 
     @property
     def tie(self) -> tuple[float, float]:
-        """The smallest and the largest of the best grasps [m]."""
+        """The smallest and the largest of the equally good best grasps [m]."""
         best = self.grasps[self._good]
         return float(best.min()), float(best.max())
 
 
 class Figure:
-    """A task whose best grasp is searched for."""
+    """A task, and methods that search for its best grasp."""
 
     def __init__(self, task: Task, kind: str, roll_out: RollOut | None = None) -> None:
         self.task, self.plan = task, figure_plan(kind)
@@ -148,14 +148,14 @@ class Figure:
         return optimise(self.evaluate, self.part, Budget(evaluations), np.random.default_rng(self.task.seed))
 
     def apart(self) -> tuple[float, float]:
-        """Return the best grasp [m] for grasping alone, and the value of the whole plan with it."""
+        """Return the best grasp [m] for GRASPING on its own, and the value of the whole plan with this grasp."""
         point = optimise_apart(self.evaluate.objective, self.part.names)
         grasp = point[self.objective.keys.index(GRASP)]
         return float(grasp), float(self.evaluate(np.array([[grasp]])).value[0])
 
 
 def scores_of(task: Task, rollout: Rollout, blocks: Sequence[str], hand_weight: float | None = None) -> Scores:
-    """Return scores from the measures of some blocks only, with another weight of the hand's speed if given."""
+    """Return scores from the measures of some blocks. `hand_weight` replaces the weight of the hand's speed."""
     value = np.zeros(len(rollout.value))
     for (instance, name), figure in rollout.figures.items():
         block = task.domain.block_by_name[instance.rpartition("-")[0]]
@@ -166,7 +166,7 @@ def scores_of(task: Task, rollout: Rollout, blocks: Sequence[str], hand_weight: 
 
 
 def closed_form(task: Task, kind: str, x: float, grasps: FloatArray, radius: float = 0.0) -> FloatArray:
-    """Return J of grasps ``(n,)`` [m] by the equations above."""
+    """Return the values J of grasps ``(n,)`` [m] by the equations in the docstring of the module."""
     hand, hammer, block = (task.token_by_name[name] for name in ("hand", "hammer", "block"))
     width, length = hand["contact_width"], hammer["handle_to"][0] - hammer["handle_from"][0]
     overlap = np.minimum(grasps + width / 2, length) - np.maximum(grasps - width / 2, 0.0)

@@ -1,7 +1,7 @@
 """Fig. 6 in PyBullet: the results of grasps along the whole handle.
 
-Push then strike is run for every location; its push comes first and equals a push alone to the bit. A
-strike alone is run at one location, because the location of the block does not matter to it.
+A push followed by a strike is run for every location. The results of a push alone are taken from this run, because both
+pushes are bit-identical. A strike alone is run at one location, because its result does not depend on the location.
 """
 
 import json
@@ -22,13 +22,13 @@ STRIKE_AT = 0.5
 MOVING_AT, RADIUS = 0.4, 0.2
 """Location of the block for a strike with a moving hand, and distance of the hand from the elbow [m]."""
 EQUAL = 1e-3
-"""Values that differ by less count as equal, because a push of no distance has a little torque."""
+"""Largest difference of values that count as equal, because even a push of length zero has a small torque."""
 _LAST = "STRIKING-1"
 _BEFORE_STRIKE = ("REACHING-1", "GRASPING-1", "CARRYING-1", "PUSHING-1")
 
 
 def _part_violation(rollout: Rollout, names: tuple[str, ...]) -> list[float]:
-    """Return the violation of some instances' conditions; infinite if one of them failed or did not end."""
+    """Return the violation of the conditions of some instances. It is infinite if an instance failed or did not end."""
     total = np.zeros(len(rollout.value))
     for condition in rollout.conditions:
         if condition.where in names and condition.where != GOAL:
@@ -40,7 +40,7 @@ def _part_violation(rollout: Rollout, names: tuple[str, ...]) -> list[float]:
 
 
 def scan(kind: str, x: float, grasps: int, processes: int, radius: float = 0.0) -> dict[str, Any]:
-    """Run grasps along the whole handle until the strike has ended, and return their figures."""
+    """Run a plan with grasps along the whole handle until the strike has ended, and return the results."""
     task = figure_task(kind, x, radius=radius)
     hammer = task.token_by_name["hammer"]
     places = np.linspace(0.0, hammer["handle_to"][0] - hammer["handle_from"][0], grasps)
@@ -54,7 +54,7 @@ def scan(kind: str, x: float, grasps: int, processes: int, radius: float = 0.0) 
 
 
 def campaign(path: Path, grasps: int, processes: int) -> Iterator[str]:
-    """Run the scans that the figure needs and the file lacks, and yield the name of each."""
+    """Run the scans that the figure needs and that are not in the file, and yield the name of each new scan."""
     known = read(path)
     wanted = [(f"both {x}", "both", x, 0.0) for x in LOCATIONS]
     wanted += [("strike", "strike", STRIKE_AT, 0.0), ("moving", "both", MOVING_AT, RADIUS)]
@@ -67,7 +67,7 @@ def campaign(path: Path, grasps: int, processes: int) -> Iterator[str]:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Return the scans of a file by name, or no scans if the file does not exist."""
+    """Return a mapping from names to the scans in a file. If the file does not exist, the mapping is empty."""
     if not path.exists():
         return {}
     lines = map(json.loads, path.read_text(encoding="utf-8").splitlines())
@@ -75,7 +75,7 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def measured(data: dict[str, Any], kind: str, weights: Mapping[str, float]) -> Scan:
-    """Return the scores of a scan from the measures of one kind; a scan of push then strike also gives its push."""
+    """Return the scores of one kind in a scan. A scan of a push and a strike also contains those of a push."""
     counted = {"push": ("contact", "torque_work"), "strike": ("contact", "tip_speed_squared", "hand_speed")}
     names = counted.get(kind, tuple(dict.fromkeys(name for each in counted.values() for name in each)))
     figures = {key.partition("/")[2]: np.array(values, dtype=float) for key, values in data["figures"].items()}

@@ -1,4 +1,4 @@
-"""Closed-form objectives in a box, and cmaes alone on them, to compare our optimisers with."""
+"""Closed-form objectives in a box, to compare the project's optimiser with the package cmaes alone."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
 from hybrid_tamp.motion.arrays import FloatArray
 
 Cost = Callable[[FloatArray], FloatArray]
-"""From points ``(n, d)`` to the cost ``(n,)``; the minimum is 0."""
+"""Maps points ``(n, d)`` to costs ``(n,)``. The minimum is 0."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A cost in the box ``[-5, 5]^d``, searched from `default` in each axis until `target` or `limit` is reached."""
+    """A cost in the box ``[-5, 5]^d``. The search starts at `default` and ends at `target` or `limit`."""
 
     name: str
     cost: Cost
@@ -32,7 +32,7 @@ def sphere(points: FloatArray) -> FloatArray:
 
 
 def ellipsoid(points: FloatArray) -> FloatArray:
-    """Axes whose squared lengths differ by a factor of up to a million."""
+    """Return the cost of an ellipsoid with squared axes that differ by a factor of up to a million."""
     d = points.shape[1]
     return np.asarray(points**2 @ 10.0 ** (6.0 * np.arange(d) / max(1, d - 1)))
 
@@ -43,7 +43,7 @@ def rosenbrock(points: FloatArray) -> FloatArray:
 
 
 def corner(points: FloatArray) -> FloatArray:
-    """The optimum is on all upper bounds, and the cost is linear."""
+    """Return a linear cost whose optimum is on all upper bounds."""
     return np.asarray(np.sum(5.0 - points, axis=1))
 
 
@@ -65,7 +65,7 @@ class TargetReached(Exception):
 
 
 class Counter:
-    """Counts evaluations of a cost up to and including the first that reaches the target."""
+    """Counter of evaluations, up to and including the first evaluation that reaches the target."""
 
     def __init__(self, cost: Cost, target: float) -> None:
         self.cost, self.target, self.evaluations = cost, target, 0
@@ -80,7 +80,7 @@ class Counter:
 
 
 def ours(problem: Problem, d: int, seed: int) -> int:
-    """Return the evaluations until the target through our interface, or the limit."""
+    """Return the number of evaluations until the target through the project's interface, or the limit."""
     counter = Counter(problem.cost, problem.target)
     optimise = CMAES(sigma=SIGMA, tolerance=1e-9, restarts=0)
     try:
@@ -91,7 +91,7 @@ def ours(problem: Problem, d: int, seed: int) -> int:
 
 
 def bare(problem: Problem, d: int, seed: int) -> int:
-    """Return the evaluations until the target by cmaes alone, used as its documentation shows, or the limit."""
+    """Return the number of evaluations until the target by the package cmaes alone, or the limit."""
     counter = Counter(problem.cost, problem.target)
     strategy = CMA(np.full(d, problem.default), 10.0 * SIGMA, np.tile([-5.0, 5.0], (d, 1)), seed=seed)
     while counter.evaluations < problem.limit and not strategy.should_stop():

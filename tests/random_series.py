@@ -16,7 +16,7 @@ Sorts = Mapping[str, type[ObjectClass] | SymbolSort]
 
 
 class RandomSeries:
-    """Return two to four blocks in series and up to three others. Some hold, and some have a second part as target."""
+    """Two to four blocks in series and up to three other blocks. Some have `hold` or a second target."""
 
     def __init__(self, seed: int) -> None:
         self.rng = rng = random.Random(seed)

@@ -33,7 +33,7 @@ def rolling_task(
     regions: Sequence[tuple[float, float]] = ((0.7, 0.0),),
     goal: Sequence[tuple[int, int]] = ((0, 0),),
 ) -> Task:
-    """Return a task; `goal` pairs numbers of drums with numbers of regions."""
+    """Return a task. `goal` contains pairs of (number of the drum, number of its region)."""
     tokens: list[Token] = []
     state: dict[tuple[str, str], tuple[float, ...]] = {}
     for number in range(hands):

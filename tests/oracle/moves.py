@@ -1,4 +1,4 @@
-"""Lawful reassignments from a situation, which is a state of all tokens with their assignment to blocks."""
+"""Lawful reassignments from a situation, i.e. from the states of all tokens and their assignment to blocks."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from oracle.world import Ends, Ids, Started, World
 FREE = frozenset({"RESTING", "REACHING", "GRASPING", "CARRYING", "RELEASING", "TILTING", "HOLDING"})
 """Actions that prepare a movement and are not counted as movements."""
 _WAITING = ("RESTING", "REACHING")
-"""Actions in which the place of a hand follows from its target, or has no consequences."""
+"""Actions in which the place of a hand is determined by the target or has no consequences."""
 
 
 @dataclass(frozen=True)
 class Situation:
-    """States and running instances of all tokens. Tokens in no instance rest.
+    """States and running instances of all tokens. Tokens without an instance rest.
 
     Attributes:
         states: pairs of (token, number of its state), sorted.
@@ -39,7 +39,7 @@ class Move:
     Attributes:
         started: blocks that begin, other than RESTING.
         after: situation after the exit conditions of these blocks hold.
-        movements: number of movements that count.
+        movements: number of movements, without the actions in `FREE`.
     """
 
     started: tuple[Started, ...]
@@ -80,7 +80,7 @@ class Moves:
         return Situation(tuple(sorted(self.world.start.items())), frozenset())
 
     def key(self, situation: Situation) -> tuple[object, ...]:
-        """Return the cell of a situation. The place of a hand that waits is left out."""
+        """Return a key that is equal for merged situations. The place of a waiting hand is ignored."""
         busy = {name for each in situation.running if each.block.action not in _WAITING for _, name in each.slots}
         cells = tuple(
             self.world.cell(number) if name in busy or name not in self._hands else ()
@@ -89,7 +89,7 @@ class Moves:
         return (frozenset((each.block.name, each.roles) for each in situation.running), cells)
 
     def settled(self, situation: Situation) -> bool:
-        """Say whether the plan may end, because every running block can hold."""
+        """Return whether the plan may end, because every running block has `hold`."""
         return all(each.block.hold for each in situation.running)
 
     def find(self, situation: Situation, samples: int) -> Iterator[Move]:
@@ -115,7 +115,7 @@ class Moves:
         self, situation: Situation, ids: Ids, where: dict[str, tuple[SlotName, Started | None]]
     ) -> Iterator[_Partial]:
         running = sorted(situation.running, key=lambda each: each.text)
-        # A block that cannot hold ends when its exit conditions hold, so it ends first.
+        # A block without `hold` ends as soon as its exit conditions hold, so it ends first.
         bounded = [each for each in running if not each.block.hold]
         for each in bounded[:1] or running:
             yield from self._close(_Partial(frozenset({each}), (), frozenset()), ids, where)
@@ -156,7 +156,7 @@ class Moves:
         where: dict[str, tuple[SlotName, Started | None]],
         free: set[str],
     ) -> Iterator[Started]:
-        """Yield the bindings of a block whose tokens may come along edges and whose entry conditions hold."""
+        """Yield the bindings of a block whose tokens can move along edges and whose entry conditions hold."""
         fitting: list[list[str]] = []
         for slot in block.slots:
             names = [fixed[slot.name]] if slot.name in fixed else self._fitting[block.name, slot.name]
@@ -176,7 +176,7 @@ class Moves:
                     yield Started(block, roles)
 
     def lawful(self, situation: Situation, ended: frozenset[Started], started: tuple[Started, ...], ids: Ids) -> bool:
-        """Say whether the exits of ending blocks hold, and whether no block changes what another one reads."""
+        """Return whether the exit conditions of ending blocks hold, and no block changes what another block reads."""
         if not all(self.world.holds(each.block.measured_exits, dict(each.roles), ids) for each in ended):
             return False
         if any(not self.world.holds(each.block.entry, dict(each.roles), ids) for each in started):

@@ -1,4 +1,4 @@
-"""Breadth-first search for a sequence of movements, whose candidates are simulated."""
+"""Breadth-first search for a sequence of movements. Candidate sequences are simulated."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class Verdict:
         status: ``found``, ``exhausted`` or ``cut off``.
         steps: blocks of the sequence that was found, one reassignment per item.
         movements: number of movements of the sequence.
-        most_moved: how often the sequence moves its most moved thing. A tumble counts once.
+        most_moved: largest number of movements of one object in the sequence. A tumble counts once.
         situations: number of situations of the last search.
         simulations: number of simulated movements.
         rejected: number of candidates that failed in simulation.
@@ -87,7 +87,7 @@ class Search:
         )
 
     def _carries(self, started: Started, slot: str, name: str) -> bool:
-        """Say whether the block moves a thing, i.e. neither a hand nor a tool that a hand holds."""
+        """Return whether the block moves an object that is neither a hand nor a tool in a hand."""
         held = any(literal.predicate.name == "held" and literal.arguments[0] == slot for literal in started.block.entry)
         hand = bool(self.task.token_by_name[name].basic_actions)
         return "position" in started.block.writes.get(slot, ()) and not hand and not held
@@ -133,7 +133,7 @@ class Search:
         return "exhausted", []
 
     def _simulate(self, path: Path, preferred: int) -> bool:
-        """Simulate a candidate. Each movement takes the first sample that succeeds, from the preferred one on.
+        """Simulate a candidate. Each movement uses the first successful sample, beginning with the preferred sample.
 
         If a movement fails for every sample, it is removed from the search.
         """

@@ -31,9 +31,9 @@ _SPREADS = (0.02, 0.1, 0.3, 1.0)
 _CHECKED_EVERY = 8
 """Number of control periods between two checks of the conditions of a movement."""
 _AWAKE = 1.5
-"""Time before which no movement counts as over without reaching its exit [s]."""
+"""Minimum time after which a movement without its exit conditions may count as failed [s]."""
 _STILL = 1e-6
-"""Largest change between two checks at which nothing moves any more, in SI units."""
+"""Largest change between two checks at which all tokens count as still, in SI units."""
 _CELL = 0.01
 """Distance at which two states are merged [m]."""
 _TURN = np.radians(5.0)
@@ -62,7 +62,7 @@ class Started:
 
 
 class World:
-    """States of tokens under numbers, so that margins and movements are computed once.
+    """Numbered states of tokens. Margins and movements are computed only once for each number.
 
     Attributes:
         task: task whose tokens move.
@@ -124,9 +124,9 @@ class World:
     def margin(self, literal: Literal, roles: Mapping[str, str], ids: Ids) -> float:
         """Return the margin of a literal in the current state.
 
-        A static predicate reads only what it declares. Everything else keeps its initial value, e.g. the side on which
-        a hand starts. A predicate that describes the start of the task by definition is measured in the initial state.
-        For a tipped box, a static predicate may also hold in the pose before the tip.
+        For a static predicate, only the properties that the predicate reads have their current values. All other
+        properties have their initial values. A predicate with `at_start` is measured in the initial state. For a tipped
+        box, a static predicate may also hold in the pose before the tip.
         """
         names = tuple(roles.get(argument, argument) for argument in literal.arguments)
         tokens = tuple(dict.fromkeys(name for name in names if self._is_token(name)))
@@ -154,7 +154,7 @@ class World:
         return max(margins)
 
     def holds(self, literals: Iterable[Literal], roles: Mapping[str, str], ids: Ids) -> bool:
-        """Say whether all conditions hold in the current state. Margins that are negative by rounding hold."""
+        """Return whether all conditions hold in the current state. Negative rounding errors count as zero."""
         return all(self.margin(literal, roles, ids) >= -_ROUNDING for literal in literals)
 
     def bindings(self, block: Block, tokens: Mapping[str, str], ids: Ids) -> list[Roles]:
@@ -194,8 +194,8 @@ class World:
     def ends(self, started: Started, ids: Ids, samples: int) -> tuple[Ends, ...]:
         """Return the possible ends of a movement.
 
-        A movement whose end its hyperparameters determine, i.e. a movement into a region, is simulated. Every other
-        movement ends in its declared outcome. Movements that miss their exit conditions have no end.
+        A movement into a region is simulated, because hyperparameters determine its end. Every other movement ends in
+        its declared outcome. Movements that miss their exit conditions have no end.
         """
         block, roles = started.block, dict(started.roles)
         if block.outcome is None:
@@ -237,9 +237,9 @@ class World:
         return end
 
     def simulate(self, started: Started, ids: Ids, samples: int = SAMPLES) -> tuple[Ends | None, ...]:
-        """Roll out a movement for the first samples of its hyperparameters. Failed samples give None.
+        """Roll out a movement for the first samples of its hyperparameters. The result of a failed sample is None.
 
-        The initial values are rolled out apart from the drawn samples, which are seldom needed.
+        The initial values are rolled out separately, because the drawn samples are seldom needed.
         """
         found: tuple[Ends | None, ...] = ()
         for part in (slice(0, 1), slice(1, SAMPLES))[: 1 if samples == 1 else 2]:
@@ -294,7 +294,7 @@ class World:
 
 
 def into_region(block: Block) -> bool:
-    """Say whether the block brings a token into a region, anywhere in which the token may end."""
+    """Return whether the block moves a token into a region, in which the token may end anywhere."""
     return any(literal.positive and literal.predicate.name == "inside" for literal in block.exit)
 
 

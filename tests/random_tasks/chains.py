@@ -1,4 +1,4 @@
-"""Random tasks that need chains of movements. Each task has a plan; the search in `oracle` has confirmed the kinds."""
+"""Random tasks that need chains of movements. All tasks have plans, as the search in `oracle` has confirmed."""
 
 import numpy as np
 from hybrid_tamp_domains.common.classes import Region
@@ -22,8 +22,9 @@ _STRUCK = Atom("struck", ("block",))
 def chain_rolls(seed: int) -> Task:
     """Return a task in which one hand rolls two drums.
 
-    Drums as in `random_drum`. The drums lie 1.0 to 1.3 m apart and roll 0.3 to 0.8 m along the x axis. From a drum that
-    rolled in this direction, the demonstrated reach leaves backwards. Nothing yet keeps a hand clear of drums.
+    The drums are drawn by `random_drum`. They lie 1.0 to 1.3 m apart and roll 0.3 to 0.8 m in the direction of +x.
+    After this roll, the demonstrated reach first moves the hand away from the drum. After other rolls, the hand may hit
+    the drum.
     """
     rng = np.random.default_rng(seed)
     drum, other, given = random_drum(rng, "drum"), random_drum(rng, "other"), Given()
@@ -39,10 +40,10 @@ def chain_rolls(seed: int) -> Task:
 
 
 def relay_rolls(seed: int) -> Task:
-    """Return a task in which two hands roll a drum in turn, 0.9 to 1.2 m along x or y, past the first workspace.
+    """Return a task in which two hands roll a drum in turn, by 0.9 to 1.2 m along x or y.
 
-    Both hands push from the same side. The second hand finds the first hand in its place, so a run ends by a contact
-    between the hands as long as nothing plans around other hands.
+    Both hands push from the same side. The second hand moves to the place where the first hand stays, so the two hands
+    collide in a run, because the planner does not avoid other hands.
     """
     rng = np.random.default_rng(seed)
     drum, given = random_drum(rng, "drum"), Given()
@@ -77,8 +78,8 @@ def tumble_tumble(seed: int) -> Task:
     """Return a task with two tumbles: about one axis in odd seeds, and about two axes in even seeds.
 
     Two hands turn a box with edges of 0.22 to 0.39 m upside down. In even seeds, the box is too slender to be tumbled
-    directly onto the wanted face. Two other hands first tumble the box about the other axis. Mass U(8, 14) kg, friction
-    U(0.5, 0.9). The box is up to 2 cm and 3 degrees off its place.
+    directly onto the wanted face, so another pair of hands first tumbles the box about the second axis. Mass U(8, 14)
+    kg, friction U(0.5, 0.9). The box is displaced by up to 2 cm and 3 degrees.
     """
     rng = np.random.default_rng(seed)
     axis = str(rng.choice(("x", "y")))
@@ -96,10 +97,9 @@ def tumble_tumble(seed: int) -> Task:
 def push_push(seed: int) -> Task:
     """Return a task in which a block is pushed round a corner.
 
-    The legs are 0.2 to 0.5 m long. No side of the block is perpendicular to the line from the start to the goal. The
-    block turns the corner in a region; a second region is at no corner. Mass U(1, 2.5) kg. The legs are along x and y,
-    because Bullet's anisotropic friction on the floor turns a thin block in a push between the axes. The block would
-    then not be square enough for the second push.
+    The block needs two pushes of 0.2 to 0.5 m, because no side of the block is perpendicular to the line from the start
+    to the goal. One region is at the corner, and a second region is of no use. Mass U(1, 2.5) kg. The pushes are along
+    x and y. In oblique directions, Bullet's friction on the floor would turn a thin block too far for the second push.
     """
     rng = np.random.default_rng(seed)
     yaw, side = float(rng.choice(np.pi / 2 * np.arange(4))), float(rng.choice((-1.0, 1.0)))
@@ -119,7 +119,7 @@ def push_strike(seed: int) -> Task:
 
 
 def carry_push(seed: int) -> Task:
-    """Return a task in which a hand pushes a block, carries the tool to a block 0.5 to 0.8 m aside, and pushes it."""
+    """Return a task in which a hand pushes a block, carries the tool 0.5 to 0.8 m aside, and pushes another."""
     rng = np.random.default_rng(seed)
     yaw, side = float(rng.uniform(-np.pi, np.pi)), float(rng.choice((-1.0, 1.0)))
     apart = side * rng.uniform(0.5, 0.8)
@@ -141,7 +141,7 @@ def _hammer(
 ) -> Task:
     """Return a task with a hammer. Positions are relative to the heading of the first block.
 
-    The hammer stands behind the first block, on the side from which no block is pushed, clear of all pushes.
+    The hammer stands behind the first block, where it does not obstruct any push.
     """
     return hammer_scene(
         name,
@@ -163,4 +163,4 @@ CHAINS = {
     "push_strike": push_strike,
     "carry_push": carry_push,
 }
-"""Maps each family of chains to the maker of its tasks."""
+"""Maps each family of chains to the function that makes its tasks."""

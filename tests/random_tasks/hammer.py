@@ -1,4 +1,4 @@
-"""Tasks with a hammer for trials and figures, with given or random numbers."""
+"""Tasks with a hammer for trials and figures, with a given or a random scene."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -88,7 +88,7 @@ def hammer_task(name: str, scene: Scene, goal: Sequence[str] = ("push", "strike"
         name: name of the task.
         scene: initial scene.
         goal: ``push``, ``strike``, or both.
-        seed: seed of everything random in planning.
+        seed: seed of all random numbers in planning.
     """
     hand = Token.make("hand", [DexterousHand], HAND)
     hammer = Token.make("hammer", [Striker, Pusher], HAMMER, hammer_shape())
@@ -118,7 +118,7 @@ def random_hammer(seed: int, rng: np.random.Generator | Corner | None = None) ->
     """Return a task in which a hand pushes a block to a region with a hammer and strikes it there.
 
     Distance U(0.1, 1.0) m in any direction, mass U(1, 3) kg, friction U(0.4, 0.6). The hammer stands 0.3 to 0.5 m
-    behind the block, up to 0.3 m aside, in any heading. The hand starts within 0.3 m of it.
+    behind the block and up to 0.3 m to the side, with any heading. The hand starts within 0.3 m of the hammer.
     """
     rng = rng or np.random.default_rng(seed)
     heading, distance = rng.uniform(-np.pi, np.pi), rng.uniform(*_DISTANCES)

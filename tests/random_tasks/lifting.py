@@ -24,18 +24,18 @@ _HAND = {
     "workspace_upper": (2.0, 2.0, 1.5),
 }
 _WIDTHS = {2: (0.06, 0.25), 4: (0.12, 0.3)}
-"""Half extents along y [m]. On a box for four hands two fit side by side."""
+"""Half extents along y [m]. Two hands fit side by side on a box for four hands."""
 _LOADS = {2: (0.3, 0.95), 4: (1.05, 1.9)}
-"""Masses as shares of the load that two hands bear. A box for four hands is too heavy for two."""
+"""Masses as shares of the load that two hands bear. A box for four hands is too heavy for two hands."""
 
 
 def random_lifting(seed: int, hands: int = 2, rng: np.random.Generator | Corner | None = None) -> Task:
-    """Return a task in which two hands lift a light box, or four hands of two robots one that is too heavy for two.
+    """Return a task in which two hands lift a light box, or in which four hands of two robots lift a heavy box.
 
     Half extents: x U(0.08, 0.22) m; y U(0.06, 0.25) m for two hands and U(0.12, 0.3) m for four; z U(0.06, 0.2) m.
     Friction U(0.4, 0.9). Mass as a share of the load that two hands bear: U(0.3, 0.95) for two hands, U(1.05, 1.9) for
-    four. The box is up to 3 cm and 3 degrees off its place. The upright hands start within 5 cm of places 0.5 m aside
-    and 0.4 m high.
+    four. The box is displaced by up to 3 cm and 3 degrees. The upright hands start 0.5 m beside the box, at a
+    height of 0.4 m, with deviations of up to 5 cm.
     """
     rng = rng or np.random.default_rng(seed)
     halves = [float(rng.uniform(*bounds)) for bounds in ((0.08, 0.22), _WIDTHS[hands], (0.06, 0.2))]

@@ -1,7 +1,7 @@
 """Small random tasks of every bundled domain, to compare the planner's proofs with an exhaustive search.
 
 Each domain has tasks that need one movement, and tasks without a plan. Rolling, tumbling and tool use have tasks in
-which one thing must be moved twice: 110 of 300 consecutive seeds from a multiple of 10 on.
+which one object must be moved twice. Of 300 consecutive seeds that begin at a multiple of 10, these are 110 tasks.
 """
 
 from collections.abc import Callable
@@ -28,7 +28,7 @@ _TURNS: tuple[tuple[Maker, tuple[str, ...]], ...] = (
     _TOOLS,
     _LIFTING,
 )
-"""Pairs of a maker and its kinds of tasks, for ten consecutive seeds. The kinds of a maker take turns."""
+"""Pairs of (function that makes tasks, kinds of tasks) for ten consecutive seeds. Kinds take turns."""
 
 
 def small_task(seed: int) -> Task:

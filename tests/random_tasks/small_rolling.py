@@ -32,7 +32,7 @@ Given = dict[tuple[str, str], ArrayLike]
 
 
 def small_rolling(seed: int, kind: str, rng: np.random.Generator) -> Task:
-    """Return a task in which hands roll drums. In kind ``relay``, two hands share the way to the goal."""
+    """Return a task in which hands roll drums. In the kind ``relay``, two hands roll the drum in turn."""
     # The workspaces are aligned with the world, so a relay rolls along x or y.
     yaw = float(rng.choice(np.pi / 2 * np.arange(4)) if "relay" in kind else rng.uniform(-np.pi, np.pi))
     along, aside = np.array([np.cos(yaw), np.sin(yaw), 0.0]), np.array([-np.sin(yaw), np.cos(yaw), 0.0])
@@ -107,7 +107,7 @@ def roller(name: str, lower: Sequence[float] = (-3.0, -3.0, 0.0), upper: Sequenc
 def relay_hands(
     rng: np.random.Generator, along: FloatArray, start: FloatArray, middle: FloatArray, far: FloatArray
 ) -> list[tuple[Token, FloatArray]]:
-    """Return a hand that reaches from behind the start to the middle, and a hand that reaches from there to the end."""
+    """Return two hands with workspaces: from behind the start to the middle, and from the middle to the end."""
     first = _between(start - along, middle + along * rng.uniform(-0.05, 0.05), along)
     second = _between(middle - along * rng.uniform(0.3, 0.32), far + along, along)
     height = np.array([0.0, 0.0, 0.4])

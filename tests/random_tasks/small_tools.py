@@ -79,7 +79,7 @@ def small_tools(seed: int, kind: str, rng: np.random.Generator) -> Task:
 
 
 def turned(yaw: float, place: Sequence[float] | FloatArray) -> FloatArray:
-    """Return a position ``(2,)`` [m] turned about the origin."""
+    """Return a position ``(2,)`` [m], rotated about the origin."""
     return rotate(quaternion_from_rpy(np.array([0.0, 0.0, yaw])), np.array([*place, 0.0]))[:2]
 
 
@@ -99,13 +99,13 @@ def hammer_scene(
 
     Args:
         name: name of the task.
-        seed: seed of everything random in planning.
+        seed: seed of all random numbers in planning.
         blocks: maps each block to its position ``(2,)`` [m] and its yaw [rad].
         places: maps each region to its position ``(2,)`` [m].
         goal: wanted atoms.
         rack: initial position ``(2,)`` [m] of the hammer.
         facing: heading of the hammer [rad].
-        hand: properties of the hand that differ from the usual ones.
+        hand: properties of the hand that differ from the default properties.
         mass: mass of each block [kg].
     """
     hammer = Token.make("hammer", [Striker, Pusher], HAMMER, hammer_shape())

@@ -1,4 +1,4 @@
-"""Small random tasks of tumbling: a box and two or four hands about one or two axes."""
+"""Small random tasks of tumbling: two or four hands turn a box about one or two axes."""
 
 from collections.abc import Sequence
 
@@ -66,11 +66,11 @@ def tumbling_task(
     force: float = 300.0,
     room: float = 1.5,
 ) -> Task:
-    """Return a task to tumble a box, up to 2 cm and 3 degrees off its place, onto a face.
+    """Return a task in which hands tumble a box onto a face. The box is displaced by up to 2 cm and 3 degrees.
 
     Args:
         name: name of the task.
-        seed: seed of everything random in planning.
+        seed: seed of all random numbers in planning.
         rng: generator of the place of the box.
         box: the box.
         axes: axis of each hand. Hands alternate between the two sides of the box.
@@ -99,9 +99,9 @@ def cubelike(rng: np.random.Generator) -> tuple[float, float, float]:
 
 
 def slender(rng: np.random.Generator, axis: str) -> tuple[float, float, float]:
-    """Return edge lengths [m] of a box that is too slender for its first tumble about one of the axes.
+    """Return edge lengths [m] of a box that is initially too slender to be tumbled about one of the axes.
 
-    After a tumble about the other axis, its section is less slender.
+    After a tumble about the other axis, the box is less slender in this direction.
     """
     short = rng.uniform(0.21, 0.23)
     high, wide = short * rng.uniform(1.65, 1.75), short * rng.uniform(1.15, 1.3)

@@ -1,4 +1,4 @@
-"""Random tasks of tumbling, and the push by one hand that topples a box without control."""
+"""Random tasks of tumbling, and a push with which one hand topples a box without control."""
 
 import numpy as np
 from hybrid_tamp_domains.common.classes import StaticEndEffector
@@ -29,17 +29,17 @@ from random_tasks.corners import Corner
 
 Draws = np.random.Generator | Corner
 HANDS = ((-0.5, 0.0, 0.55), (0.5, 0.0, 0.55), (-0.5, 0.0, 0.1), (0.6, 0.0, 0.8))
-"""Initial positions of the hands [m], each on its side and clear of the paths of the others."""
+"""Initial positions of the hands [m]. Each hand starts on its side of the box, and outside the paths of other hands."""
 _ROW = 1.0
 _PUSH_HEIGHT = 0.9
 """Height of the forced push, as a share of the box's height."""
 _PUSH_GAP = 0.005
 _PUSH_RATE = 0.05
-"""Rate at which the lead of the hand grows [rad/s]."""
+"""Rate at which the lead of the hand over the box grows [rad/s]."""
 _PUSH_LEAD = 0.3
 """Largest lead of the hand over the box [rad]."""
 _PUSH_BRAKE = 3.0
-"""Factor of the usual damping of the hand, so that it does not throw the box."""
+"""Factor by which the damping of the hand is larger than usual, so that the hand does not throw the box."""
 
 
 def random_box(rng: Draws, name: str) -> Token:
@@ -55,11 +55,11 @@ def random_box(rng: Draws, name: str) -> Token:
 
 
 def random_tumbling(seed: int, hands: int = 2, boxes: int = 1, onto: str = "right", rng: Draws | None = None) -> Task:
-    """Return a task to tumble boxes onto a face; they stand 1 m apart, up to 3 cm and 3 degrees off their places.
+    """Return a task in which hands tumble boxes onto a face. The boxes are 1 m apart, displaced by 3 cm and 3 degrees.
 
     Args:
-        seed: seed of everything random.
-        hands: number of hands; several boxes have a pair each.
+        seed: seed of all random numbers.
+        hands: number of hands. If there are several boxes, each box has two hands.
         boxes: number of boxes.
         onto: face on which each box must lie in the end.
         rng: draws the sizes and places; by default the generator of the seed.
@@ -97,11 +97,11 @@ def _hand(number: int) -> Token:
 
 
 def forced_push(task: Task, backend: Backend, seconds: float = 12.0) -> dict[str, float]:
-    """Push a box over with the task's first hand, unlike any plan, and return the measures of its fall.
+    """Push a box over with the first hand of the task, without a plan, and return measures of the box's fall.
 
-    The hand starts at the left face, high up, and pushes along the arc on which the box turns over its right edge, so
-    that its friction lifts the box rather than holds it down. Beyond the balance nothing holds the box, and it drops
-    onto its right face. A low box on too smooth a floor slides instead.
+    The hand starts high up at the left face, and pushes along the arc on which the box turns about its right edge. The
+    friction of the hand then lifts the box. After the balance point, nothing holds the box, so the box drops onto its
+    right face. A low box on a smooth floor slides instead.
     """
     hand, thing = task.tokens[0], next(token for token in task.tokens if token.is_member(Tumblable))
     normal_before = normal(task.state, thing, "left")
@@ -119,7 +119,7 @@ def forced_push(task: Task, backend: Backend, seconds: float = 12.0) -> dict[str
 
 
 def _push(hand: Token, thing: Token, state: State, arm: FloatArray, elapsed: float) -> Commands:
-    """Return the force that leads the hand along the arc ahead of the box, up to the balance."""
+    """Return the force that moves the hand along the arc ahead of the box, up to the balance point."""
     angle = tilt(state, thing, "bottom", "right")
     force = -damping(hand["mass"]) * state[hand, "velocity"]
     if float(angle) < balance(thing, "bottom", "right"):

@@ -1,7 +1,7 @@
 """Names, order and unrelated tokens do not change the length of an optimal plan or the status.
 
-Optimal engines plan the whole task, here with three drums or one box. Two boxes take them about 10 s and three far
-longer, so the engine that plans goals apart solves those.
+Optimal engines plan the whole task, here with three drums or one box. Tasks with two boxes take optimal engines about
+10 s, and tasks with three boxes take far longer. These tasks are planned by the engine that plans goals separately.
 """
 
 import string
