@@ -1,7 +1,8 @@
 """hybrid_tamp: task and motion planning with affordances as resources.
 
-This package offers the verbs and the classes of their arguments and results. Each name is imported only when the name
-is first used, so ``import hybrid_tamp`` is fast. Authors of domains import from `hybrid_tamp.authoring`.
+The package exports the verbs, e.g. `plan` and `run`, and the classes of the verbs' arguments and results. Each name is
+imported only when the name is first used, so ``import hybrid_tamp`` is fast. Authors of domains import from
+`hybrid_tamp.authoring`.
 """
 
 from importlib import import_module

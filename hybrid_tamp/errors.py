@@ -1,14 +1,14 @@
-"""The exceptions of the library. Code that calls another library translates the errors of the other library into them.
+"""The exceptions of the library. Errors of third-party libraries are caught and raised again as these exceptions.
 
 ::
 
     HybridTampError                 exit status
     ├── InputError                  30   the input is wrong; `issues` lists every fault
-    │   └── DomainError             30   a domain is contradictory or yields values that are not finite
+    │   └── DomainError             30   a domain is contradictory, or a function of the domain fails
     ├── NoPlan                  10, 11   the task is proven unsolvable (10), or no plan was found (11)
     ├── LimitReached                20   a time or memory limit was reached
     ├── ExecutionFailed             40   the plan was executed but the goal was not reached
-    └── LawBroken                    1   a plan or recording made by the library breaks the law of assignment
+    └── LawBroken                    1   a plan or recording breaks the law of assignment (see `model.law`)
 
 Any other exception is a bug in hybrid_tamp. The exit status is then 1.
 """
@@ -52,7 +52,7 @@ class Issue:
 
 
 def did_you_mean(word: str, available: Sequence[str]) -> str | None:
-    """Return the available word that is most similar to a mistyped word, or None if none is similar enough."""
+    """Return the available word that is most similar to a mistyped word, or None if no word is similar enough."""
     folded = {name.casefold(): name for name in available}
     close = get_close_matches(word.casefold(), folded, n=1, cutoff=0.7)
     return folded[close[0]] if close else None
@@ -74,12 +74,12 @@ class InputError(HybridTampError):
         super().__init__("\n".join(map(str, self.issues)))
 
     def __reduce__(self) -> tuple[type, tuple[tuple[Issue, ...]]]:
-        # Without this method, an error from another process would be made from its text instead of its issues.
+        # By default, pickle would pass the text of the error to the constructor instead of the issues.
         return type(self), (self.issues,)
 
 
 class DomainError(InputError):
-    """Error for a domain whose declarations contradict each other or yield values that are not finite."""
+    """Error for a domain with contradictory declarations, or with a function that fails or returns a wrong result."""
 
 
 class NoPlan(HybridTampError):
@@ -87,8 +87,8 @@ class NoPlan(HybridTampError):
 
     Attributes:
         proven: whether the task is proven to have no plan.
-        kind: ``unsolvable``, ``not_found``, ``planner_crashed``, ``plan_refused`` or ``class_unknown``.
-        probes: pairs of (task, token). A probe of the token's unknown classes may make the task solvable.
+        kind: kind of the failure, e.g. ``unsolvable`` (see `model.outcome.MESSAGES`).
+        probes: pairs of (task, token). The task may become solvable if trials confirm an unknown class of the token.
     """
 
     def __init__(self, message: str, *, proven: bool, kind: str, probes: Sequence[tuple[str, str]] = ()) -> None:
@@ -109,16 +109,16 @@ class LimitReached(HybridTampError):
     exit_status = 20
 
     def __init__(self, message: str, *, limit: str = "time") -> None:
-        # The default lets processes exchange the error by pickle, which restores `limit` afterwards.
+        # Pickle passes only the message to the constructor and restores `limit` afterwards, so `limit` has a default.
         super().__init__(message)
         self.limit = limit
 
 
 class ExecutionFailed(HybridTampError):
-    """Error raised when an executed plan does not reach the goal, or when trials confirm no class of a token."""
+    """Error raised when an executed plan does not reach the goal, or when no trial confirms a class of a token."""
 
     exit_status = 40
 
 
 class LawBroken(HybridTampError):
-    """Error for a plan or recording that breaks the law of assignment; the message lists the violations."""
+    """Error for a plan or recording that breaks the law of assignment. The message lists the violations."""

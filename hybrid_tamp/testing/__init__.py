@@ -1,4 +1,4 @@
-"""Checks for authors of domains: rollouts of the blocks are compared with the declarations of the blocks.
+"""Checks for authors of domains. Simulations of the blocks (rollouts) are compared with the blocks' declarations.
 
 Input: a task of the domain. Output: a list of disagreements between declarations and rollouts.
 """

@@ -1,7 +1,7 @@
-"""Comparison of what a domain computes for a batch of states with what it computes for each state alone.
+"""Checks that the functions of a domain compute the same results for a batch of states as for each state alone.
 
-A function that mixes the states of a batch, e.g. because a call of numpy lacks ``axis``, can return the right shape and
-wrong numbers.
+A function can mix the states of a batch, e.g. because a call of numpy lacks ``axis``. The results of this function can
+have the right shape but wrong values.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,7 +21,7 @@ from hybrid_tamp.testing.rollouts import Rollouts
 _TIMES = (0.0, 0.1, 1.0)
 """Elapsed times at which policies and systems are compared [s]."""
 _TOLERANCE = 1e-9
-"""Largest difference of two results that counts as a rounding error, relative to the larger result or to 1."""
+"""Largest relative and absolute difference between two results that counts as a rounding error."""
 
 
 def check_batches(rolled: Rollouts, found: Disagreements) -> None:
@@ -39,18 +39,18 @@ def check_batches(rolled: Rollouts, found: Disagreements) -> None:
         for row in range(len(batch.values)):
             one, other = whole[row], alone[row]
             if not _equal(one, other):
-                measured = f"state {row} of a batch of {len(batch.values)} gives {_text(one)}, and alone {_text(other)}"
-                declared = f"{what} computes each state of a batch on its own"
+                measured = f"for state {row}, the result is {_text(one)} in the batch and {_text(other)} alone"
+                declared = f"{what} has the same results for a batch of states as for each state alone"
                 found.add("batch", rolled.block, rolled.binding, declared, measured)
                 break
 
 
 _Result = tuple[str, FloatArray, list[FloatArray]]
-"""Name of a function, its results for the batch, and its result for each state alone."""
+"""Triple of (name of a function, results for the batch, result for each state alone)."""
 
 
 def _states_of(rolled: Rollouts) -> State:
-    """Return states of rollouts, shape ``(m,)``: at the start, in the middle of the first row, and at the ends."""
+    """Return a batch of states from the start, the middle and the ends of the rollouts, shape ``(4,)``."""
     rows = rolled.rows or [0]
     values = [rolled.start.values, rolled.states.values[rolled.lengths[rows[0]] // 2, rows[0]]]
     values += [rolled.end(row).values for row in (rows[0], rows[-1])]
@@ -87,7 +87,7 @@ def _end(block: Block, binding: Binding, state: State) -> FloatArray:
 
 
 def _compare_margins(what: str, literal: Literal, rolled: Rollouts, batch: State) -> _Result:
-    """Compare the margins of a batch of shape ``(2, m)``, whose second row is reversed."""
+    """Compare the margins of a batch of shape ``(2, m)``. The second row has the states in reverse order."""
     twice = State(batch.layout, np.stack([batch.values, batch.values[::-1]]))
     margins = np.broadcast_to(literal.margin(twice, rolled.binding), twice.values.shape[:-1])
     pairs = np.stack([margins[0], margins[1][::-1]], axis=-1)
@@ -108,7 +108,7 @@ def _compare_models(rolled: Rollouts, batch: State, chosen: Mapping[str, FloatAr
             what = f"the policy ({key[1]} of {key[0]})"
             yield what, commands[key], [one[1][key] for one in alone]
         if not all(_equal(commands[key][row], one[1][key]) for row, one in enumerate(alone) for key in commands):
-            continue  # Other commands give other states.
+            continue  # The next states differ because the commands differ.
         yield "the system", after.values, [one[0].values for one in alone]
         for measure in block.performance:
             whole = _measure(rolled, measure, batch, after, commands, chosen)

@@ -1,4 +1,4 @@
-"""The check of a domain: random walks from block to block, whose rollouts are compared with the declarations."""
+"""The check of a domain. Random walks roll out one block after another and compare the rollouts with declarations."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -19,20 +19,20 @@ from hybrid_tamp.testing.rollouts import Rollouts, draw_hyperparameters, roll_ou
 from hybrid_tamp.testing.standing import StandingConditions
 from hybrid_tamp.testing.starts import draw_start
 
-_WALKS = 4  # Maximum number of random walks for each of the `samples`.
+_WALKS = 4  # Number of random walks, as a multiple of `samples`.
 _STEPS = 100  # Maximum number of steps of a random walk.
-_REPETITIONS = 20  # Maximum number of successive steps of a random walk that repeat earlier steps.
+_REPETITIONS = 20  # A random walk ends after this number of successive steps that repeat earlier steps.
 _DRAWN = 3  # Number of rollouts with drawn hyperparameters for each rollout with initial values.
-_INITIAL = 0.5  # Probability that a walk continues after the rollout with the initial values.
+_INITIAL = 0.5  # Probability that the next step starts after the rollout with initial values.
 
 _Key = tuple[str, tuple[str, ...]]
 
 
 def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 / 240) -> list[Disagreement]:
-    """Roll out every block towards every target from reachable states, and compare the results with the declarations.
+    """Simulate every block with every target from reachable states, and compare the rollouts with the declarations.
 
     Random walks start in the initial state of the task, with displaced and turned tokens. Each step of a walk rolls out
-    a block whose entry conditions and invariants hold, preferably a block and targets that were rolled out least often.
+    a block whose entry conditions and invariants hold. The walk prefers the block and targets with the fewest rollouts.
     One rollout uses the initial values of the hyperparameters, and further rollouts use drawn values. The next step
     starts in the final state of one of these rollouts. A walk can thus tip a box and then lower the box.
 
@@ -48,12 +48,12 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
 
         - ``entry``: the entry conditions of a block did not hold in any state that was reached.
         - ``exit``: no rollout of a block towards certain targets reached the exit conditions.
-        - ``keeps``: the block changed the truth of an atom of a predicate that it keeps.
-        - ``fixed``: a static predicate that reads no varying property changed.
+        - ``keeps``: the block changed an atom of a predicate that the block declares in `Block.keeps`.
+        - ``fixed``: the block changed an atom of a static predicate, although the predicate reads no varying property.
         - ``bound``: the margin of a static predicate exceeded its declared bound.
-        - ``ends``: a declared end differs from a rollout, or depends on something that is not listed.
+        - ``ends``: a final pose differs from the outcome, or the outcome depends on a role that `Block.ends` omits.
         - ``invariant``: an entry condition held throughout all rollouts, but is neither an invariant nor waived.
-        - ``batch``: a function gives a state of a batch another result than the same state alone.
+        - ``batch``: a function has one result for a state in a batch and another result for the same state alone.
 
     Raises:
         DomainError: a function of the domain raised an exception, or returned a result of the wrong shape.
@@ -81,10 +81,10 @@ class _Check:
         self._allowed = self._enter(task.state)
 
     def walk(self) -> None:
-        """Roll out one block after another, until many steps in succession were repetitions.
+        """Roll out one block after another, until many successive steps have repeated earlier steps.
 
-        A failure does not count if an earlier block of the walk had drawn hyperparameters, because the planner chooses
-        the hyperparameters of consecutive blocks together.
+        A failed step is not counted if an earlier step of the walk used drawn hyperparameters. The planner would choose
+        the hyperparameters of both steps together.
         """
         self._due = min(self._due + 1, self._samples)
         first = state = draw_start(self._task, self._rng, lambda drawn: self._enter(drawn) >= self._allowed)
@@ -133,10 +133,10 @@ class _Check:
         return roll_out_rows(block, binding, state, chosen, 1 + count, self._dt)
 
     def _report_exits(self) -> None:
-        """Report the failed exit conditions of blocks and targets of which no rollout ever reached the exit.
+        """Report the failed exit conditions of each block whose rollouts towards certain targets never succeeded.
 
-        A failure in some states is not reported, because feasibility facts may be upper bounds, which hold a little
-        beyond the states from which the block succeeds.
+        A block that fails from some states only is not reported, because feasibility facts can be upper bounds. Such
+        facts can also hold in some states from which the block fails.
         """
         for key, rolled in self._failed.items():
             if key in self._succeeded:
@@ -149,7 +149,10 @@ class _Check:
                     self._found.add("exit", rolled.block, rolled.binding, literal.text, measured)
 
     def _enter(self, state: State) -> frozenset[tuple[str, bool]]:
-        """Return pairs of (block, whether only feasibility facts count) that can be entered in an initial state."""
+        """Return pairs of (block, facts) for blocks that can be entered in an initial state.
+
+        If `facts` is true, only the entry conditions on static predicates must hold.
+        """
         every = ((block, facts) for block in self._blocks for facts in (False, True))
         holds = _Conditions(state, state)
         return frozenset((b.name, facts) for b, facts in every if any(self._bindings(b, holds, facts)))
@@ -163,9 +166,9 @@ class _Check:
         return enumerate_bindings(self._task.choices(block), conditions, holds)
 
     def _choose(self, first: State, state: State) -> "_Choice | None":
-        """Return a block and targets that can be entered in the state, preferably those with the fewest steps.
+        """Return a block that can be entered in the state, with targets. Prefer the choice with the fewest steps.
 
-        Return None if no block can be entered, or if all blocks, and all targets that are possible, had enough steps.
+        Return None if no block can be entered, or if all blocks and all possible targets had enough steps.
         """
         possible: dict[_Key, _Choice] = {}
         holds = _Conditions(first, state)
@@ -181,9 +184,9 @@ class _Check:
         return self._repeat(list(possible.values()), state)
 
     def _repeat(self, possible: list["_Choice"], state: State) -> "_Choice | None":
-        """Return a random choice, because only some sequences of blocks lead to certain states.
+        """Return a random choice that repeats earlier steps, because only long walks lead to certain states.
 
-        A rollout must make an exit condition true, so that the walk leads to another state.
+        An exit condition of the choice must not hold yet, so that the step leads to another state.
         """
         for index in self._rng.permutation(len(possible)):
             block, key, every = possible[index].block, possible[index].key, possible[index].bindings
@@ -195,11 +198,11 @@ class _Check:
 
 @dataclass(frozen=True)
 class _Choice:
-    """A block, and all bindings with the same targets that can be entered in a state.
+    """A block with certain targets, and all bindings with these targets whose conditions hold in a state.
 
     Attributes:
         block: the block.
-        key: name of the block, and names of the values of its targets.
+        key: pair of (name of the block, names of the values of its targets).
         bindings: bindings that differ only in the tokens in the slots.
     """
 
@@ -212,7 +215,7 @@ class _Conditions:
     """Function that returns whether conditions hold in a state. Each margin is evaluated only once."""
 
     def __init__(self, first: State, state: State) -> None:
-        """Use the state `first`, at the start of the walk, for predicates that describe the initial state."""
+        """Store both states. The state `first` at the start of the walk is for predicates with `at_start`."""
         self._first, self._state = first, state
         self._known: dict[Atom, float] = {}
 

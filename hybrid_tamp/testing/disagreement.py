@@ -13,9 +13,9 @@ class Disagreement:
 
     Attributes:
         kind: kind of the declaration: ``entry``, ``exit``, ``keeps``, ``fixed``, ``bound``, ``ends``,
-            ``invariant`` or ``batch``.
+            ``invariant`` or ``batch`` (see `check_domain`).
         block: name of the block that was rolled out.
-        binding: pairs of (role, token or symbol) of the rollout, sorted. Empty if no single rollout is meant.
+        binding: pairs of (role, token or symbol) of the rollout, sorted. Empty if all bindings are meant.
         declared: the declaration, e.g. a condition over roles.
         measured: what the rollout shows instead.
     """
@@ -32,7 +32,7 @@ class Disagreement:
 
 
 class Disagreements:
-    """A collection of disagreements that keeps only the first of each kind, block and declaration."""
+    """A collection of disagreements, with at most one disagreement for each kind, block and declaration."""
 
     def __init__(self) -> None:
         self._found: dict[tuple[str, str, str], Disagreement] = {}

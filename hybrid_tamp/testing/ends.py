@@ -1,4 +1,4 @@
-"""Checks of declared ends: the final poses that follow from the initial pose of a token and from listed targets."""
+"""Checks of `Block.ends`, which declares that a final pose depends only on the initial pose and on listed targets."""
 
 from collections.abc import Sequence
 
@@ -13,17 +13,17 @@ from hybrid_tamp.testing.disagreement import Disagreements
 from hybrid_tamp.testing.rollouts import Rollouts
 
 _DISTANCE = 0.05
-"""Largest distance between the declared and the final position [m], unless a target of the end is a larger region."""
+"""Largest distance between the declared and the final position [m], or the radius of a listed region if larger."""
 _ANGLE = float(np.radians(5.0))
 """Largest angle between the declared and the final orientation [rad]."""
 _SAME = 1e-6
 """Largest difference between equal poses [m or rad]."""
 _MOVED = 0.1
-"""Largest displacement of tokens on which an end must not depend, along each axis [m]."""
+"""Largest displacement along each axis for tokens on which a final pose must not depend [m]."""
 
 
 def check_ends(rolled: Rollouts, possible: Sequence[Binding], found: Disagreements, rng: np.random.Generator) -> None:
-    """Compare the declared ends of a block with its rollouts, and with its outcomes for other tokens.
+    """Compare the declared final poses with rollouts of the block, and with the block's outcomes for other tokens.
 
     Args:
         rolled: rollouts of the block.
@@ -33,7 +33,7 @@ def check_ends(rolled: Rollouts, possible: Sequence[Binding], found: Disagreemen
     """
     block = rolled.block
     for slot, targets in block.ends.items():
-        declared = f"the end of {slot} follows from {', '.join(targets) or 'nothing else'}"
+        declared = f"the final pose of {slot} depends only on {' and '.join(('its initial pose', *targets))}"
         if block.outcome is None:
             found.add("ends", block, rolled.binding, declared, "the block has no outcome")
             continue
@@ -53,7 +53,7 @@ def _check_outcome(rolled: Rollouts, slot: str, targets: Sequence[str], declared
                 rolled.block,
                 rolled.binding,
                 declared,
-                f"a rollout ends {_off(distance, angle)} from the outcome",
+                f"the final pose in a rollout differs from the outcome by {_off(distance, angle)}",
             )
 
 
@@ -72,7 +72,7 @@ def _check_others(
             distance, angle = _differences(other[slot], outcome, _outcome(rolled.block, other, rolled.start))
             if distance > _SAME or angle > _SAME:
                 roles = ", ".join(sorted(role for role in other if other[role] != rolled.binding[role]))
-                measured = f"with another {roles}, the outcome is {_off(distance, angle)} away"
+                measured = f"for another choice of {roles}, the outcome differs by {_off(distance, angle)}"
                 found.add("ends", rolled.block, rolled.binding, declared, measured)
 
 
@@ -89,7 +89,7 @@ def _check_surroundings(
     distance, angle = _differences(rolled.binding[slot], outcome, _outcome(rolled.block, rolled.binding, moved))
     if distance > _SAME or angle > _SAME:
         names = ", ".join(sorted(token.name for token in others))
-        measured = f"if {names} are displaced, the outcome is {_off(distance, angle)} away"
+        measured = f"after a displacement of {names}, the outcome differs by {_off(distance, angle)}"
         found.add("ends", rolled.block, rolled.binding, declared, measured)
 
 
@@ -112,7 +112,7 @@ def _differences(token: object, one: State, other: State) -> tuple[float, float]
 
 
 def _angle(one: FloatArray, other: FloatArray) -> float:
-    """Return the angle [rad] between two orientations. The sine is accurate for small angles, the cosine is not."""
+    """Return the angle [rad] between two orientations. The arcsine is accurate for small angles, unlike arccos."""
     nearer = other if float(one @ other) >= 0 else -other
     return float(4.0 * np.arcsin(min(1.0, float(np.linalg.norm(one - nearer)) / 2.0)))
 

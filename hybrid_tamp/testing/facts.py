@@ -1,4 +1,4 @@
-"""Checks of facts that a block must not change: predicates that the block keeps, fixed facts and declared bounds."""
+"""Checks that a block does not change certain facts, and that no margin exceeds its declared bound."""
 
 from collections.abc import Iterator, Sequence
 
@@ -19,7 +19,7 @@ _RADII = (0.01, 3.0)
 _DISPLACEMENTS = 2
 """Number of displacements of the tokens for each atom and state to test a bound."""
 _ATOMS = 16
-"""Largest number of atoms of a predicate whose bounds are tested after a step. More atoms are drawn at random."""
+"""Largest number of atoms of a predicate whose bounds are tested after a step. The atoms are chosen at random."""
 
 _POSITION = "position"
 
@@ -64,7 +64,7 @@ def _check_fixed(task: Task, predicate: Predicate, rolled: Rollouts, found: Disa
 def _changed(
     predicate: Predicate, atoms: Sequence[Values], before: State, after: State
 ) -> Iterator[tuple[Values, float, float]]:
-    """Yield (arguments, margin before, margin after) of each atom that is true before or after, but not both.
+    """Yield a triple of (arguments, margin before, margin after) for each atom whose truth changes.
 
     `after` has the shape ``(m,)``.
     """
@@ -82,7 +82,7 @@ def _from_to(predicate: Predicate, before: float, after: float) -> str:
 def _check_bound(
     task: Task, predicate: Predicate, first: State, rolled: Rollouts, found: Disagreements, rng: np.random.Generator
 ) -> None:
-    """Compare margins with the bound at places where tokens were, where they are, and at drawn places."""
+    """Compare the margins with bounds, which are computed for current, earlier and random positions of the tokens."""
     moving = _moving_tokens(task)
     every = _involved(task, predicate, rolled)
     for values in (every[index] for index in rng.permutation(len(every))[:_ATOMS]):
@@ -93,7 +93,7 @@ def _check_bound(
             for elsewhere, radius in _elsewhere(state, (first, rolled.start), tokens, rng):
                 bound = bound_margin(predicate, elsewhere, radius, values)
                 if margin > bound + ROUNDING * predicate.scale:
-                    declared = f"{predicate.name} does not exceed its bound"
+                    declared = f"the margin of {predicate.name} does not exceed its bound"
                     atom, shown = atom_text(predicate, values), with_unit(margin, predicate)
                     limit = f"{with_unit(bound, predicate)} for displacements of up to {radius:.3g} m"
                     measured = f"the margin of {atom} is {shown}, and the bound is {limit}"
@@ -125,7 +125,7 @@ def _displaced(state: State, ways: dict[str, FloatArray]) -> tuple[State, float]
 
 
 def _moving_tokens(task: Task) -> set[Token]:
-    """Return the tokens whose position some block writes."""
+    """Return the tokens whose position can be changed by a block of the domain."""
     classes = [
         block.slot(slot).object_class
         for block in task.domain.blocks
@@ -136,7 +136,7 @@ def _moving_tokens(task: Task) -> set[Token]:
 
 
 def _involved(task: Task, predicate: Predicate, rolled: Rollouts) -> list[Values]:
-    """Return the well-typed arguments of the predicate that contain a token which the rolled-out block changes."""
+    """Return the well-typed tuples of arguments that contain a token which the rolled-out block changes."""
     changed = {rolled.binding[slot] for slot in rolled.block.writes}
     every = (tuple(bound.values()) for bound in enumerate_bindings(_sorts(task, predicate)))
     return [values for values in every if not changed.isdisjoint(values)]

@@ -18,9 +18,9 @@ _CHUNK = 48
 _LONGEST_HOLD = 30.0
 """Longest rollout of a block that can continue after its exit conditions hold [s]."""
 _SLOWEST = 2
-"""Longest rollout with drawn hyperparameters, as a multiple of the rollout with initial values."""
+"""Longest duration of a rollout with drawn hyperparameters, as a multiple of the duration with initial values."""
 _STILL = 1e-7
-"""Largest change of a state within a chunk at which the state counts as at rest, in SI units."""
+"""Largest change of each property in a time step of a state at rest, in SI units."""
 _INITIAL = 0.5
 """Probability with which a hyperparameter keeps its initial value, so that some rollouts reach their exits."""
 
@@ -61,7 +61,7 @@ class Rollouts:
         return State(self.states.layout, self.states.values[self.lengths[self.rows], self.rows])
 
     def least(self, literal: Literal) -> float:
-        """Return the least margin of a condition during the rows that reached their exit conditions."""
+        """Return the least margin of a condition in the rows that reached their exit conditions."""
         margins = np.broadcast_to(literal.margin(self.states, self.binding), self.states.values.shape[:-1])
         return float(min(margins[: self.lengths[row] + 1, row].min() for row in self.rows))
 
@@ -84,10 +84,10 @@ def draw_hyperparameters(
 def roll_out_rows(
     block: Block, binding: Binding, start: State, chosen: Mapping[str, FloatArray], count: int, dt: float
 ) -> Rollouts:
-    """Roll a block out until the exit conditions of every row hold, or its longest duration is over.
+    """Roll out a block until the exit conditions of every row hold, or the longest duration of the block is over.
 
-    A rollout also ends if it is at rest after its expected duration and the block's least duration, or if it takes much
-    longer than the rollout with the initial values.
+    A row also ends if its state is at rest after the expected duration and after the least duration of the block. If
+    row 0 succeeds, all rows end at the latest after `_SLOWEST` times the duration of row 0.
 
     Args:
         block: block that is rolled out.

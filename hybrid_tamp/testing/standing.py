@@ -26,7 +26,7 @@ class StandingConditions:
             self._least[key] = min(self._least.get(key, float("inf")), rolled.least(literal))
 
     def report(self, found: Disagreements) -> None:
-        """Add each entry condition that held throughout all rollouts, and is neither an invariant nor waived."""
+        """Add each entry condition that held throughout all rollouts, but is neither an invariant nor waived."""
         for block in self._blocks:
             for literal in _candidates(block):
                 least = self._least.get((block.name, literal), -1.0)
@@ -38,9 +38,10 @@ class StandingConditions:
 
 
 def _candidates(block: Block) -> list[Literal]:
-    """Return the entry conditions that could be invariants, but are not declared.
+    """Return the entry conditions that could be invariants, but are neither invariants nor waived.
 
-    Feasibility facts cannot be invariants. A maintained condition ends with the instance that set the condition.
+    Feasibility facts cannot be invariants. A maintained condition cannot be an invariant either, because the condition
+    holds only until the instance that added its atom ends.
     """
     declared = {*block.invariants, *block.waived}
     changing = (literal for literal in block.measured_entries if not literal.predicate.maintained)

@@ -16,7 +16,7 @@ from hybrid_tamp.motion.poses import quaternion_from_rotation_vector, quaternion
 
 _ATTEMPTS = 30
 _HALVINGS = 7
-"""Number of sizes of a displacement: the largest size, half of it, a quarter of it and so on."""
+"""Number of possible sizes of a displacement. Each size is half the previous size."""
 _SHIFT = 0.5
 """Largest displacement of a token along each horizontal axis [m]."""
 _RISE = 0.05
@@ -27,8 +27,8 @@ def draw_start(task: Task, rng: np.random.Generator, allowed: Callable[[State], 
     """Return a state in which the tokens are displaced and turned about vertical axes.
 
     The whole scene is turned about its centre. Then each token is displaced and turned. The sizes of the three
-    movements are drawn independently, because conditions usually allow a large displacement but only a small turn, or
-    the other way round.
+    movements are drawn independently, because conditions often allow a large displacement with a small turn, or a large
+    turn with a small displacement.
 
     Args:
         task: task whose initial state is changed.
@@ -36,8 +36,8 @@ def draw_start(task: Task, rng: np.random.Generator, allowed: Callable[[State], 
         allowed: function that returns whether the conditions of the domain allow a state.
 
     Returns:
-        The first drawn state that is allowed, without overlaps and consistent with the tokens' classes, or the initial
-        state of the task if no drawn state is.
+        The first drawn state that is allowed, has no overlaps and is consistent with the tokens' classes. If there is
+        no such state, the initial state of the task.
     """
     for _ in range(_ATTEMPTS):
         state = _moved(task, rng)

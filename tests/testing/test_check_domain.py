@@ -124,7 +124,7 @@ def within(slack: Callable[[float], float]) -> Predicate:
 
 def test_a_bound_that_a_new_state_exceeds() -> None:
     (exceeded,) = check(CLEARED, within(lambda radius: 0.9 * radius))
-    assert (exceeded.kind, exceeded.declared) == ("bound", "west does not exceed its bound")
+    assert (exceeded.kind, exceeded.declared) == ("bound", "the margin of west does not exceed its bound")
     assert "and the bound is" in exceeded.measured
     assert check(CLEARED, within(lambda radius: radius)) == []
 
@@ -163,7 +163,7 @@ def test_a_fact_of_the_initial_state_holds_after_several_blocks() -> None:
 def test_an_end_that_depends_on_a_target_that_is_not_listed(spots: tuple[float, ...]) -> None:
     found = check(replace(CLEARED, outcome=arrived, ends={"pusher": ()}), spots=spots)
     assert kinds(found) == {("ends", "MOVING")}
-    assert found[0].declared == "the end of pusher follows from nothing else"
+    assert found[0].declared == "the final pose of pusher depends only on its initial pose"
     assert "spot" in found[0].measured
 
 
@@ -177,7 +177,9 @@ def test_an_end_that_depends_on_properties_of_a_target_that_is_not_listed() -> N
     rolled = roll_out_rows(moving, small, task.state, {"stiffness": np.array([200.0])}, 1, CONTROL_PERIOD)
     found = Disagreements()
     check_ends(rolled, [small, large], found, np.random.default_rng(0))
-    assert [each.measured for each in found.all()] == ["with another spot, the outcome is 0.01 m and 0 degrees away"]
+    assert [each.measured for each in found.all()] == [
+        "for another choice of spot, the outcome differs by 0.01 m and 0 degrees"
+    ]
 
 
 def test_an_end_that_differs_from_the_outcome() -> None:
@@ -186,8 +188,9 @@ def test_an_end_that_differs_from_the_outcome() -> None:
         return after.replace({("pusher", "position"): after["pusher", "position"] + [0.1, 0.0, 0.0]})
 
     (wrong,) = check(replace(CLEARED, outcome=beyond, ends={"pusher": ("spot",)}))
-    assert (wrong.kind, wrong.declared) == ("ends", "the end of pusher follows from spot")
-    assert "a rollout ends 0.1" in wrong.measured or "a rollout ends 0.09" in wrong.measured
+    assert wrong.kind == "ends"
+    assert wrong.declared == "the final pose of pusher depends only on its initial pose and spot"
+    assert "differs from the outcome by 0.1" in wrong.measured or "differs from the outcome by 0.09" in wrong.measured
     assert check(replace(CLEARED, outcome=arrived, ends={"pusher": ("spot",)})) == []
     assert kinds(check(replace(CLEARED, ends={"pusher": ("spot",)}))) == {("ends", "MOVING")}
 
