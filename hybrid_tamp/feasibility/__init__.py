@@ -1,1 +1,1 @@
-"""Feasibility and relevance of a task's blocks: bindings, shares of a load, reachable slots and relevant blocks."""
+"""Checks of blocks: which bindings are feasible, which slots tokens can reach, and which blocks a goal needs."""

@@ -1,7 +1,7 @@
 """Backward search for blocks that could achieve a goal atom, with the reasons why other blocks cannot.
 
-The search ignores the atoms that blocks delete (the delete relaxation of planning). For each token, the search checks
-only whether the network has a path to the slot. So if the search cannot achieve an atom, no plan can.
+The search ignores the atoms that blocks delete (the delete relaxation of planning). A token is assumed to reach a slot
+if the network has a path to this slot. So if the search cannot achieve an atom, no plan can.
 """
 
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ class Ways:
     """The ways to achieve an atom.
 
     Attributes:
-        waits: maps each way to the name of its block. A way is the tuple of the atoms that must be achieved first.
+        waits: maps each way to the name of its block. A way is a tuple of atoms that must hold before the block starts.
         reasons: reasons why blocks that have the atom as an effect cannot run.
     """
 
@@ -63,7 +63,7 @@ class BackwardSearch:
         return [] if self.ways[goal].waits else self.ways[goal].reasons
 
     def explore(self, goal: Atom) -> bool:
-        """Find the ways to achieve an atom and, recursively, the atoms in these ways. Say whether any way is possible.
+        """Find the ways to achieve an atom and, recursively, each atom in these ways. Say whether the atom is possible.
 
         Raises:
             TooMany: the number of ways exceeds `MOST`.
@@ -113,7 +113,8 @@ class BackwardSearch:
     def explain_infeasible(self, atom: Atom, reached: set[Atom]) -> list[Reason]:
         """Return a reason for each feasibility condition that prevents blocks from achieving an atom.
 
-        A block is examined only if the atoms of its changing conditions hold initially or are in `reached`.
+        A block is examined only if the atoms that it needs, and that blocks can change, hold initially or are in
+        `reached`.
         """
         found: list[Reason] = []
         for block, fixed in self._achievers(atom):
@@ -127,7 +128,7 @@ class BackwardSearch:
         return found
 
     def _narrowed(self, block: Block, allowed: Choices, reached: set[Atom]) -> Choices:
-        """Return, for each role, the values with which the changing conditions hold initially or are in `reached`."""
+        """Return the values of each role with which the changing conditions hold initially or are in `reached`."""
         kept = dict(allowed)
         for literal in block.changing_entry:
             if not literal.positive:
@@ -162,7 +163,7 @@ class BackwardSearch:
     def _missing(self, block: Block, conditions: tuple[Literal, ...], allowed: Choices) -> list[Reason]:
         """Return a reason for every class with fewer tokens in the task than slots in the block.
 
-        More tokens like the present ones are not enough if the present ones violate a condition that the slots share.
+        More tokens like the present tokens do not help if the present tokens violate a condition of all these slots.
         """
         found: list[Reason] = []
         for slot, wanted, have in _short_slots(self.task, block):
@@ -202,7 +203,7 @@ def _no_member(task: Task, block: Block, fixed: Bound) -> Reason | None:
 
 
 def _short_slots(task: Task, block: Block) -> Iterator[tuple[Slot, int, int]]:
-    """Yield the last slot of each class with too few tokens, the number needed and the number in the task."""
+    """Yield (last slot of the class, tokens needed, tokens in the task) for each class with too few tokens."""
     for slot in {each.object_class: each for each in block.slots}.values():
         wanted = sum(each.object_class is slot.object_class for each in block.slots)
         have = len(task.values_of(slot.object_class))

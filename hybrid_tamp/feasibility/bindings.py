@@ -20,7 +20,7 @@ class TooMany(Exception):
 
 
 def order_conditions(block: Block) -> tuple[Literal, ...]:
-    """Return the block's feasibility conditions. Conditions on symbols come first, because they exclude the most."""
+    """Return the block's feasibility conditions. Conditions on symbols exclude most bindings, so they come first."""
     return tuple(sorted(block.static_entry, key=lambda literal: literal.predicate.rows is None))
 
 

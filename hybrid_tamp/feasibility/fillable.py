@@ -1,4 +1,7 @@
-"""Checks of whether tokens can fill blocks, by class alone or also by feasibility facts, edges and preconditions."""
+"""Checks of whether tokens can fill the roles of a block.
+
+`Members` compares only classes. `FillableBlocks` also checks feasibility facts, network edges and preconditions.
+"""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence, Set
@@ -41,9 +44,9 @@ class Members:
 
 
 class FillableBlocks:
-    """The blocks that a task's tokens can fill and can reach through other blocks that tokens can fill.
+    """The blocks that a task's tokens can fill. A token passes only through fillable blocks to reach a block.
 
-    A block can be filled only if every atom that it needs holds initially or may be achieved (see `backward_search`).
+    A block is fillable only if every atom that it needs holds initially or may be achieved (see `backward_search`).
     """
 
     def __init__(self, task: Task) -> None:

@@ -23,7 +23,7 @@ from hybrid_tamp.model.task import Task
 _MANY = 100
 
 _Group = list[tuple[Literal, str]]
-"""Pairs of (literal, slot) of a condition that slots of one class share, or one pair with slot '' if none do."""
+"""Pairs of (literal, slot) that state the same condition for slots of one class. Slot '' if the literal has no slot."""
 
 
 class _Candidate(NamedTuple):
@@ -127,7 +127,7 @@ def _describe_margin(task: Task, literal: Literal, bound: Bound, margin: float) 
 
 
 def _describe_load(task: Task, group: _Group, best: list[_Candidate], candidates: int) -> str:
-    """Describe the load and the tokens' strengths. If no token can bear its share, say how many tokens are needed."""
+    """Describe the load and what each token can bear. If no token can bear its share, say how many would suffice."""
     literal, places = group[0][0], _count_places(group)
     unit = literal.predicate.unit
     shares = [_share(task, one) for one in best]
@@ -144,7 +144,8 @@ def _describe_load(task: Task, group: _Group, best: list[_Candidate], candidates
         figures = [_share(task, one, 1.0)[-1] for one in best]
         without = [sum(figures)] if short else list(dict.fromkeys(figures))
         said += (
-            f" with safety factor {safety.factor:g}, {' and '.join(with_unit(has, unit) for has in without)} without"
+            f" with safety factor {safety.factor:g}, {' and '.join(with_unit(has, unit) for has in without)} without "
+            "the factor"
         )
     name, need, has = shares[-1]
     each = ceil(need / has) if has > 0 else _MANY

@@ -17,7 +17,7 @@ _SHOWN = 4
 
 
 class Passages:
-    """The slots that each token of a task can reach along edges. Each slot on a path has a class of the token."""
+    """The slots that each token of a task can reach along edges. A token passes only through slots of its classes."""
 
     def __init__(self, task: Task, through: Collection[str] | None = None) -> None:
         """Set the task and the names of the blocks that tokens may pass through. None allows all blocks."""

@@ -24,7 +24,7 @@ Pattern = tuple[str, tuple[Classes, ...]]
 
 
 def restrict_domain(task: Task, blocks: Collection[Block], tokens: Iterable[Token]) -> Domain:
-    """Return the domain with the given blocks and with the classes and predicates of the blocks, tokens and goal."""
+    """Return the domain restricted to the given blocks. Classes and predicates that nothing refers to are removed."""
     domain = task.domain
     mentioned = {
         literal.predicate.name for block in blocks for literal in (*block.entry, *block.exit, *block.invariants)
@@ -97,7 +97,7 @@ def _with_serving(domain: Domain, kept: Set[str], wanted: Set[Pattern]) -> set[s
 def _serves(domain: Domain, block: Block, wanted: Collection[Pattern]) -> bool:
     """Say whether a block may change an atom that matches one of the patterns.
 
-    Two patterns match if, for each argument, a token may belong to the classes in both patterns.
+    Two patterns match if, for each argument, one token can belong to the classes of both patterns.
     """
 
     def can_be_one(one: Classes, other: Classes) -> bool:

@@ -1,4 +1,7 @@
-"""Feasibility facts that fail only because of a safety factor, and messages with both figures of such facts."""
+"""Feasibility facts that fail only because of a safety factor, and messages about these facts.
+
+The messages state each figure with and without the safety factor.
+"""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -16,7 +19,9 @@ def with_unit(number: float, unit: str) -> str:
 
 
 def evaluate_share(predicate: Predicate, state: State, values: Sequence[Value]) -> tuple[float, float]:
-    """Return the load on the first value of a predicate with a share, and the capacity of the first value [unit].
+    """Return the share of the load that the first value must bear, and the load that the first value can bear.
+
+    Both loads are in the predicate's unit.
 
     Raises:
         DomainError: the function `share` of the predicate raised an exception.
@@ -29,7 +34,7 @@ def evaluate_share(predicate: Predicate, state: State, values: Sequence[Value]) 
 
 
 def find_blocked(task: Task) -> list[Atom]:
-    """Return the atoms that fail with the safety factors of a task but hold with the physical bounds."""
+    """Return the atoms that fail with the safety factors of a task but hold without safety factors."""
     found: list[Atom] = []
     for predicate in task.domain.predicates:
         if predicate.safety is not None and predicate.safety.factor > 1.0:
@@ -40,7 +45,7 @@ def find_blocked(task: Task) -> list[Atom]:
 
 
 def describe_shortfall(task: Task, predicate: Predicate, values: tuple[Value, ...], margin: float) -> str:
-    """Return the amount by which a fact fails. If the predicate has a safety factor, the text has both figures.
+    """Return a text with the amount by which a fact fails, with and without the safety factor of the predicate.
 
     The text also says whether the fact is a limit of the blocks.
     """
@@ -51,11 +56,11 @@ def describe_shortfall(task: Task, predicate: Predicate, values: tuple[Value, ..
     bound = float(with_factor(predicate, 1.0).evaluate(task.state, *values))
     spare = f"{with_unit(abs(bound), predicate.unit)} to spare"
     without = f"off by {with_unit(-bound, predicate.unit)}" if bound < 0 else spare
-    return f"{off} with safety factor {predicate.safety.factor:g}, {without} without{limit}"
+    return f"{off} with safety factor {predicate.safety.factor:g}, {without} without the factor{limit}"
 
 
 def describe_blocked(task: Task, atoms: Iterable[Atom]) -> str:
-    """Return a sentence for each group of facts that fail only because of a safety factor, with both figures.
+    """Return a sentence for each group of facts that fail only because of a safety factor.
 
     Facts about tokens that bear a load together are one group.
     """
@@ -85,5 +90,5 @@ def _describe(task: Task, group: list[Atom]) -> Iterator[str]:
     unit = predicate.unit
     yield (
         f"{named}: {with_unit(need, unit)} needed; {bearers} {verb} {with_unit(has, unit)} with safety factor "
-        f"{predicate.safety.factor:g}, {with_unit(most, unit)} without"
+        f"{predicate.safety.factor:g}, {with_unit(most, unit)} without the factor"
     )

@@ -69,7 +69,7 @@ def test_the_answer_names_the_facts_and_both_figures(planner: PlannerProcess) ->
     assert outcome.failure is not None
     assert outcome.failure.detail == (
         "bears(left-hand, crate, two hands) and bears(right-hand, crate, two hands): 196.2 N needed; left-hand and "
-        "right-hand bear 154.6 N with safety factor 1.5, 222.8 N without."
+        "right-hand bear 154.6 N with safety factor 1.5, 222.8 N without the factor."
     )
 
 
