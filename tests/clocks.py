@@ -1,4 +1,4 @@
-"""Clocks that do not tell the time: one that hurries and jumps, and a deadline that counts how often it is checked."""
+"""Clocks for tests: a clock that runs too fast and jumps, and a deadline that counts how often it is checked."""
 
 import itertools
 import time

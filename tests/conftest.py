@@ -9,7 +9,7 @@ import pytest
 from hypothesis import settings
 from toys import Toys
 
-# On a busy machine a slow example is no failure. The examples are the same every time.
+# A slow example on a busy machine is not a failure. All runs test the same examples.
 settings.register_profile("project", deadline=None, derandomize=True)
 settings.load_profile("project")
 

@@ -1,4 +1,4 @@
-"""Planning engines that misbehave, by the name ``fake_engines:Class``; only the planner process imports them."""
+"""Planning engines that misbehave, with names ``fake_engines:Class``. Only the planner process imports them."""
 
 import ctypes
 import os

@@ -1,4 +1,4 @@
-"""Small planning problems, random ones, and a search to check planners."""
+"""Small and random planning problems, and a search for shortest plans to check planners."""
 
 import random
 from collections import deque
@@ -41,7 +41,7 @@ DELIVER = PlanningProblem(
 )
 DELIVERED = (PlannedAction("move", ("first", "home", "yard")), PlannedAction("move", ("first", "yard", "shop")))
 
-# This is impossible even without deletes.
+# This goal is unreachable even without deletions.
 UNREACHABLE = PlanningProblem("unreachable", DELIVERY, DELIVER.objects, DELIVER.init, (("done",),))
 
 # A box cannot be at two places. The translator of Fast Downward finds this.
@@ -82,10 +82,10 @@ def _turning(name: str, wanted: str) -> PlanningProblem:
 
 TURNED = _turning("turned", "2013")
 
-# Turning three tiles is an even permutation, swapping two is odd. Only exhaustion shows it.
+# A rotation of three tiles is an even permutation, and a swap of two tiles is odd. Only exhaustive search shows this.
 ODD = _turning("odd", "1023")
 
-# The one plan deletes and adds one fact, once with two variables and once with a constant.
+# The only plan deletes and adds the same fact, once with two variables and once with a constant.
 MEETING = PlanningProblem(
     "meeting",
     PlanningDomain(
@@ -115,7 +115,7 @@ MEETING = PlanningProblem(
     goal=(("lit", "one"), ("seen", "one"), ("on", "hub")),
 )
 
-# The one operator has a condition on a constant that always holds.
+# The only operator has a condition that always holds, on a constant.
 SETTLED = PlanningProblem(
     "settled",
     PlanningDomain(
@@ -156,7 +156,7 @@ def shortest(problem: PlanningProblem, limit: int = 5000) -> int | None:
 
 
 def random_problem(seed: int) -> PlanningProblem:
-    """Return a problem with few objects: nested types, constants, static facts, effects that meet."""
+    """Return a problem with few objects, nested types, constants, static facts, and effects on the same fact."""
     rng = random.Random(seed)
     types = (("t0", "object"), ("t1", "t0"), ("t2", "object"))
     constants = (("k0", "t0"),) * rng.randint(0, 1)

@@ -1,4 +1,4 @@
-"""Runs of plans on the blocks' own forward models, by the executor."""
+"""Runs of plans in the forward models of the blocks."""
 
 from collections.abc import Mapping
 
@@ -12,12 +12,12 @@ from hybrid_tamp.physics.protocol import open_backend
 
 
 def predict(task: Task, plan: TaskPlan) -> Recording:
-    """Run the plan on the blocks' own forward models."""
+    """Run the plan in the forward models of its blocks."""
     with open_backend("analytic") as backend:
         return execute(task, plan, backend)
 
 
 def margins_of(recording: Recording) -> Mapping[tuple[str, Atom], float | None]:
-    """Return the recorded margins by (instance or `GOAL`, atom)."""
+    """Return a mapping from pairs of (instance or `GOAL`, atom) to the recorded margins."""
     found = {(name, m.atom): m.measured for name, margins in recording.exits.items() for m in margins}
     return found | {(GOAL, margin.atom): margin.measured for margin in recording.goal}

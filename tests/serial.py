@@ -45,7 +45,7 @@ class Station(PlaceClass):
 
 
 def predicate(name: str, *sorts: type[ObjectClass] | SymbolSort, holds: Callable[..., bool], **named: Any) -> Predicate:
-    """Return a predicate that initially holds of the values whose names satisfy `holds`."""
+    """Return a predicate that initially holds for the values whose names satisfy `holds`."""
 
     def margin(state: State, *values: Token | str) -> Any:
         return np.where(holds(*(value if isinstance(value, str) else value.name for value in values)), 1.0, -1.0)
@@ -55,7 +55,7 @@ def predicate(name: str, *sorts: type[ObjectClass] | SymbolSort, holds: Callable
 
 
 def changing(name: str, *sorts: type[ObjectClass] | SymbolSort, at_first: bool = False, **named: Any) -> Predicate:
-    """Return a changing predicate that initially holds of everything or of nothing."""
+    """Return a changing predicate that initially holds for all values or for none."""
     return predicate(name, *sorts, holds=lambda *_: at_first, **named)
 
 
@@ -104,7 +104,7 @@ def domain(blocks: Sequence[Block], predicates: Sequence[Predicate], edges: Iter
 
 
 def in_series(blocks: Sequence[Block]) -> list[tuple[str, str]]:
-    """Return the edges from RESTING through all blocks and back; they connect slots of the same name."""
+    """Return the edges from RESTING through all blocks and back. The edges connect slots with the same name."""
     edges = [("RESTING.token", f"{blocks[0].name}.{slot.name}") for slot in blocks[0].slots]
     for one, other in pairwise(blocks):
         edges += [(f"{one.name}.{slot.name}", f"{other.name}.{slot.name}") for slot in one.slots]
@@ -131,7 +131,7 @@ def task(
 
 
 def stages(count: int, hold: bool = False) -> Domain:
-    """Return a domain in which a part goes from stage 0 to the last, one block per step, and back to RESTING."""
+    """Return a domain in which a part goes through all stages, with one block per step, and then back to RESTING."""
     reached = [changing(f"stage-{i}", Part, at_first=i == 0) for i in range(count + 1)]
     blocks = [
         block(
@@ -152,7 +152,7 @@ class Effort:
 
 
 def effort(folder: Path, problem: PlanningProblem) -> Effort:
-    """Have Fast Downward solve the exported problem, as the default engine does."""
+    """Solve the exported problem with Fast Downward, as the default engine does."""
     (folder / "domain.pddl").write_text(domain_text(problem.domain))
     (folder / "problem.pddl").write_text(problem_text(problem))
     with as_file(files("up_fast_downward") / "downward" / "fast-downward.py") as program:

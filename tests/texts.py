@@ -11,6 +11,6 @@ from hybrid_tamp.taskfile.yaml.nodes import parse
 def load_task_text(
     text: str, name: str, find_domain: FindDomain = installed_domain, check_planner: CheckPlanner | None = None
 ) -> Task:
-    """Return the task of a text as `load_task` does for a file; messages call the text by the name."""
+    """Return the task in a text, like `load_task` for a file. Messages show `name` as the file's name."""
     document = parse(text, name)
     return read_task(document.data, document.faults, name, Path(), find_domain, check_planner)

@@ -1,4 +1,4 @@
-"""A small domain in which nails are driven with tools, and its tasks with any number of unrelated things."""
+"""A small domain in which a hand drives nails with tools, and tasks with any number of unrelated objects."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar
@@ -140,7 +140,7 @@ def task(
     places: Mapping[str, tuple[float, float, float]] | None = None,
     **changes: Any,
 ) -> Task:
-    """Return a task with a nail, a hand and other things by class; a thing is 1 m away by default."""
+    """Return a task with a nail, a hand, and `things` with their classes. By default, a thing is 1 m away."""
     classes = {"hand": (Hand,), goal: (Nail,), **things}
     tokens = [Token.make(name, list(members), {}) for name, members in classes.items()]
     where = {(name, "position"): (1.0, 0.0, 0.0) for name in things}

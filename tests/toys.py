@@ -179,7 +179,7 @@ class World:
 
 @dataclass(frozen=True)
 class Toys:
-    """What the fixture `toys` offers to tests."""
+    """Classes and functions that the fixture `toys` provides."""
 
     world: World = World()
     moving: Block = MOVING
@@ -199,7 +199,7 @@ class Toys:
         return BlockInstance(name, "RESTING", {"token": token}, start, end)
 
     def one_move(self, **hyperparameters: float) -> TaskPlan:
-        """Return the plan rest, move, rest of one pusher to one spot."""
+        """Return the plan in which a pusher rests, moves to a spot and rests."""
         return TaskPlan(
             (
                 self.rest("RESTING-1", 0.0, 0.1),

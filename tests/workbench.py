@@ -117,7 +117,7 @@ def block(mass: float = 2.0, friction: float = 0.5) -> Token:
 
 
 def held(grasp: float, turn: FloatArray, at: FloatArray = UP, aperture: float = NEARLY, **things: Token) -> Task:
-    """Return a scene with nearly closed fingers about a hammer's handle, `grasp` [m] from its centre of mass."""
+    """Return a scene with nearly closed fingers around the handle of a hammer, `grasp` [m] from the centre of mass."""
     tokens = {
         "hand": ball("hand", Hand, mass=1.0),
         "hammer": Token.make("hammer", [Tool], {"mass": MASS}, HAMMER),
@@ -140,7 +140,7 @@ def run(task: Task, seconds: float, policy: Policy) -> list[State]:
 def upright(
     state: State, place: FloatArray, grip: float, speed: FloatArray | float = 0.0, stiffness: float = 40.0
 ) -> Commands:
-    """Return the commands of a pose servo that bears the hammer's weight and is soft enough for an empty wrist."""
+    """Return the commands of a pose servo that bears the hammer's weight, and is stable for a hand without a tool."""
     force = 8000 * (place - state["hand", "position"]) + 180 * (speed - state["hand", "velocity"])
     off = rotation_vector(state["hand", "orientation"])
     torque = -stiffness * (off + 0.008 * state["hand", "angular_velocity"])

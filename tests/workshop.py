@@ -1,4 +1,4 @@
-"""A small domain for tests: a hand cuts parts with cutters that are set, and two hands carry parts to stations."""
+"""A small domain for tests: a hand cuts parts with cutters after setting them, and two hands carry parts."""
 
 from collections.abc import Mapping
 from typing import Any, ClassVar
@@ -158,7 +158,7 @@ def workshop_task(
     loads: tuple[float, ...] = (100.0,),
     domain: Domain = WORKSHOP,
 ) -> Task:
-    """Return a task: forces of hands, weight and hardness of parts, edges of cutters and loads of stations."""
+    """Return a task with the given forces of hands, (weight, hardness) of parts, edges, and loads of stations."""
     tokens = [Token.make(f"hand {i}", [Hand], {"force": force}) for i, force in enumerate(hands)]
     tokens += [
         Token.make(f"part {i}", [Part], {"weight": weight, "hardness": hardness})

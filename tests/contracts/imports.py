@@ -25,7 +25,7 @@ KNOWN = frozenset(module_of(path) for path in source_files())
 
 
 def imports_of(path: Path) -> Iterator[str]:
-    """Yield the modules that a file imports; a submodule that is imported by name counts as itself."""
+    """Yield the modules that a file imports. If a submodule is imported by name, yield the name of the submodule."""
     package = module_of(path) if path.name == "__init__.py" else module_of(path).rpartition(".")[0]
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):

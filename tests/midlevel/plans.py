@@ -5,7 +5,7 @@ from hybrid_tamp.model.task import Task
 
 
 def reach_and_roll(task: Task, hand: str = "hand 0", drum: str = "drum 0", region: str = "region 0") -> TaskPlan:
-    """Return the plan in which a hand rolls a drum to a region; everything else rests."""
+    """Return the plan in which a hand rolls a drum to a region, and all other tokens rest."""
     ways = {"object": drum, "region": region}
     instances = [
         BlockInstance("RESTING-1", "RESTING", {"token": hand}, 0.0, 0.1),

@@ -1,7 +1,7 @@
-"""A toy world in which everything is known in closed form: one block slides a puck along x, another along y.
-
-``FIRST`` slides it to x = a and likes a = 0.2; ``SECOND`` slides it to y = b, likes x = 0.8 and y = x. Together the
-best is a = b = 0.5, of value -0.18; each on its own a = b = 0.2, of value -0.36.
+"""A toy world with optima in closed form: one block slides a puck along x, and a second block slides it along y.
+``FIRST`` slides the puck to x = a, and its measure is best at a = 0.2. ``SECOND`` slides the puck to y = b, and its
+measures are best at x = 0.8 and at y = x. The joint optimum is a = b = 0.5 with the value -0.18. If each block is
+optimised on its own, the optimum is a = b = 0.2 with the value -0.36.
 """
 
 from collections.abc import Sequence
@@ -107,7 +107,7 @@ _RESTING = Block("RESTING", (Slot("token", TOKEN),), "token", Duration(0.1, 3600
 
 
 def puck_task(first: Block = FIRST, second: Block = SECOND, **settings: Any) -> Task:
-    """Return the task; `settings` are those of the mid-level planner."""
+    """Return the task. `settings` are settings of the mid-level planner."""
     edges = [("RESTING.token", "FIRST.puck"), ("FIRST.puck", "SECOND.puck"), ("SECOND.puck", "RESTING.token")]
     domain = Domain("pucks", (Puck,), (SLID,), (first, second, _RESTING), ReassignmentNetwork(edges))
     tokens = (Token.make("puck", [Puck], {}),)
@@ -116,7 +116,7 @@ def puck_task(first: Block = FIRST, second: Block = SECOND, **settings: Any) -> 
 
 
 def puck_plan() -> TaskPlan:
-    """Return the plan: rest, FIRST, SECOND, rest."""
+    """Return the plan in which the puck rests, moves in FIRST, moves in SECOND and rests."""
     times = (0.0, 0.1, 0.2, 0.3, 0.4)
     blocks = ("RESTING", "FIRST", "SECOND", "RESTING")
     names = ("RESTING-1", "FIRST-1", "SECOND-1", "RESTING-2")
@@ -126,5 +126,5 @@ def puck_plan() -> TaskPlan:
 
 
 def with_dummies(names: Sequence[str], inert: Block = FIRST) -> Block:
-    """Return a block with more hyperparameters, which change nothing."""
+    """Return a block with additional hyperparameters that have no effect."""
     return replace(inert, hyperparameters=(*inert.hyperparameters, *map(hyperparameter, names)))
