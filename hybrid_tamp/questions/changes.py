@@ -1,4 +1,4 @@
-"""Functions that return a changed task, with another token, class, edge or fact, or with a new property value.
+"""Functions that return a task with one change, e.g. with an additional token or edge, or with a new property value.
 
 A changed task is planned like any other task. If a class has no members in the task, a new member has no known
 properties. Every feasibility fact about this new member is then assumed to hold.
@@ -53,13 +53,13 @@ def apply_change(task: Task, change: Change) -> Task:
 
 
 def apply_together(task: Task, changes: Collection[Change]) -> Task:
-    """Return the task with all changes applied. Several changes must be all edges or all facts."""
+    """Return the task with all changes applied. Several changes must all add edges, or must all grant facts."""
     if len(changes) == 1:
         (change,) = changes
         return apply_change(task, change)
     edges = [(change.source, change.target) for change in changes if isinstance(change, AddEdge)]
     atoms = [change.atom for change in changes if isinstance(change, GrantFact)]
-    assert len(changes) in (len(edges), len(atoms)), "several changes must be all edges or all facts"
+    assert len(changes) in (len(edges), len(atoms)), "several changes must all add edges, or must all grant facts"
     return with_facts(task, atoms) if atoms else with_edges(task, edges)
 
 
@@ -100,7 +100,7 @@ def with_copy(task: Task, like: Token, position: FloatArray) -> Task:
 
 
 def with_ideal(task: Task, object_class: type[ObjectClass]) -> Task:
-    """Return the task with a first member of a class. All feasibility facts about this new token hold."""
+    """Return the task with a new token of a class that has no members. All feasibility facts about the token hold."""
     classes = tuple(sorted({object_class, task_root(task)}, key=lambda each: each.name))
     ideal = Token(_free_name(task, object_class.name.lower()), classes, {})
     more = _add_token(task, ideal, {}, None, task.agents)
@@ -153,8 +153,8 @@ def with_token(task: Task, token: Token) -> Task:
 def with_class(task: Task, token: Token, object_class: type[ObjectClass]) -> Task:
     """Return the task in which a token is also a member of another class.
 
-    Missing properties are copied from the first member of the class. If the class has no members, every feasibility
-    fact in which the token is an argument of this class is assumed to hold.
+    Missing properties are copied from the first member of the class. If the class has no members, the feasibility facts
+    about the token as a member of the class are assumed to hold.
     """
     members = [each for each in task.values_of(object_class) if isinstance(each, Token)]
     classes = tuple(sorted({*token.classes, object_class}, key=lambda each: each.name))
@@ -198,8 +198,8 @@ Granted = Callable[[Predicate, tuple[Value, ...]], bool]
 def grant(domain: Domain, wanted: Granted, margin: float = 1.0, names: Collection[str] = ()) -> Domain:
     """Return the domain with a fixed margin for some feasibility facts.
 
-    The tokens in these facts may lack properties and shapes. A state predicate that needs them does not hold. The
-    expected duration of each block is set to the minimum.
+    The tokens in these facts may lack properties or a shape. A state predicate that needs a missing property or shape
+    does not hold. The expected duration of each block is set to the minimum.
 
     Args:
         domain: the domain to change.

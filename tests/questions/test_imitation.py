@@ -135,7 +135,7 @@ def test_a_missing_class_is_named() -> None:
     task, plan, _ = rolled()
     other = load_task_text(OTHER, "other")
     handless = replace(other, tokens=tuple(t for t in other.tokens if t.name != "paddle"))
-    with pytest.raises(NoPlan, match="is a member of STATIC END-EFFECTOR, but other has no such token"):
+    with pytest.raises(NoPlan, match="is a member of STATIC END-EFFECTOR, but no token of other is"):
         transfer(task, plan, handless)
 
 

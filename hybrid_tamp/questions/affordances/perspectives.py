@@ -1,9 +1,10 @@
 """Affordances of objects in the perspectives of the environment, an agent, an observer and a team (paper, Sec. II-E).
 
 An object affords a block if the object can fill one of the block's slots. The *environment's* perspective considers
-only the classes of the object. In an *agent's* perspective, tokens of the agent must fill the other slots. Every
-feasibility fact of this binding must hold, edges must lead every token to its slot, and each precondition must hold
-initially or be achievable when effects that delete atoms are ignored. The binding is the witness of the affordance.
+only the classes of the object. In an *agent's* perspective, tokens must fill the other slots, and these tokens must not
+belong to other agents. The feasibility facts of this binding must hold, and the network must have a path for every
+token to its slot. Each precondition must hold initially, or be achievable if the deleted atoms of all blocks are
+ignored. The binding is called the witness of the affordance.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -55,7 +56,7 @@ def afforded_to(task: Task, *names: str) -> list[Affordance]:
 
 
 def observer(task: Task) -> tuple[list[Affordance], list[Implication]]:
-    """Return the affordances for each agent, and the affordances implied for agents with the same capabilities."""
+    """Return the affordances for each agent, and implications for other agents with at least the same capabilities."""
     by_agent = {name: afforded_to(task, name) for name in task.agents}
     implied = [
         Implication(seen, other, next((one.witness for one in by_agent[other] if one.key[1:] == seen.key[1:]), {}))
@@ -82,7 +83,7 @@ def team(task: Task) -> list[Affordance]:
 
 
 def capabilities(task: Task, name: str) -> frozenset[tuple[str, int]]:
-    """Return pairs of (capability class, n), where n runs from 1 to the number of the agent's tokens of the class."""
+    """Return a set that contains (capability class, n) if the agent has at least n tokens of the class."""
     counted: list[str] = []
     for token in task.agents[name]:
         counted += [each.name for each in task.token_by_name[token].classes if issubclass(each, CapabilityClass)]
@@ -100,7 +101,7 @@ def _of_agents(task: Task, names: Iterable[str]) -> Task:
 
 
 def _offered(task: Task, thing: Token) -> Iterator[tuple[Block, Slot]]:
-    """Yield a pair of (block, slot) for each slot that fits the classes of an object. Hand slots are left out."""
+    """Yield (block, slot) for each slot with a class of the object. Hand slots and general slots are left out."""
     for block in task.domain.blocks:
         for slot in block.slots:
             general = slot.object_class is task_root(task) or issubclass(slot.object_class, CapabilityClass)

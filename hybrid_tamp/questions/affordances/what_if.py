@@ -58,7 +58,7 @@ def change_task(task: Task, question: str, find: FindAffordances) -> Task:
     members = [each for each in task.values_of(classes[name]) if isinstance(each, Token)]
     if not members:
         return with_ideal(task, classes[name])
-    # Prefer a member that belongs to an agent, because a copy of any other member gives no agent a new token.
+    # Prefer a member that belongs to an agent. Then the agent gets the copy, otherwise no agent does.
     owned = {token for tokens in task.agents.values() for token in tokens}
     members.sort(key=lambda token: token.name not in owned)
     more = [apply_change(task, change) for change in propose_copies(task, members[0])]

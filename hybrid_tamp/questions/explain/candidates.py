@@ -30,7 +30,7 @@ from hybrid_tamp.questions.explain.property_changes import find_factor_changes, 
 
 
 def propose_changes(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
-    """Yield every single change of a task once. Changes that remove the cause of a reason come first."""
+    """Yield each change of a task once. Changes that remove the cause of a reason come first."""
     seen: set[Change] = set()
     for change in _Space(task).ordered(reasons):
         # Several failing facts may lead to the same property change.
@@ -40,7 +40,7 @@ def propose_changes(task: Task, reasons: Iterable[Reason]) -> Iterator[Change]:
 
 
 def find_answers(task: Task, reason: Reason) -> Iterator[Change]:
-    """Yield the single changes that remove the cause of a reason."""
+    """Yield the changes that each remove the cause of a reason."""
     return _Space(task).pointed(reason)
 
 
@@ -58,7 +58,7 @@ def points_to(reason: Reason, change: Change) -> bool:
 
 
 class _Space:
-    """The space of all single changes of one task."""
+    """The set of all changes of one task. Each change alone might make the task solvable."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
@@ -67,7 +67,7 @@ class _Space:
         self._slots = {(b.name, s.name): s.object_class for b in task.domain.blocks for s in b.slots}
 
     def ordered(self, reasons: Iterable[Reason]) -> Iterator[Change]:
-        """Yield every single change, most promising changes first. Some changes occur more than once."""
+        """Yield all changes, most promising changes first. Some changes occur more than once."""
         for reason in reasons:
             yield from self.pointed(reason)
         yield from self.tokens()
@@ -80,7 +80,7 @@ class _Space:
             yield from find_property_changes(self.task, atom)
 
     def pointed(self, reason: Reason) -> Iterator[Change]:
-        """Yield the changes that remove the cause of a reason."""
+        """Yield the changes that each remove the cause of a reason."""
         if isinstance(reason.lacks, tuple):
             yield from self.edges(reason.lacks)
         elif reason.lacks is not None and reason.lacks in self.task.domain.classes:
@@ -109,7 +109,7 @@ class _Space:
                 yield JoinClass(token, each)
 
     def edges(self, towards: SlotName | None = None) -> Iterator[Change]:
-        """Return changes that add an edge from a reachable slot: to unreachable slots first, then likely edges."""
+        """Return changes that add an edge from a reachable slot. Edges to unreachable slots come first."""
         sources = {slot for token in self.task.assigned for slot in self._passages.slots(token)}
         network, relations = self.task.domain.network, self.task.domain.relations
         pairs = [
@@ -121,7 +121,7 @@ class _Space:
         into = {(split_mode(one[0])[0], other) for one, other in network.edges}
 
         def likely(one: SlotName, other: SlotName) -> bool:
-            """Say whether the network has an edge between the same actions with the same source or destination."""
+            """Say whether an edge joins the first slot to the same action, or the same action to the second slot."""
             return (one, split_mode(other[0])[0]) in out_of or (split_mode(one[0])[0], other) in into
 
         # Edges within one block come last, because they only let an action follow itself.
@@ -156,7 +156,10 @@ class _Space:
     def _failure(
         self, conditions: Iterable[Literal], roles: Set[str], bound: Mapping[str, Value]
     ) -> dict[Atom, float] | None:
-        """Map the only failing fact to its margin divided by its scale, or return None if several facts fail."""
+        """Return a dict from the only failing fact to its margin, as a multiple of the predicate's scale.
+
+        If no fact fails, the dict is empty. Return None if several facts fail, or if a fact about symbols fails.
+        """
         found: dict[Atom, float] = {}
         for literal in conditions:
             # Conditions whose roles are not all bound are skipped.
@@ -164,7 +167,7 @@ class _Space:
             margin = self._facts.margin(literal, bound) if decided else 0.0
             if margin < 0:
                 found[literal.ground(bound)] = margin / literal.predicate.scale
-                # Facts about symbols alone cannot be granted either.
+                # No change can grant a fact about symbols.
                 if literal.predicate.rows is not None or len(found) > 1:
                     return None
         return found

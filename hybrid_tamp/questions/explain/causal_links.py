@@ -1,4 +1,8 @@
-"""Explanation of each token in a plan by the causal links from the goal back to the initial state."""
+"""Explanation of each token in a plan by causal links, which are followed from the goal back to the initial state.
+
+A causal link says that an instance (the producer) achieves an atom that a later instance or the goal (the consumer)
+needs.
+"""
 
 from collections.abc import Iterable, Iterator
 from math import inf
@@ -42,7 +46,7 @@ def find_causes(task: Task, plan: TaskPlan) -> list[Cause]:
         if own:
             why = _why(token, own[0], instances)
         elif any(token.name in atom.arguments for atom in task.goal):
-            why = "the goal names this token, but every goal atom about it already holds in the initial state"
+            why = "the goal names this token, but every goal atom that names the token holds in the initial state"
         else:
             why = _why_not(task, plan, token, needed)
         found.append(Cause(token.name, bool(own), why, own))

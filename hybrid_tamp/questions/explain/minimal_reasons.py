@@ -17,13 +17,13 @@ from hybrid_tamp.questions.explain.candidates import find_answers
 from hybrid_tamp.questions.explain.trial_plans import TrialPlanner
 
 MOST_ANSWERS = 4
-"""Maximum number of changes that are tested to remove the cause of one reason."""
+"""Maximum number of changes that are tested for each reason. Each of these changes removes the cause of the reason."""
 
 
 def keep_necessary(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> list[Reason]:
     """Return the reasons for which removing the cause may make the task solvable.
 
-    Once a reason is dropped, the remaining reasons are examined in the task without the cause of this reason.
+    Once a reason is dropped, its cause stays removed from the task in which the remaining reasons are examined.
 
     Args:
         task: a task that has no plan.
@@ -91,7 +91,7 @@ def _find_changes(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -
 
 
 def plan_atoms_alone(task: Task, reasons: Sequence[Reason], trials: TrialPlanner) -> Iterator[Reason]:
-    """Yield the reasons. A reason that blames all goal atoms together is replaced if an atom alone has no plan.
+    """Yield the reasons. A reason that blames all goal atoms together is replaced if a single atom has no plan.
 
     Args:
         task: a task that has no plan.

@@ -1,14 +1,13 @@
 """Reasons why a task has no plan, derived from its declarations. Each reason is true and can be checked by hand.
 
-A backward search starts at every goal atom that cannot be reached. It examines the blocks that could achieve the atom,
-then the blocks that could achieve the preconditions of these blocks. A block cannot run if:
+A backward search starts at every goal atom that cannot be reached. The search examines the blocks that could achieve
+the atom, then the blocks that could achieve the preconditions of these blocks. A block cannot run if:
 
 - no token can fill one of its slots,
 - the task has too few tokens for its slots, or
 - its feasibility facts fail for every choice of tokens. The reason then states the margin of the best choice.
 
-If every block can run, but only after an atom that these blocks themselves achieve, the reason is this atom (see
-`unreachable`).
+If each of these blocks needs an atom that only the same blocks achieve, the reason is this atom (see `unreachable`).
 """
 
 import math
@@ -45,7 +44,8 @@ MOST_EXPLAINED = 5
 def explain_outcome(outcome: PlanOutcome, trials: int, most: int, deadline: Deadline) -> PlanOutcome:
     """Return a failed outcome of planning with its explanation (see `explain_failure`).
 
-    If a limit ends the search for changes, the outcome becomes a failure by this limit, with what is known so far.
+    If a time or memory limit ends the search for changes, the failure of the outcome is replaced by this limit. The
+    explanation then has the reasons that are known so far.
     """
     assert outcome.failure is not None, "the outcome must be a failure"
     explanation = explain_failure(outcome, trials, most, deadline)
@@ -60,9 +60,9 @@ def explain_failure(outcome: PlanOutcome, trials: int = 0, most: int = 1, deadli
     """Explain why planning found no plan.
 
     Args:
-        outcome: the outcome of planning, which must be a failure. A failure with a detail gets no other reasons.
-        trials: largest number of changed tasks to plan. The search for changes needs a proof that no plan exists.
-        most: number of changes after which the search stops.
+        outcome: the outcome of planning, which must be a failure. A failure with a detail text gets no other reasons.
+        trials: largest number of changed tasks to plan. Changes are tried only if the task is proven to have no plan.
+        most: number of suggested changes after which the search stops.
         deadline: deadline of the command.
     """
     task, failure = outcome.task, outcome.failure
@@ -94,12 +94,12 @@ def explain_wholly(task: Task, trials: int, most: int, deadline: Deadline = NEVE
     Args:
         task: a task that is proven to have no plan.
         trials: largest number of changed tasks to plan.
-        most: number of changes after which the search stops.
+        most: number of suggested changes after which the search stops.
         deadline: deadline of the command.
 
     Returns:
         The suggestions, and the smallest set of reasons found with this number of trials (see `minimal_reasons`). If a
-        limit ends the search for changes, all reasons without suggestions.
+        time or memory limit ends the search, the explanation has all reasons and no suggestions.
     """
     part = keep_relevant(task)
     reasons = explain_alternatives(part, proven=True)
@@ -135,7 +135,8 @@ def _try_changes(task: Task, part: Task, reasons: list[Reason], trials: TrialPla
 def explain(task: Task, proven: bool = False) -> list[Reason]:
     """Return reasons why the goal cannot be reached.
 
-    If the declarations show no reason, the list is empty or, if the task is `proven` unsolvable, has a general reason.
+    If the declarations show no reason, the list is empty. If the task is `proven` to have no plan, the list has a
+    general reason instead.
     """
     search = BackwardSearch(task)
     open_atoms = [atom for atom in task.goal if not search.holds(atom)]
@@ -214,7 +215,7 @@ class _Walk:
         return name_atom(self._search.task, atom, self.reasons(atom))
 
     def _violation(self, reason: Reason) -> float:
-        """Return the margin of a reason divided by its predicate's scale, or minus infinity if it has no margin."""
+        """Return the margin of a reason as a multiple of the predicate's scale, or minus infinity without a margin."""
         if reason.margin is None or reason.atom is None:
             return -math.inf
         return reason.margin / self._search.task.domain.predicate_by_name[reason.atom.predicate].scale

@@ -34,7 +34,7 @@ def find_property_changes(task: Task, atom: Atom) -> Iterator[SetProperty]:
 
 
 def find_factor_changes(task: Task, atom: Atom) -> Iterator[SetFactor]:
-    """Yield the smallest reduction of a safety factor that makes a feasibility fact hold, if there is one.
+    """Yield the smallest reduction of a safety factor that makes a feasibility fact hold, if any reduction does.
 
     The new factor is rounded down to `_DIGITS` digits.
     """
@@ -72,7 +72,7 @@ def _unit(token: Token, key: str) -> str:
 
 
 def _components(token: Token, key: str) -> tuple[int | None, ...]:
-    """Return the components of a property that may change: None for a number, and 0 to 2 for an unrestricted vector."""
+    """Return ``(None,)`` for a number, ``(0, 1, 2)`` for a vector without a validator, and ``()`` otherwise."""
     value = token[key]
     if isinstance(value, float):
         return (None,)

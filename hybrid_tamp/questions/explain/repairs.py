@@ -1,9 +1,9 @@
 """Search for single changes that make a task solvable.
 
-Solving the delete relaxation of a changed task takes a few hundredths of a second and may prove that the change is
-useless. The planner tries the remaining changes. Its plans must obey the law of assignment. If the task is unsolvable
-only because blocks delete atoms, the relaxation proves nothing. The planner then tries many edges or facts at once. If
-the task is unsolvable with a whole group of edges or facts, each change of the group is useless.
+The delete relaxation of a changed task, in which blocks delete no atoms, is solved in a few hundredths of a second. If
+the relaxation has no plan, the change is useless. All other changes are planned, and a plan must obey the law of
+assignment. If the task is unsolvable only because blocks delete atoms, the relaxation proves nothing. The planner then
+tries many edges or facts at once. If even the whole group does not help, each change of the group is useless.
 """
 
 from collections import Counter
@@ -42,7 +42,7 @@ class Repairs:
 
     Attributes:
         suggestions: changes that make the task solvable, in the order in which they were found.
-        complete: whether the search examined every single change or found the requested number of changes.
+        complete: whether the search examined all changes, or found the requested number of changes.
     """
 
     suggestions: tuple[Suggestion, ...]
@@ -56,7 +56,7 @@ def find_repairs(task: Task, reasons: Sequence[Reason], trials: TrialPlanner, mo
         task: a task that has no plan.
         reasons: known reasons why the task has no plan. Changes that remove these reasons are tried first.
         trials: planner for changed tasks. Once its count is used up, no further change is tried.
-        most: number of changes after which the search stops.
+        most: number of suggested changes after which the search stops.
     """
     found: list[Suggestion] = []
     kinds, copied = Counter[str](), set[str]()
@@ -88,7 +88,7 @@ class _Sieve:
         self._relaxed_unsolvable = any(reason.kind != "together" for reason in reasons) or not self._possible([])
 
     def promising(self, changes: Iterable[Change]) -> Iterator[Change | None]:
-        """Yield the changes that may be useful, and None for other tests so that the caller can check the count."""
+        """Yield the changes that may be useful. Yield None after other tests, so that the caller checks the count."""
         for kind, group in groupby(changes, key=lambda change: change.kind):
             if kind not in ("edge", "fact"):
                 yield from (change if self._possible([change]) else None for change in group)

@@ -15,7 +15,7 @@ from hybrid_tamp.symbolic.strategies.search import SearchResult
 class TrialPlanner(ExitStack):
     """A planner for a limited number of changed tasks.
 
-    A count limits the number, so the clock never decides which changes are found.
+    The limit is a count and not a time, so that the result does not depend on the speed of the computer.
 
     Attributes:
         left: number of tasks that can still be planned.

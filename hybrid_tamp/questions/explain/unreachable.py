@@ -1,6 +1,6 @@
-"""Changing atoms that no block can achieve first, because the blocks that achieve the atoms need the atoms themselves.
+"""Reasons for atoms that no block can achieve, because achieving an atom first requires the atom itself.
 
-For example, a hand can set a hammer upright only if the hand holds the hammer, and can grasp only an upright hammer. No
+For example, a hand must hold a hammer to set the hammer upright, but the hand can grasp only an upright hammer. No
 block is impossible, so the reason is an atom of the initial state: the hammer does not stand.
 """
 
@@ -18,7 +18,7 @@ _SHOWN = 4
 
 
 def explain_cycle(search: BackwardSearch, goal: Atom) -> list[Reason]:
-    """Return the reason that a goal atom depends on atoms that depend on themselves, or an empty list.
+    """Return a reason for each group of atoms on which the goal atom depends and which depend on each other.
 
     Args:
         search: search that has explored the goal atom and has not reached the atom.
@@ -30,9 +30,9 @@ def explain_cycle(search: BackwardSearch, goal: Atom) -> list[Reason]:
     last = [group for group in groups if _is_last(graph, group)]
     found = []
     for group in last:
-        # An atom of a running block cannot hold initially, so the reason is an atom that could.
+        # An atom that holds only while a block runs cannot hold initially, so the reason is another atom if possible.
         atoms = [a for a in group if not search.task.domain.predicate_by_name[a.predicate].maintained] or list(group)
-        # The deepest atom is achieved first in a plan.
+        # A plan would achieve the atom that is farthest from the goal first.
         root = max(atoms, key=lambda atom: (depth[atom], atom))
         if search.ways[root].waits:
             found.append(_reason(search, graph, root, group))
@@ -55,7 +55,7 @@ def name_atom(task: Task, atom: Atom, reasons: list[Reason]) -> list[Reason]:
 
 
 def _is_other_class(task: Task, atom: Atom, reason: Reason) -> bool:
-    """Say whether the reason is that a token of the atom is not a member of the class of its role in a block."""
+    """Say whether the reason is that a token of the atom does not belong to the class that a block requires."""
     block = task.domain.block_by_name.get(reason.block)
     effects = () if block is None else (each for each in block.exit if each.predicate.name == atom.predicate)
     return any(
@@ -67,7 +67,7 @@ def _is_other_class(task: Task, atom: Atom, reason: Reason) -> bool:
 
 
 def _dependencies(search: BackwardSearch) -> "nx.DiGraph[Atom]":
-    """Return the graph of the atoms that are not reached, with an edge from each atom to the atoms that it needs."""
+    """Return the graph of the unreached atoms. An edge leads from an atom to an atom that must be achieved before."""
     reached = search.find_reached()
     graph: nx.DiGraph[Atom] = nx.DiGraph()
     for atom, ways in search.ways.items():

@@ -1,11 +1,14 @@
 """Beam search through time for the cheapest interpretation of an observation.
 
-An instance of a block with `hold` ends when one of its tokens leaves. Any other instance ends when its exit conditions
-hold. The tokens then enter slots of new instances along edges of the network. At this instant, the exit conditions of
-all ending instances and the entry conditions of all starting instances must be observed to hold. Of all interpretations
-with the same running instances, only the cheapest is kept. An interpretation is cheap if it has few instances, and if
-tokens stop near their predicted positions. An instance with targets costs less if the next instance needs its effects.
-This cost settles ambiguous targets, for example if a hand reaches behind an object and two regions lie on one line.
+An interpretation explains the observed motion by block instances. An instance usually ends when its exit conditions
+hold. If the block has `hold`, its exit conditions are maintained, and the instance ends when one of its tokens leaves.
+The tokens then enter slots of new instances along edges of the network. At this time, the exit conditions of all ending
+instances and the entry conditions of all starting instances must be observed to hold.
+
+Of all interpretations with the same running instances, only the cheapest is kept. An interpretation is cheap if it has
+few instances, and if tokens stop near their predicted positions. An instance with targets costs less if the next
+instance needs its effects. This rule settles ambiguous targets, for example if a hand reaches behind an object and two
+regions lie on one line.
 """
 
 from collections.abc import Iterator
@@ -45,7 +48,7 @@ class Interpretation:
 
     @property
     def due(self) -> int:
-        """Row by which the first running instance must end, or a row beyond the last if none must end."""
+        """First row by which a running instance must end, or a row beyond the last row if no instance must end."""
         return min(hypothesis.due for hypothesis in self.running)
 
     @property
@@ -113,7 +116,7 @@ class _Search:
         return found or [self._unexplained(interpretation, due)]
 
     def _reassignments(self, interpretation: Interpretation, reassignment: _Reassignment) -> Iterator[_Reassignment]:
-        """Yield every complete reassignment that extends a partial one."""
+        """Yield every complete reassignment that extends a partial reassignment."""
         self.deadline.check()
         if not reassignment.leaving:
             yield reassignment
@@ -173,7 +176,7 @@ class _Search:
         return _UNUSED * sum(not needed & self._ground(each.block or "", each.slots + each.targets) for each in aimed)
 
     def _ground(self, name: str, roles: Roles, entries: bool = False) -> frozenset[Atom]:
-        """Return the ground measured entry conditions of an instance if `entries`, else its exit conditions."""
+        """Return the atoms of an instance's measured exit conditions, or of its entry conditions if `entries`."""
         key = (name, roles, entries)
         if key not in self._atoms:
             block, binding = self.hypotheses.block(name), self.task.bind(dict(roles))

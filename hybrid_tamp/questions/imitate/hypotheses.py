@@ -32,9 +32,9 @@ UNEXPLAINED_COST = 20.0
 MISFIT_SCALE = 0.05
 """Distance from the predicted position that costs as much as one block instance, in metres."""
 PAUSE_COST = 4.0
-"""Cost of a pause that the rollout of the block's policy does not show. One block instance costs 1."""
+"""Cost of a pause that does not occur in the rollout of the block's policy. One block instance costs 1."""
 _MISFIT_BOUND = (0.08, 0.25)
-"""Pair of (offset in metres, factor). The largest misfit is the offset plus the factor times the moved distance."""
+"""Pair of (offset in metres, factor). A predicted position may be off by offset plus factor times moved distance."""
 _OPEN = 0.2
 """Longest time for which noise may switch exit conditions on and off, in seconds."""
 _PAUSE = 0.2
@@ -51,8 +51,8 @@ class Hypothesis:
         targets: pairs of (target, token or symbol).
         start: row at which the tokens enter the instance.
         reached: first row at which the exit conditions hold.
-        departs: first row at which a token has moved away, or a row beyond the last if none moves away.
-        due: row by which the instance must end. It equals `departs` if the block has a hold, else `reached`.
+        departs: first row at which a token has moved away, or a row beyond the last row if no token moves away.
+        due: row by which the instance must end: `departs` if the block has `hold`, else `reached`.
         cost: cost of the hypothesis. An interpretation sums the costs of its hypotheses.
     """
 
@@ -111,7 +111,7 @@ class Hypotheses:
         return self.truth(self.block(name).measured_entries, roles, strict)
 
     def find(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Hypothesis, ...]:
-        """Return the hypotheses that begin in a row and agree with the observation. Noise may cause several."""
+        """Return the hypotheses that begin in a row and agree with the observation, several if noise is large."""
         key = (name, slots, targets, start)
         if key not in self._found:
             rows = self._reached(self.block(name), slots + targets, start)
@@ -120,7 +120,7 @@ class Hypotheses:
         return self._found[key]
 
     def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
-        """Return the possible first rows at which the exit conditions hold. Noise may cause several."""
+        """Return the possible first rows at which the exit conditions hold, several if noise is large."""
         seen = self.observation
         earliest = seen.times[start] + block.duration.minimum
         if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:
@@ -180,7 +180,7 @@ class Hypotheses:
         return (Atom(atom.predicate, atom.arguments) in self.static) == literal.positive
 
     def _departure(self, block: Block, slot: str, token: str, start: int, reached: int) -> int:
-        """Return the row at which a token has left the instance or a state variable has changed unexpectedly."""
+        """Return the first row at which the pose or another state variable of a token has changed unexpectedly."""
         # Until `reached`, state variables that the block writes may change.
         written = set(block.writes.get(slot, ()))
         rows = [self.observation.departure(token, reached if written & set(_POSE) else start)]
@@ -190,7 +190,10 @@ class Hypotheses:
 
     @cached_property
     def _changes(self) -> dict[tuple[str, str], tuple[int, ...]]:
-        """Maps (token, state variable except pose and velocity) to rows where a unary predicate over it changes."""
+        """Maps each (token, state variable) to the rows at which a one-place predicate that reads the variable changes.
+
+        Poses and velocities are left out.
+        """
         found: dict[tuple[str, str], tuple[int, ...]] = {}
         bodies = {varying.name for varying in BODY_STATE}
         for predicate, token in product(self.task.domain.predicates, self.task.assigned):
@@ -214,7 +217,7 @@ class Hypotheses:
         )
 
     def _misfit(self, block: Block, slots: Roles, targets: Roles, start: int, reached: int) -> float | None:
-        """Return the sum of the tokens' distances from their predicted positions in metres, or None if one is large."""
+        """Return the sum of the tokens' distances from their predicted positions [m], or None if one is too large."""
         seen = self.observation
         tokens = [token for _, token in slots]
         before = seen.likely(start)

@@ -1,7 +1,7 @@
 """Comparison of an observed movement with a rollout of a block's policy on the block's forward model.
 
-If the movement has more pauses than the rollout, several blocks produced the movement. If the path of the movement is
-much longer than that of the rollout, the block did not produce the movement.
+If the movement has more pauses than the rollout, several blocks probably produced the movement. If the observed path is
+much longer than the path in the rollout, the block did not produce the movement.
 """
 
 from itertools import pairwise
@@ -16,13 +16,13 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.questions.imitate.observation import Observation, Truth
 
 _SLOW = 0.03
-"""Speed below which a token counts as pausing, in m/s."""
+"""Speed below which a token is treated as pausing, in m/s."""
 _SHORTEST = 0.12
 """Minimum duration of a pause, in seconds."""
 _SPAN = 0.05
 """Sampling period for measuring the length of a path, in seconds."""
 _LONGER = (1.5, 0.1)
-"""Pair of (factor, offset in metres). The longest allowed path is factor times expected length plus offset."""
+"""Pair of (factor, offset in metres). The longest allowed path is the expected length times factor, plus offset."""
 _CHECK_EVERY = 12
 """Number of control periods between two tests of a block's exit conditions in a rollout."""
 _PATIENCE = 2.0
@@ -35,7 +35,7 @@ def count_pauses(speeds: FloatArray, period: float, slow: float = _SLOW) -> int:
     Args:
         speeds: speed of the fastest token in each row, in m/s. Shape ``(t,)``.
         period: time between two rows, in seconds.
-        slow: speed below which a token counts as pausing, in m/s.
+        slow: speed below which a token is treated as pausing, in m/s.
     """
     still: Truth = speeds < slow
     ends = [0, *(np.flatnonzero(np.diff(still.astype(int))) + 1).tolist(), len(still)]

@@ -1,4 +1,4 @@
-"""Observed states of all tokens over time, with an estimate of their noise."""
+"""Observed states of all tokens over time, with an estimate of the measurement noise."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -24,7 +24,7 @@ SURE = 3.0
 _MEDIAN = 0.6745
 """Median of the absolute value of a standard normal variable."""
 _LEAST = 1e-4
-"""Smallest estimate of position noise that is used, in metres. Smaller estimates reflect the movement itself."""
+"""Smallest position noise, in metres. Smaller estimates reflect the movement and are replaced by zero noise."""
 _DRAWS = 16
 """Number of random states that represent one noisy state."""
 STILL = (0.01, 0.04)
@@ -100,8 +100,8 @@ class Observation:
     def truth(self, literal: Literal, binding: dict[str, Value], strict: bool = False, sure: float = SURE) -> Truth:
         """Return a mask of the rows in which the measured states satisfy a condition.
 
-        Unless `strict`, rows are also included if the smoothed margin is negative by at most the allowance plus `sure`
-        standard deviations of the margin's noise.
+        If ``strict`` is false, the smoothed margin may be negative by at most the allowance plus ``sure`` standard
+        deviations of the margin's noise.
         """
         key = (literal.ground(binding), strict, sure)
         if key not in self._truths:
@@ -114,7 +114,7 @@ class Observation:
         return self._truths[key]
 
     def departure(self, token: str, row: int) -> int:
-        """Return the first row after `row` in which the token has left its pose, or a row beyond the last."""
+        """Return the first row after `row` in which the token has left its pose, or a row beyond the last row."""
         moved = np.flatnonzero(self._moved(token, row, STILL)[row:])
         return row + int(moved[0]) if len(moved) else self.last + 1
 

@@ -20,7 +20,7 @@ def segment(task: Task, observation: Observation, deadline: Deadline = NEVER) ->
     """Return the timeline that explains an observation best.
 
     Args:
-        task: task with the tokens, the domain and the initial assignment. Its goal affects only the violations.
+        task: task with the tokens, the domain and the initial assignment. Unmet goals are reported as violations.
         observation: observed states over time.
         deadline: deadline of the command.
 

@@ -1,8 +1,9 @@
 """Transfer of a demonstrated plan to another agent with the same capability classes (paper, Sec. II-E).
 
-The goals determine the roles of the tokens that they name. All other tokens take roles that their classes allow.
-Assignments of roles are tried one after the other, and the first assignment with a lawful plan is used. Assignments
-in which the tokens are arranged most like in the demonstration come first.
+Tokens of the imitator take the roles of the demonstrated tokens. A token in the demonstrated goal is replaced by the
+token in the imitator's goal. Any other token is replaced by a token of suitable classes. Assignments of roles are tried
+one after the other. Assignments in which the imitator's tokens are arranged most like in the demonstration come first.
+The first assignment whose plan obeys the law of assignment is used.
 """
 
 from collections.abc import Iterator, Mapping
@@ -68,7 +69,7 @@ def transfer(shown: Task, plan: TaskPlan, task: Task, deadline: Deadline = NEVER
     for token, names in able.items():
         if not names:
             classes = ", ".join(sorted(sort.name for sort in wanted[token]))
-            raise _refused(f"{token} in the demonstration is a member of {classes}, but {task.name} has no such token")
+            raise _refused(f"{token} in the demonstration is a member of {classes}, but no token of {task.name} is")
     found = list(islice(_assignments(able, _goal_roles(shown, task, able)), _MOST))
     if not found:
         raise _refused(f"{task.name} has too few tokens to replace {_counted(wanted, able)}")
@@ -80,7 +81,7 @@ def transfer(shown: Task, plan: TaskPlan, task: Task, deadline: Deadline = NEVER
         if isinstance(found_or_why, Transfer):
             return found_or_why
         why = why or found_or_why
-    raise _refused(f"the demonstrated plan is not a lawful plan of {task.name}: {why}")
+    raise _refused(f"{task.name} does not allow the demonstrated plan: {why}")
 
 
 def _refused(said: str) -> NoPlan:
@@ -108,7 +109,7 @@ def _acting(shown: Task, plan: TaskPlan) -> list[BlockInstance]:
 
 
 def _classes(shown: Task, seen: list[BlockInstance]) -> dict[str, set[type[ObjectClass]]]:
-    """Return a dict that maps each token in a role to the classes of its roles."""
+    """Return a dict that maps each token to the classes of all roles that the token fills."""
     found: dict[str, set[type[ObjectClass]]] = {}
     for instance in seen:
         roles = shown.domain.block_by_name[instance.block].roles
@@ -166,7 +167,7 @@ def _assignments(able: Mapping[str, list[str]], fixed: dict[str, str]) -> Iterat
 
 
 def _compare_arrangements(shown: Task, task: Task, roles: Mapping[str, str]) -> float:
-    """Return the difference between two arrangements of tokens, summed over all pairs of tokens, in metres."""
+    """Return how much the vectors between the tokens differ, as a sum over all pairs of tokens, in metres."""
     before = np.array([shown.state[name, "position"] for name in roles])
     after = np.array([task.state[name, "position"] for name in roles.values()])
     return float(np.linalg.norm((before[:, None] - before) - (after[:, None] - after), axis=-1).sum())
@@ -180,7 +181,7 @@ def _counted(wanted: Mapping[str, set[type[ObjectClass]]], able: Mapping[str, li
 
 
 def _transfer_roles(task: Task, plan: TaskPlan, seen: list[BlockInstance], roles: Mapping[str, str]) -> Transfer | str:
-    """Return the plan scheduled with the given roles, or the reason why this is impossible."""
+    """Return the plan scheduled with the given roles, or the reason why the roles are impossible."""
     instants = [time for time in plan.instants if any(at(i.start, time) for i in seen)]
 
     def index(time: float) -> int:

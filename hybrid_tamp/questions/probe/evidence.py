@@ -1,4 +1,4 @@
-"""Judgement of the runs of membership trials: why a trial failed, and whether a trial is evidence on the class."""
+"""Judgement of membership trials: why a trial failed, and whether a trial is evidence for or against the class."""
 
 from collections.abc import Iterator, Mapping
 
@@ -11,7 +11,11 @@ from hybrid_tamp.model.trial import TrialRecipe
 
 
 def is_evidence(task: Task, recording: Recording, member: Token, object_class: type[ObjectClass]) -> bool:
-    """Say whether a run is evidence: a block of the class ran, and the block that failed, if any, holds the token."""
+    """Say whether a run is evidence for or against the class. A run without a failure always is.
+
+    A failed run is evidence if some instance used the token as a member of the class, and if the token fills a slot of
+    the failed instance.
+    """
     if recording.failure is None:
         return True
 

@@ -2,8 +2,9 @@
 
 The classes are ranked by features of the token's shape. For each class, the surface of a labelled (known) member is
 warped onto the new token, and the properties of this member are transferred. The domain's trial tasks assume that the
-new token is a member with these properties. A trial task is planned and then run from several starts. The measurements
-decide the verdict. A trial in which another block fails, e.g. because a hand does not reach the token, is no evidence.
+new token is a member with these properties. A trial task is planned and then run from several initial states. The
+measurements decide the verdict. A trial is no evidence if a block without the token fails, e.g. because a hand does not
+reach the token.
 """
 
 import logging
@@ -30,7 +31,7 @@ from hybrid_tamp.physics.protocol import Backend
 from hybrid_tamp.questions.probe.evidence import find_faults, is_evidence
 
 STARTS = 4
-"""Minimum number of trials for a class. If all or none of four trials succeed, the confidence interval excludes 1/2."""
+"""Minimum number of trials for a class. If four trials agree, the confidence interval of their rate excludes 1/2."""
 MOST_STARTS = 16
 """Maximum number of trials for a class. This many trials distinguish a success rate of 9/10 from 1/2."""
 BLOCK_SECONDS = 8.0
@@ -55,8 +56,8 @@ class Prober:
         backend: physics backend that runs the plans.
         starts: minimum number of trials for a class.
         most_starts: maximum number of trials for a class. Trials continue beyond the minimum only while the verdict is
-            unsure. The verdict is tested after every trial, so a token with a true success rate of 1/2 gets yes or no
-            more often than the confidence level implies.
+            unsure. Because the verdict is tested after every trial, a token with a true success rate of 1/2 gets the
+            verdict yes or no more often than the confidence level implies.
         most_seconds: maximum simulated time of a trial, in seconds.
         deadline: deadline of the command.
         tell: progress callback.
@@ -77,7 +78,7 @@ class Prober:
             task: the task of the token. Its other tokens provide hands and labelled members.
             name: name of the token.
             classes: names of the classes to test. By default, all classes that are unknown for the token.
-            seed: random seed of the starts.
+            seed: random seed of the initial states.
 
         Raises:
             InputError: if the token or a class is unknown, if the token has no shape, or if no class is to be tested.
@@ -167,7 +168,7 @@ class _NeverSettles(Exception):
 
 
 def as_member(token: Token, learnt: Mapping[type[ObjectClass], Mapping[str, Any]]) -> Token:
-    """Return the token as a member of more classes. ``learnt`` maps each class to the properties of its members."""
+    """Return the token as a member of more classes. ``learnt`` maps each new class to the token's properties in it."""
     classes = (*token.classes, *learnt)
     unknown = tuple(each for each in token.unknown if each not in classes)
     properties = {key: value for more in (token.properties, *learnt.values()) for key, value in more.items()}
