@@ -135,6 +135,6 @@ def _check_company(
     other = values.setdefault((atom.predicate, atom.arguments[:index], atom.arguments[index + 1 :]), atom)
     if other != atom:
         owners = [f"each {each.name}" for each in predicate.parameters if each.name != predicate.value_of]
-        wanted = f"{predicate.name} must give {' and '.join(owners) or 'the task'} only one {predicate.value_of}"
+        wanted = f"{predicate.name} must have only one {predicate.value_of} for {' and '.join(owners) or 'the task'}"
         came = f"{plain(other.text)} and {plain(atom.text)}{faults.on_line(atoms[other], 'the first')}"
         faults.at(path, wanted, came, remedy="remove one of the atoms")

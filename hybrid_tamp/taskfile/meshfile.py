@@ -190,7 +190,7 @@ def _fault(solid: Hull) -> tuple[str, str] | None:
     apexes = solid.triangles[:, [2, 0, 1]].reshape(-1)[partners]
     dent = float(np.max(np.sum(normals * (solid.vertices[apexes] - solid.vertices[edges[:, 0]]), axis=1)))
     if dent > _DENT * size:
-        return "convex or be split into convex objects", f"a dent of {dent:.3g} m"
+        return "convex (a concave body needs several objects)", f"a dent of {dent:.3g} m"
     return None
 
 

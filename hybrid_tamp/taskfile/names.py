@@ -12,11 +12,11 @@ def check_name(name: str, faults: Faults, domain: Domain | None) -> None:
         faults.at(path, "the name of a token must not be empty", shown(name), key=True, sound=True)
     check_printable(name, path, faults, "the name of a token")
     if name == ANY:
-        wanted = f"the name of a token must not be {ANY!r}, which is the wildcard in conditions"
+        wanted = f"the name of a token must not be {ANY!r}, because this is the wildcard in conditions"
         faults.at(path, wanted, shown(name), remedy="rename the token", key=True, sound=True)
     for sort in _symbol_sorts(domain) if domain else ():
         if name in sort.symbols:
-            wanted = f"the name of a token must not be a {sort.name} of the domain"
+            wanted = f"the name of a token must not be the name of a {sort.name} in the domain"
             faults.at(path, wanted, shown(name), remedy="rename the token", key=True, sound=True)
 
 

@@ -156,7 +156,7 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
         add_validation_faults(faults, error, union, base, lambda key: _needed_by(outline, key))
         return None
     except ArithmeticError:
-        faults.at(base, f"the properties of token {shown(outline.name)} must have realistic magnitudes")
+        faults.at(base, f"the properties of token {shown(outline.name)} must have realistic magnitudes in SI units")
         return None
     if not has_shape:
         return None
@@ -179,7 +179,7 @@ def _check_angles(
         advice = "" if bounded else next(filter(None, (advise_radians(unit, value) for value in values)), "")
         if advice:
             path = (*base, key)
-            wanted = f"{subject(path)} must be within {-LARGEST_ANGLE:g} to {LARGEST_ANGLE:g} [rad]"
+            wanted = f"{subject(path)} must be between {-LARGEST_ANGLE:g} and {LARGEST_ANGLE:g} [rad]"
             faults.at(path, wanted, faults.shown(path, given[key]), remedy=advice)
 
 

@@ -1,6 +1,6 @@
-"""Every fault of a task file: its place, what was wanted, what came, what is available.
+"""Messages about faults of a task file: the place, the expected value, the given value and the available values.
 
-In the edits below ``«`` stands in front of the place that the message must name; it is taken out before loading.
+In the edits below, ``«`` marks the place that the message must name. The mark is removed before loading.
 """
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ Issues = Callable[[str], tuple[Issue, ...]]
 
 @dataclass
 class Fault:
-    """One edit of the file that is right, and words that the one message about it must have."""
+    """An edit of the faultless file, and words that one message must contain."""
 
     name: str
     old: str
@@ -86,7 +86,7 @@ FAULTS = [
           "shape.parts[0].rpy[1] of token 'drum'", "45 degrees are 0.7853981633974483 rad"),
     fault("degrees in a property", "[ROLLABLE]\n    properties: {",
           "[ROLLABLE, HEAVY]\n    properties: {tilts: «[0, 180, 0], ",
-          "tilts of token 'drum' must be within -6.3 to 6.3 [rad]", "got [0, 180, 0]", "180 degrees are 3.14"),
+          "tilts of token 'drum' must be between -6.3 and 6.3 [rad]", "got [0, 180, 0]", "180 degrees are 3.14"),
     fault("no pose", "  hand:\n    classes: [HAND]\n    properties: {force: 300}\n    pose: {position: [0, 0, 0.3]}",
           "  «hand:\n    classes: [HAND]\n    properties: {force: 300}", "missing key 'pose' in token 'hand'"),
     fault("time limit of zero", "time: 30", "time: «0", "limits.time must be more than 0 [s]", "got 0"),
@@ -112,7 +112,7 @@ FAULTS = [
     fault("zero radius of a place", "{radius: 0.02}", "{radius: «0}", "radius of token 'goal' must be more than 0 [m]"),
     fault("class that finds its token inconsistent", "  drum:", "  «drum:", "is inconsistent", "no shape"),
     fault("name that means everything", "  goal:", "  «'*':", "must not be '*'"),
-    fault("name that is a symbol", "  goal:", "  «back:", "must not be a face of the domain", "'back'"),
+    fault("name that is a symbol", "  goal:", "  «back:", "must not be the name of a face", "'back'"),
     fault("name that is empty", "  goal:", "  «'':", "must not be empty"),
     # The goal.
     fault("unknown predicate", "- within: [drum, goal]", "- «witin: [drum, goal]", "unknown predicate",
@@ -133,7 +133,7 @@ FAULTS = [
     fault("goal that something be not so", "- within: [drum, goal]", "- «not: {within: [drum, goal]}",
           "a goal atom must not be negated", "got 'not'"),
     fault("two values of a function", "- within: [drum, goal]",
-          "- within: [drum, goal]\n  - within: «[drum, other]", "must give each object only one region", "line 25"),
+          "- within: [drum, goal]\n  - within: «[drum, other]", "must have only one region for each object", "line 25"),
     # Agents and starts.
     fault("agent with no token", "[hand]", "[«hnad]", "agent 'robot'", "unknown token", "did you mean 'hand'"),
     fault("agent with a thing", "[hand]", "[hand, «drum]", "must be members of a capability class", "'drum'",
