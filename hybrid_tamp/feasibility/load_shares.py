@@ -23,7 +23,7 @@ from hybrid_tamp.model.task import Task
 _MANY = 100
 
 _Group = list[tuple[Literal, str]]
-"""Pairs of (literal, slot) that state the same condition for slots of one class. Slot '' if the literal has no slot."""
+"""Pairs of (literal, slot) that state the same condition for slots of one class. The slot '' means no slot."""
 
 
 class _Candidate(NamedTuple):
@@ -153,7 +153,7 @@ def _describe_load(task: Task, group: _Group, best: list[_Candidate], candidates
         return said
     said += f"; {each * places} tokens like {name} could bear the load"
     if places > 1:
-        said += f", {each} in each place"
+        said += f", {each} for each share"
     most = _count_most_bearers(task, literal)
     return said + (f", but no block of {task.domain.name} uses more than {most} of them" * (each * places > most))
 

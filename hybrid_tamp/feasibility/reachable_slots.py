@@ -51,7 +51,7 @@ class Passages:
         )
 
     def explain_missing(self, block: Block, allowed: Choices) -> list[Reason]:
-        """Return a reason for every slot of a block that none of the slot's allowed tokens can reach."""
+        """Return a reason for each slot of the block that cannot be reached by any of the slot's allowed tokens."""
         found = []
         for slot in block.slots:
             tokens = [token for token in allowed[slot.name] if isinstance(token, Token)]

@@ -6,8 +6,8 @@ violation and then by value. So the costs are the ranks of the candidates in the
 generation are equal up to rounding, all costs are 0, so that cmaes recognises a flat objective.
 
 The first generations are about as wide as the cube. In these generations, cmaes replaces points outside the cube by new
-samples. In later generations, points outside the cube are mirrored at its faces. New samples would push these narrow
-generations away from a face, so that the search could not reach an optimum in a corner (see `scripts/optimisers`).
+samples. Later generations are narrower, and their points outside the cube are mirrored at its faces. New samples would
+push a narrow generation away from a face, so that the search could not reach a corner (see `scripts/optimisers`).
 
 A run ends when the candidates of a generation almost coincide, or when cmaes stops. The optimum of a run may be local.
 So another run starts at a random point with twice the population (IPOP, Auger and Hansen, CEC 2005).

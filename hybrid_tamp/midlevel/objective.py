@@ -21,7 +21,10 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
 RESERVE = 0.5
-"""Largest reserve, as a multiple of the predicate's scale. A reserve is a margin that every candidate must keep."""
+"""Largest reserve, as a multiple of the predicate's scale. A reserve is a margin that every candidate must keep.
+
+A predicate's scale converts margins to violations without unit: a margin of ``-scale`` is a violation of 1.
+"""
 _ROUNDING = 1e-9
 """Largest shortfall from a reserve that is treated as a rounding error, as a multiple of the predicate's scale."""
 

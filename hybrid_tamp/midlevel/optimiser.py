@@ -67,7 +67,7 @@ class Optimum:
 
 
 class NothingFinite(HybridTampError):
-    """Raised if all `evaluations` rollouts of a search failed, so that there is no best candidate."""
+    """Raised if all rollouts of a search failed. Then there is no best candidate."""
 
     def __init__(self, evaluations: int) -> None:
         super().__init__(f"the violation or the value is NaN or infinite for all {evaluations} candidates")
@@ -99,7 +99,7 @@ class Search:
 
     @property
     def spent(self) -> str:
-        """Name of the limit ``evaluations`` if it is reached, or an empty string."""
+        """``evaluations`` if the budget is used up, else an empty string."""
         return "evaluations" if self.evaluations >= self.budget.evaluations else ""
 
     def gain(self, batches: int) -> float:
@@ -128,7 +128,7 @@ class Search:
             cube: candidates in the unit cube. Shape ``(n, k)``.
 
         Returns:
-            The scores of the first m candidates, ``m <= n``.
+            The scores of the first m of these candidates, ``m <= n``.
 
         Raises:
             ValueError: if the number of scores differs from the number of points.

@@ -146,7 +146,7 @@ class Population:
         self.state = self.model.state(self.after[rows])
 
     def advance(self) -> None:
-        """Advance by one chunk of control steps, check its states, and store the results of finished candidates."""
+        """Advance by one chunk of control steps, check the conditions, and store the results of finished candidates."""
         count = min(CHUNK, self.model.longest - self.done)
         values, commanded = [self.state.values], []
         finite = np.ones(len(self.rows), dtype=bool)

@@ -55,7 +55,7 @@ def test_too_heavy_for_two_and_two_more_would_do() -> None:
     assert heavy.margin == pytest.approx(-40.42, abs=0.01)
     assert "each of 2 tokens must bear 117.7 N (235.4 N in total)" in heavy.message
     assert "the tokens can bear 77.3 N (left-hand), 77.3 N (right-hand) and 154.6 N in total" in heavy.message
-    assert heavy.message.endswith("4 tokens like right-hand could bear the load, 2 in each place")
+    assert heavy.message.endswith("4 tokens like right-hand could bear the load, 2 for each share")
     assert "needs 4 tokens of class STATIC END-EFFECTOR" in few.message
     assert few.message.endswith("but the task has 2; 2 more tokens like the present ones would be enough")
 

@@ -76,7 +76,7 @@ def test_too_heavy_for_two_and_no_block_takes_more(name: str) -> None:
     assert "187.5 N (hand-1), 187.5 N (hand-2) and 375 N in total with safety factor 1.6, 600 N w" in reason.message
     assert "box is too heavy to be tumbled by hand-2 and a second hand" in reason.message
     assert ("the best 2 of 4 tokens can bear" in reason.message) == (name == "tumble_four_hands")
-    assert "4 tokens like hand-2 could bear the load, 2 in each place" in reason.message
+    assert "4 tokens like hand-2 could bear the load, 2 for each share" in reason.message
     assert "no block of rolling_tumbling uses more than 2 of them" in reason.message
 
 

@@ -4,7 +4,8 @@ An object affords a block if the object can fill one of the block's slots. The *
 only the classes of the object. In an *agent's* perspective, tokens must fill the other slots, and these tokens must not
 belong to other agents. The feasibility facts of this binding must hold, and the network must have a path for every
 token to its slot. Each precondition must hold initially, or be achievable if the deleted atoms of all blocks are
-ignored. The binding is called the witness of the affordance.
+ignored. The binding is called the witness of the affordance. The *observer* compares all agents, and a *team* pools the
+tokens of several agents.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping

@@ -1,1 +1,1 @@
-"""Explanations of failures to find a plan, suggested repairs, and explanations of the tokens in a plan."""
+"""Explanations of planning failures, suggested repairs, and explanations of the tokens in a plan."""

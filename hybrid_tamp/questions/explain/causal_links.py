@@ -66,7 +66,7 @@ def _why(token: Token, link: Link, instances: dict[str, BlockInstance]) -> str:
 
 
 def _why_not(task: Task, plan: TaskPlan, token: Token, needed: set[str]) -> str:
-    """Return the reason why no instance that the goal needs contains this token."""
+    """Return the reason why this token takes part in no instance that the goal needs."""
     roles = [
         (instance, role)
         for instance in plan.instances

@@ -111,7 +111,7 @@ def explain_wholly(task: Task, trials: int, most: int, deadline: Deadline = NEVE
 
 
 def _try_changes(task: Task, part: Task, reasons: list[Reason], trials: TrialPlanner, most: int) -> Explanation:
-    """Return the explanation of a task with the changes that make it or its relevant part solvable.
+    """Return the explanation of a task, with changes that make the task or its relevant part solvable.
 
     Raises:
         LimitReached: a time or memory limit is reached.

@@ -137,7 +137,7 @@ def _with(task: Task, token: Token, key: str, component: int | None, value: floa
         made = Token.make(token.name, own, {**token.properties, key: number}, token.shape, token.unknown)
     except ValidationError:
         return None
-    with authored(f"consistent of a class of {token.name}", {"token": made}):
+    with authored(f"the function consistent of a class of {token.name}", {"token": made}):
         if any(member.consistent(made) for member in made.classes):
             return None
     return replace(made, classes=token.classes)

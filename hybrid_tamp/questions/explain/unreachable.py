@@ -1,4 +1,4 @@
-"""Reasons for atoms that no block can achieve, because achieving an atom first requires the atom itself.
+"""Reasons why no block can achieve an atom, because every way to achieve the atom needs the atom to hold before.
 
 For example, a hand must hold a hammer to set the hammer upright, but the hand can grasp only an upright hammer. No
 block is impossible, so the reason is an atom of the initial state: the hammer does not stand.

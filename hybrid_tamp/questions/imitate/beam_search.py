@@ -109,7 +109,7 @@ class _Search:
             )
 
     def _successors(self, interpretation: Interpretation) -> list[Interpretation]:
-        """Return the interpretations that follow when the instance that is due first ends."""
+        """End the instance that is due first, and return the interpretations that can follow."""
         due = min(interpretation.running, key=lambda hypothesis: hypothesis.due)
         reassignments = self._reassignments(interpretation, _Reassignment((due,), (), due.tokens))
         found = [each for reassignment in reassignments for each in self._continuations(interpretation, reassignment)]
@@ -185,7 +185,7 @@ class _Search:
         return self._atoms[key]
 
     def _instant(self, reassignment: _Reassignment) -> int | None:
-        """Return the last allowed row of a reassignment before its tokens move, or else the first allowed row."""
+        """Return the last allowed row before the tokens move, else the first allowed row, else None."""
         low, high = reassignment.window
         rows = low + np.flatnonzero(self._allowed(reassignment, strict=True)[low : high + 1])
         if not len(rows):

@@ -100,7 +100,7 @@ class Hypotheses:
         return found
 
     def ready(self, hypothesis: Hypothesis, strict: bool = False) -> Truth:
-        """Return a mask of the rows from `reached` on in which the exit conditions of a hypothesis hold."""
+        """Return a mask of the rows in which the exit conditions of a hypothesis hold, starting at row `reached`."""
         if hypothesis.block is None:
             return self._from(hypothesis.reached)
         exits = self.block(hypothesis.block).measured_exits
@@ -111,7 +111,7 @@ class Hypotheses:
         return self.truth(self.block(name).measured_entries, roles, strict)
 
     def find(self, name: str, slots: Roles, targets: Roles, start: int) -> tuple[Hypothesis, ...]:
-        """Return the hypotheses that begin in a row and agree with the observation, several if noise is large."""
+        """Return the hypotheses that begin in a row and agree with the observation. Noise may allow several ends."""
         key = (name, slots, targets, start)
         if key not in self._found:
             rows = self._reached(self.block(name), slots + targets, start)
@@ -120,7 +120,7 @@ class Hypotheses:
         return self._found[key]
 
     def _reached(self, block: Block, roles: Roles, start: int) -> list[int]:
-        """Return the possible first rows at which the exit conditions hold, several if noise is large."""
+        """Return the first row at which the exit conditions hold, and further possible rows if there is noise."""
         seen = self.observation
         earliest = seen.times[start] + block.duration.minimum
         if earliest > seen.times[-1] + TIME_TOLERANCE and block.exit:

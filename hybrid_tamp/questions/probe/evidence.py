@@ -11,7 +11,7 @@ from hybrid_tamp.model.trial import TrialRecipe
 
 
 def is_evidence(task: Task, recording: Recording, member: Token, object_class: type[ObjectClass]) -> bool:
-    """Say whether a run is evidence for or against the class. A run without a failure always is.
+    """Say whether a run is evidence for or against the class. A run without a failure is always evidence.
 
     A failed run is evidence if some instance used the token as a member of the class, and if the token fills a slot of
     the failed instance.
