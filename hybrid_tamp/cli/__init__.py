@@ -1,6 +1,7 @@
-"""The command line: it parses arguments, calls a verb, prints the verb's result and returns an exit status.
+"""The command line, which parses arguments, calls a verb, prints the result and returns an exit status.
 
-Each verb has its own module, and `app` registers all verbs. Slow imports are inside the verbs' functions.
+Each verb is a command, e.g. ``plan`` or ``run``, and has its own module. The module `app` registers all verbs. Slow
+imports are inside the functions of the verbs.
 """
 
 import sys

@@ -16,12 +16,12 @@ def affordances(
     agent: Annotated[str | None, typer.Option("--agent", metavar="NAME", help="show only this agent")] = None,
     what_if: Annotated[
         list[str] | None,
-        typer.Option("--what-if", metavar="+CLASS|-TOKEN", help="show the effect of a token that is added or removed"),
+        typer.Option("--what-if", metavar="+CLASS|-TOKEN", help="show the effect of adding or removing a token"),
     ] = None,
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Show which objects afford which blocks to which agents, and the effect of an added or removed token."""
+    """Show which objects afford which blocks to which agents, and the effect of adding or removing a token."""
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.question_tables import affordances_table
     from hybrid_tamp.verbs.affordances import affordances as find_affordances

@@ -36,7 +36,7 @@ def say(document: dict[str, Any], as_json: bool, *texts: "Callable[[], Renderabl
 
 
 def show(renderable: "RenderableType", *, stderr: bool = False) -> None:
-    """Print a string unchanged, or print a rich table or text that fits the terminal. Skip an empty string."""
+    """Print a string unchanged, or fit a rich table or text to the terminal. Print nothing for an empty string."""
     if isinstance(renderable, str):
         if renderable:
             typer.echo(renderable, err=stderr)
@@ -83,7 +83,7 @@ def report_error(error: HybridTampError, as_json: bool) -> None:
 
 
 def _with_flags(error: HybridTampError) -> HybridTampError:
-    """Return the error with each function argument's name replaced by its command-line flag."""
+    """Return the error with command-line flags in place of the names of function arguments."""
     if isinstance(error, LimitReached):
         return LimitReached(str(error).replace("time_limit", "--time-limit"), limit=error.limit)
     if isinstance(error, NoPlan) and error.probes:

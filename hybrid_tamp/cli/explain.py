@@ -17,7 +17,7 @@ def explain(
     domain: options.Domain = None,
     planner: options.Planner = None,
     trials: Annotated[
-        int, typer.Option("--trials", min=0, max=10**6, metavar="N", help="largest number of changed tasks to plan")
+        int, typer.Option("--trials", min=0, max=10**6, metavar="N", help="maximum number of changed tasks to try")
     ] = 20,
     most: Annotated[int, typer.Option("--most", min=1, help="maximum number of changes to find")] = 5,
     optimise: Annotated[
@@ -41,6 +41,6 @@ def explain(
         result = explain_task(task, settings, trials=trials, most=most, optimise=optimise, progress=tell)
     say(document(result), as_json, lambda: explanation_table(result))
     if result.explanation is not None and result.explanation.stopped is not None:
-        typer.echo(f"{result.explanation.stopped}; only a part of the changes was tried", err=True)
+        typer.echo(f"{result.explanation.stopped}; only some of the possible changes were tried", err=True)
     if result.status != "solved":
         raise typer.Exit(_STATUS[result.status])

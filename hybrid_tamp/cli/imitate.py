@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 def imitate(
     context: typer.Context,
     shown: Annotated[
-        Path, typer.Argument(metavar="DIR|FILE", help="the folder of a run, or a CSV file of poses of tokens")
+        Path, typer.Argument(metavar="DIR|FILE", help="the folder of a run, or a CSV file of token poses")
     ],
     task: options.Task,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for the files of the run")] = None,
     as_json: options.Json = False,
     domain: options.Domain = None,
     actor: Annotated[
-        str | None, typer.Option("--actor", metavar="TASK", help="task of the demonstrator in a FILE; default: TASK")
+        str | None, typer.Option("--actor", metavar="TASK", help="the demonstrator's task, for a FILE; default: TASK")
     ] = None,
     backend: options.Backend = "pybullet",
     force: options.Force = False,

@@ -51,7 +51,7 @@ def run(
 
 
 def _judge(result: "RunResult", as_json: bool) -> None:
-    """Print that the goal was reached. Otherwise, print every failure and every breach of the law, and exit."""
+    """Print that the goal was reached. Otherwise, print every failure and every violation of the law, and exit."""
     failure = result.recording.failure
     if failure is not None:
         typer.echo(f"step {failure.step}, {failure.instance}: {failure.reason}", err=True)

@@ -112,7 +112,7 @@ class ObjectClass(BaseModel):
 
     @classmethod
     def features(cls, shape: Shape) -> float:
-        """Return how typical a shape is of the class, from 0 to 1. Only rankings of classes use this score."""
+        """Return a score from 0 to 1 for how typical a shape is of the class. The score only serves to rank classes."""
         return 0.5
 
     @staticmethod

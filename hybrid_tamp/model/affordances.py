@@ -20,7 +20,8 @@ class Affordance:
         object: name of the object.
         block: name of the block.
         slot: name of the slot that the object can fill.
-        witness: feasible binding that maps each role to a token or symbol. Empty if only classes are considered.
+        witness: example of a feasible binding, which maps each role to a token or symbol. Empty if only classes are
+            considered.
     """
 
     agents: tuple[str, ...]
@@ -42,7 +43,7 @@ class Implication:
     Attributes:
         affordance: affordance for the observed agent, from which the observer's affordance is inferred.
         observer: name of the observer.
-        witness: feasible binding with the observer's tokens. Empty if a feasibility fact fails for these tokens.
+        witness: example of a feasible binding with the observer's tokens. Empty if a feasibility fact fails for them.
     """
 
     affordance: Affordance

@@ -22,7 +22,7 @@ OWN_ERRORS = (HybridTampError, MemoryError)
 class authored:  # noqa: N801 the name of a context manager is lower case
     """Context in which the library calls a function of the domain's author.
 
-    A class is used instead of a generator, because policies and systems are called at every control period.
+    This context manager is a class, because a generator would be slower and some functions run in each control period.
 
     Args:
         where: name of the function, e.g. ``ROLLING.policy``.
@@ -67,7 +67,7 @@ def _line(error: Exception) -> str:
 
 
 def _foreign(file: Path) -> bool:
-    """Say whether a file belongs to the library or to a numerical package instead of a domain."""
+    """Return whether a file belongs to the library or to a numerical package instead of a domain."""
     return file.is_relative_to(_LIBRARY) or not _PACKAGES.isdisjoint(file.parts)
 
 

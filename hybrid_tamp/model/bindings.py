@@ -68,7 +68,7 @@ def names_of(bound: Mapping[str, Value]) -> tuple[str, ...]:
 
 
 def order_roles(choices: Choices, conditions: Iterable[Literal]) -> Choices:
-    """Return the choices, sorted by the first condition that mentions the role, for early tests of conditions."""
+    """Return the choices with the roles in the order of the conditions, so that conditions are tested early."""
     roles = dict.fromkeys(argument for literal in conditions for argument in literal.arguments if argument in choices)
     return {role: choices[role] for role in (*roles, *(role for role in choices if role not in roles))}
 
@@ -95,6 +95,6 @@ def _roles(literal: Literal, choices: Choices) -> set[str]:
 
 
 def _gives_rows(literal: Literal, open_roles: Sequence[str]) -> bool:
-    """Return whether the next unbound roles are the arguments of the literal, a positive relation over symbols."""
+    """Return whether the literal is a positive relation over symbols whose arguments are the next unbound roles."""
     next_roles = tuple(open_roles[: len(literal.arguments)])
     return literal.positive and literal.predicate.rows is not None and literal.arguments == next_roles

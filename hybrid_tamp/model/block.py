@@ -1,7 +1,7 @@
 """Action blocks: slots, targets, conditions, continuous system, policy and hyperparameters (paper, Sec. II-B).
 
 A block declares its symbolic and its continuous model in one place. The exit conditions of a block *are* its effects.
-Positive exit conditions are adds and negative exit conditions are deletes. All deletes are applied before the adds.
+Positive exit conditions are add effects, and negative exit conditions are delete effects. Deletes are applied first.
 """
 
 from collections.abc import Callable, Mapping
@@ -41,7 +41,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class Target:
-    """A role of a token or symbol that the block reads, but that is in no slot of the block.
+    """A role for a token or symbol that a block reads but does not change.
 
     Attributes:
         name: name of the target's role.
@@ -56,11 +56,12 @@ class Target:
 
 @dataclass(frozen=True)
 class Duration:
-    """Bounds and an estimate for the duration of an instance.
+    """Bounds and an estimate for the duration of an instance, which is one execution of a block.
 
     Attributes:
         minimum: lower bound of the duration [s], greater than zero.
-        maximum: upper bound of the time until the exit conditions hold [s]. Without `hold`, also of the whole duration.
+        maximum: upper bound of the time until the exit conditions hold [s]. If the block does not have `hold`, this is
+            also the upper bound of the duration.
         expected: function ``expected(binding, state, hyperparameters)`` that returns the expected duration [s].
     """
 
@@ -95,13 +96,13 @@ class Block:
     Attributes:
         name: name of the block, e.g. ``"ROLLING"`` or ``"REACHING:behind"``.
         slots: one or more slots of the block. Each slot is filled with exactly one token.
-        anchor: name of the slot whose token identifies an instance.
-        targets: roles of tokens and symbols that the block reads, but that are in no slot of the block.
+        anchor: name of the slot whose token identifies a running instance.
+        targets: roles for tokens and symbols that the block reads but does not change.
         entry: conditions over roles that must hold when tokens enter the slots.
         exit: conditions over roles that must hold when the tokens leave. The exit conditions are also the effects.
         invariants: conditions over roles that must hold as long as an instance runs.
-        waived: maps entry conditions to reasons why they are not invariants, although they hold as long as an instance
-            runs in the forward model.
+        waived: entry conditions that hold throughout an instance in the forward model, but are not invariants. Maps
+            each of these conditions to the reason.
         writes: maps each slot to the varying properties that the continuous system changes.
         keeps: predicates that read a written property, but whose atoms the block does not change.
         ends: maps a slot to targets. Together with the initial pose of the slot's token, these targets determine the
@@ -111,8 +112,8 @@ class Block:
         hold: whether an instance can continue after its exit conditions hold, in order to maintain these conditions.
         policy: function ``policy(binding, start, parameters)`` that returns a feedback law. None if there is no policy.
         system: function ``system(binding, start)`` that returns the continuous system of an instance.
-        allowed_contacts: pairs of roles, or of a role and `FLOOR`, whose tokens may touch while the block runs. A pair
-            of equal roles allows contact between the tokens of different instances.
+        allowed_contacts: pairs of two roles, or of a role and `FLOOR`, that may touch while the block runs. A pair of
+            equal roles allows contact between the tokens with this role in different instances.
         performance: performance measures of an instance. The weighted sum of the measures is maximised.
         taught: function ``taught(primitive)`` that returns a copy of the block with another motor primitive
             (`motion.dmp.DMP`). None if the block has no motor primitive.

@@ -54,7 +54,7 @@ class CommandLayout(Layout):
             columns = self.slices.get(key)
             if columns is None:
                 known = ", ".join(f"{action} on {token}" for token, action in self.slices)
-                raise CommandError(f"cannot command {key[1]} on {key[0]}, only {known or 'nothing'}")
+                raise CommandError(f"cannot command {key[1]} on {key[0]}; available: {known or 'none'}")
             if np.shape(command) != (columns.stop - columns.start,):
                 wanted = columns.stop - columns.start
                 raise CommandError(f"command {key[1]} on {key[0]} must have shape ({wanted},), got {np.shape(command)}")
@@ -62,7 +62,7 @@ class CommandLayout(Layout):
         return row
 
     def limited(self, row: FloatArray) -> tuple[FloatArray, tuple[Key, ...]]:
-        """Scale each command that exceeds its limit down to the limit.
+        """Scale down each command that exceeds its limit.
 
         Returns:
             The row with scaled commands, and the keys of the commands that were scaled.

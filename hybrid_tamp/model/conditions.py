@@ -41,7 +41,7 @@ def condition_faults(task: Task, plan: TaskPlan, measured: Measured | None) -> l
 
 
 class _Instants:
-    """Index for finding instances by the instant at which the instances start or end."""
+    """Index of instances by the instant at which they start or end."""
 
     def __init__(self, instances: Sequence[BlockInstance], side: str) -> None:
         self._instances = instances
@@ -179,7 +179,7 @@ class _Symbols(_Checker):
             self.facts -= self.owned.pop(instance.name, set())
 
     def holds(self, time: float, literal: Literal, instance: BlockInstance) -> bool:
-        # Declared effects do not tell the poses of moved tokens. The planner checks these facts in predicted states.
+        # Declared effects do not contain poses. The planner checks feasibility facts of moved tokens in rollouts.
         return literal.predicate.static or literal.ground(self.task.bind(instance.roles)) in self.facts
 
     def reached(self, atom: Atom) -> bool:

@@ -9,14 +9,14 @@ from hybrid_tamp.model.plan import BlockInstance
 
 @dataclass(frozen=True)
 class Contact:
-    """The largest contact force between two tokens while both stayed in the same instances.
+    """The largest contact force between two tokens during a time in which neither token changed its instance.
 
     Attributes:
         tokens: names of the two tokens, or of a token and `FLOOR`.
-        instances: instance of each token at that time. It is the same instance twice if the tokens shared an instance,
-            and empty for the floor.
+        instances: names of the instances of the two tokens. The names are equal if both tokens are in the same
+            instance. The name is empty for the floor.
         force: normal impulse over 10 ms, divided by 10 ms [N].
-        time: end of the control period with that force [s].
+        time: end of the control period with the largest force [s].
         allowed: whether a running block allowed the contact.
     """
 
@@ -34,15 +34,15 @@ class Contact:
 
     @property
     def between_instances(self) -> bool:
-        """Whether two tokens in different instances touched; contacts with the floor do not count."""
+        """Whether two tokens in different instances touched. False for contacts with the floor."""
         return FLOOR not in self.tokens and self.instances[0] != self.instances[1]
 
 
 class ContactRules:
     """The pairs of tokens that may touch while some instances run.
 
-    Each instance allows the pairs that its block declares. A pair of equal roles allows contact between the tokens of
-    this role in all instances of the block: tokens that rest may touch each other.
+    Each instance allows the pairs that its block declares. A pair of equal roles allows contact between the tokens with
+    this role in all instances of the block. For example, tokens that rest may touch each other.
     """
 
     def __init__(self, blocks: Mapping[str, Block], running: Collection[BlockInstance]) -> None:

@@ -46,7 +46,7 @@ class Hyperparameter:
         upper: upper bound [unit].
         initial: function ``initial(binding, start)`` that returns the initial value [unit], shape ``(...)``.
         description: description in one line.
-        within: function ``within(binding)`` that returns narrower bounds [unit]. None without narrower bounds.
+        within: function ``within(binding)`` that returns narrower bounds [unit], or None.
     """
 
     name: str
@@ -70,10 +70,10 @@ class Hyperparameter:
 
 
 class Policy(Protocol):
-    """A feedback law that maps elapsed time and state to basic actions. A policy has no memory."""
+    """A feedback law that maps elapsed time and state to commands. A policy has no memory."""
 
     def __call__(self, elapsed: FloatArray, state: State) -> Commands:
-        """Return the commands for a state and for the time since the start of the instance [s], shape ``(...)``."""
+        """Return the commands. `elapsed` is the time since the start of the instance [s], shape ``(...)``."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""The deadline of a command. Only the deadline depends on the clock, and it never decides what a command finds."""
+"""The deadline of a command. The clock can end a command, but never changes the results of a finished command."""
 
 import math
 import time
@@ -9,10 +9,10 @@ from hybrid_tamp.errors import LimitReached
 
 @dataclass(frozen=True)
 class Deadline:
-    """The instant at which a command ends, whatever it is doing.
+    """The instant at which a command must end.
 
-    A verb makes one deadline when it begins and passes it to every stage. Each stage checks it between units of work.
-    Processes on one machine share the monotonic clock, so worker processes can check the same deadline.
+    A verb first creates its deadline and then passes the deadline to every function that can take long. These functions
+    check the deadline repeatedly. Worker processes check the same deadline, because all processes share the clock.
 
     Attributes:
         limit: time limit of the command [s].

@@ -1,4 +1,7 @@
-"""Domains of classes, predicates, blocks and a reassignment network. Creating a domain checks its declarations."""
+"""Domains, which consist of classes, predicates, blocks and a reassignment network.
+
+The declarations of a domain are checked when the domain is created.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -31,8 +34,8 @@ class Domain(Declarations):
         description: description in one line.
         sorts: additional symbol sorts, which no predicate or target mentions.
         disjoint: groups of pairwise disjoint classes. A token can be a member of at most one class of a group.
-        reduced: whether the domain was reduced from a checked domain. If so, slots without edges are allowed.
-        trials: recipes for membership trials, at most one for each class.
+        reduced: whether the domain is only a part of a checked domain. If so, slots without edges are allowed.
+        trials: recipes for trials that test class membership, at most one recipe for each class.
 
     Raises:
         DomainError: if the declarations contradict each other. The error lists every fault with its place and remedy.
@@ -102,7 +105,7 @@ class Domain(Declarations):
         return self.with_predicates(with_factors(self.predicate_by_name, factors))
 
     def with_predicates(self, changed: Mapping[str, Predicate]) -> "Domain":
-        """Return the domain, and its blocks, with the predicates in `changed` instead of those of the same names."""
+        """Return the domain with replaced predicates, also in its blocks. `changed` maps names to new predicates."""
         if not changed:
             return self
         predicates = tuple(changed.get(each.name, each) for each in self.predicates)

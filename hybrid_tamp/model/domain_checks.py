@@ -36,7 +36,7 @@ def _twice(domain: Declarations) -> Iterator[Issue]:
 
 
 def _one_namespace(domain: Declarations) -> Iterator[Issue]:
-    """Yield a fault for each predicate with the name of a class or sort. PDDL has one namespace for all these names."""
+    """Yield a fault for each predicate with the name of a class or sort, because PDDL has one namespace for names."""
     mentioned = [*domain.sorts, *(p.sort for q in domain.predicates for p in q.parameters)]
     sorts = {sort.name for sort in mentioned if isinstance(sort, SymbolSort)}
     types = sorts | {object_class.name for object_class in domain.classes}
@@ -137,8 +137,8 @@ def _conditions(domain: Declarations) -> Iterator[Issue]:
                 yield Issue(f"{block.name}: {literal.text}", wanted, remedy=remedy)
         for literal in block.invariants:
             if literal.predicate.static or ANY in literal.arguments:
-                wanted = "an invariant must be a condition on a predicate that changes, without a wildcard"
-                yield Issue(f"{block.name}: {literal.text}", wanted, remedy="make it an entry condition")
+                wanted = "an invariant must not have wildcards and must not use a static predicate"
+                yield Issue(f"{block.name}: {literal.text}", wanted, remedy="declare an entry condition instead")
         for literal, reason in block.waived.items():
             if literal not in block.entry or literal in block.invariants or not reason:
                 wanted = "'waived' must map entry conditions that are not invariants to reasons"
@@ -196,7 +196,7 @@ def sort_name(sort: type[ObjectClass] | SymbolSort) -> str:
 
 
 def _frame(domain: Declarations) -> Iterator[Issue]:
-    """Yield a fault for each predicate that reads a written property, but is no effect, not maintained and not kept."""
+    """Yield a fault for each predicate that a block may change without declaring an effect or listing it in `keeps`."""
     for block in domain.blocks:
         for slot_name, written in block.writes.items():
             slot_class = block.slot(slot_name).object_class

@@ -1,4 +1,4 @@
-"""Explanations why a task has no plan, which changes make the task solvable, and why a token is in a plan."""
+"""Explanations of why a task has no plan, which changes make the task solvable, and why a token is in a plan."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -30,14 +30,14 @@ class Reason:
 
     Attributes:
         goal: unreachable goal atoms.
-        block: block that could achieve the goal atoms. Its action if several modes fail. Can be empty.
+        block: name of the block that could achieve the goal atoms, or of its action if several modes fail, or empty.
         kind: kind of the reason.
         message: description of the reason.
         atom: condition that fails, or None.
         margin: margin of the condition that fails [unit], or None.
         unit: unit of the margin.
         lacks: class with too few tokens, or slot to which no edge leads, or None.
-        probe: pair of (task, token) for a membership trial that would remove the uncertainty, or None.
+        probe: pair of (task, token) if the class of the token is unknown but trials can test the class, else None.
     """
 
     goal: tuple[Atom, ...]

@@ -37,8 +37,8 @@ def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[At
 def fact_margin(literal: Literal, initial: State, state: State, binding: Mapping[str, Value]) -> FloatArray:
     """Return the signed margin ``(...)`` of a feasibility condition in a later state.
 
-    The condition sees the later values only of the properties that its predicate reads. All other properties keep their
-    initial values. For example, a hand stays on the side on which it started, wherever it is now.
+    The margin uses the later values only for properties that the predicate lists in `reads`. For all other properties,
+    the margin uses the initial values. A fact can thus depend on the side on which a hand started.
 
     Args:
         literal: condition on a static predicate.

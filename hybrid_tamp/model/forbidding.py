@@ -34,7 +34,7 @@ class _Forbidden:
 
     Attributes:
         names: tokens and symbols of the binding, in the order of `deciding_roles`.
-        poses: triples of (token, property, values). Without poses, the binding is forbidden in all situations.
+        poses: triples of (token, property, values). Without poses, the binding is forbidden in all states.
     """
 
     names: tuple[str, ...]
@@ -49,7 +49,7 @@ class _Forbidden:
 
 @dataclass(frozen=True)
 class _Permission:
-    """A margin that is -1 for forbidden bindings in their situations and 1 for all other bindings."""
+    """A margin that is -1 for a forbidden binding if its tokens have the forbidden poses, and 1 otherwise."""
 
     forbidden: frozenset[_Forbidden]
 
@@ -71,8 +71,8 @@ def forbid(
         task: task to change. Forbidden bindings of the task remain forbidden.
         instance: block instance whose binding is forbidden, e.g. from a plan that failed in the forward models.
         state: state in which the instance began. None forbids the binding in all states.
-        roles_that_move: roles of the tokens whose poses in `state` are part of the situation. The binding remains
-            permitted if one of these tokens is elsewhere.
+        roles_that_move: roles of tokens. The binding is forbidden only for the poses of these tokens in `state`, and
+            remains permitted if one of the tokens is elsewhere.
 
     Raises:
         InputError: if the block has more than `MOST_FACTS` bindings.

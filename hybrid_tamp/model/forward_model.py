@@ -36,9 +36,10 @@ class ForwardModel:
         self._sizes = sizes_of(held)
 
     def step(self, elapsed: FloatArray, state: State, dt: float = CONTROL_PERIOD) -> tuple[State, Commands, BoolArray]:
-        """Return the next state, the commands scaled to their limits, and whether state and commands are finite.
+        """Return the next state, the limited commands, and whether both the state and the commands are finite.
 
-        If the next state is not finite, the current state is returned, so that later computations remain finite.
+        A command above its limit is scaled down. If the next state is not finite, the current state is returned, so
+        that later computations remain finite.
 
         Args:
             elapsed: time since the start of the instance [s], shape ``()`` or ``(...)``.
@@ -104,7 +105,7 @@ def _limited(command: FloatArray, limit: float) -> FloatArray:
 
 
 def _limits(tokens: Iterable[Token]) -> dict[tuple[str, str], float]:
-    """Return a mapping from each pair of (token, basic action) with a limit to the largest norm of the command."""
+    """Return a mapping from pairs of (token, basic action) to the largest norm of the command, if there is a limit."""
     return {
         (token.name, action.name): float(token[action.limit])
         for token in tokens

@@ -18,7 +18,8 @@ FINGER_SPEED = 0.25
 CAPTURE = 0.01
 """Largest distance from the centre of a hand to the axis of a handle at which the hand can grip the handle [m]."""
 GRIP_FRICTION = 1.0
-"""Ratio of the largest friction force of both fingers to the grip force. Each friction coefficient is 0.5."""
+"""Ratio of the largest friction force of both fingers to the grip force. Each finger has a friction coefficient of 0.5.
+"""
 
 
 def aperture_property(opened: float) -> VaryingProperty:

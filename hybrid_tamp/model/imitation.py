@@ -36,8 +36,8 @@ class Segmentation:
     Attributes:
         plan: timeline of the block instances. A token is in no instance during an unexplained movement.
         unexplained: movements that no block explains, sorted by time.
-        violations: violations of the law of assignment by observed margins, including goal atoms that do not hold.
-        cost: cost of the segmentation, which grows with the number of instances and with their misfit.
+        violations: violations of the law of assignment in the observation, including goal atoms that do not hold.
+        cost: cost of the segmentation. More instances, and instances that fit the observation less, increase the cost.
     """
 
     plan: TaskPlan

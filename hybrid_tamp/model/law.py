@@ -1,13 +1,15 @@
-"""The law of assignment and its checker.
+"""The law of assignment, and a checker of the law. An instance is one execution of a block.
 
 1. At every instant, each token is in exactly one slot of exactly one instance. Places are exempt.
 2. A running instance has exactly one token in each slot, and the token is a member of the slot's class.
 3. A token passes from one slot to another only along an edge of the network.
-4. All tokens of an instance enter the instance at the same instant and leave it together at a later instant.
+4. All tokens of an instance enter their slots at the same instant, and leave their slots together at a later instant.
 5. At each reassignment, the exit conditions of ending instances and the entry conditions of starting instances hold. No
    other instance changes a property that a running instance reads from its targets.
-6. The duration of each instance is within the bounds of its block. Only a block with `hold` can exceed its maximum.
-7. The plan starts with the initial state and assignment. At its end, the goal holds and only blocks with `hold` run.
+6. The duration of each instance is within the bounds of its block. A block with `hold` can exceed its maximum, because
+   such a block continues after its exit conditions hold.
+7. The plan starts with the initial state and the initial assignment. At the end of the plan, the goal holds and only
+   blocks with `hold` run.
 
 The checker is independent of the planner. In a plan, the effects of blocks decide whether a condition holds. In a
 recording, the measured margins decide.
@@ -113,7 +115,7 @@ def _conservation(task: Task, plan: TaskPlan) -> Iterator[Violation]:
 
 
 def _durations(task: Task, plan: TaskPlan) -> Iterator[Violation]:
-    """Check law 6. At the end of the plan, instances with `hold` but no exit conditions have no minimum duration."""
+    """Check law 6. At the end of the plan, blocks with `hold` and without exit conditions have no minimum duration."""
     for instance in plan.instances:
         block = task.domain.block_by_name[instance.block]
         length = instance.end - instance.start

@@ -1,7 +1,7 @@
 """Evaluation, rounding errors and safety factors of margins.
 
-A margin that is negative by rounding only must not decide whether a condition holds. A margin that is negative only
-because of a safety factor proves nothing.
+A condition must not fail because of a rounding error. A condition that fails only because of a safety factor does not
+prove that a task has no plan.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -17,10 +17,10 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
 ROUNDING = 1e-9
-"""Largest margin that counts as zero, as a fraction of the scale of its predicate.
+"""Largest absolute value of a margin that is treated as zero, as a fraction of the predicate's scale.
 
-Rounding errors of a margin are about 1e-16 times its terms, so they stay below 1e-9 scales unless a term is larger than
-1e6 scales. A difference of 1e-9 scales is far below every tolerance and every measurement.
+A rounding error is about 1e-16 times the largest term of a margin. So the error is less than 1e-9 times the scale if
+each term is less than 1e6 times the scale. All tolerances and all measurement errors are much larger.
 """
 
 
@@ -29,7 +29,7 @@ class SafetyFactor:
     """The factor by which a static predicate is stricter than its physical bound.
 
     Attributes:
-        factor: factor, at least 1. The margin of the predicate with the factor 1 is the physical bound.
+        factor: factor, at least 1. With the factor 1, the predicate states the physical bound.
         description: what the factor multiplies, and what it covers.
     """
 
@@ -88,7 +88,7 @@ class Margin(Protocol):
 
 
 def evaluate_margin(predicate: Margin, state: State, values: Sequence[Token | str]) -> FloatArray:
-    """Return the margin of a predicate ``(...)`` without rounding errors.
+    """Return the margin of a predicate ``(...)``. Values that differ from zero by rounding only are exactly zero.
 
     Raises:
         DomainError: the margin function raised an exception, or returned a margin of the wrong shape.
@@ -101,7 +101,7 @@ def evaluate_margin(predicate: Margin, state: State, values: Sequence[Token | st
     except Exception as error:
         # The context manager `authored` would be slower, and margins are evaluated very often.
         raise blame(error, f"predicate {predicate.name}", _roles(predicate, values)) from error
-    # A margin of fixed properties may be one number for all states.
+    # A margin that depends only on fixed properties may be one number for all states.
     if without.shape != state.values.shape[:-1] and (predicate.reads or without.shape != ()):
         check_shape(f"predicate {predicate.name}", _roles(predicate, values), without, state.values.shape[:-1])
     return without
@@ -113,7 +113,7 @@ def _roles(predicate: Margin, values: Sequence[Token | str]) -> dict[str, Token 
 
 
 def bound_margin(predicate: Margin, state: State, radius: float, values: Sequence[Token | str]) -> float:
-    """Return an upper bound of a margin over horizontal displacements by at most `radius` [m] from a single state.
+    """Return an upper bound of a margin after horizontal displacements of the tokens by at most `radius` [m].
 
     If the predicate declares no bound, the result is infinite.
 

@@ -25,7 +25,8 @@ class Measure:
         unit: SI unit of the figure.
         weight: weight of the term in the value of a plan. Negative for a cost. A task can change the weight.
         scale: divisor of the figure [unit].
-        end: function ``end(binding, before, after, hyperparameters)`` of the states before and after the instance.
+        end: function ``end(binding, before, after, hyperparameters)`` that returns the figure. `before` and `after` are
+            the states at the start and at the end of the instance.
         peak: function ``peak(binding, state)`` whose maximum over the duration is the figure.
         rate: function ``rate(binding, state, commands)`` [unit/s] whose integral over the duration is the figure.
         description: description in one line.
@@ -43,7 +44,7 @@ class Measure:
     def at_end(
         self, block: str, binding: Binding, before: State, after: State, hyperparameters: Hyperparameters
     ) -> FloatArray:
-        """Return the figure ``(...)`` of a measure that is a function of the states before and after an instance.
+        """Return the figure of a measure that has the function `end`, shape ``(...)``.
 
         Args:
             block: name of the block, for messages.
@@ -63,13 +64,13 @@ class Measure:
         return np.asarray(figure)
 
     def during(self, block: str, binding: Binding, state: State, commands: Commands) -> FloatArray:
-        """Return the figures ``(...)`` of a measure while an instance runs: candidates for the peak, or rates [unit/s].
+        """Return the values of the function `peak` [unit] or `rate` [unit/s] while an instance runs, shape ``(...)``.
 
         Args:
             block: name of the block, for messages.
             binding: maps each role of the block to its token or symbol.
             state: states after control periods.
-            commands: commands in these control periods. Only a rate reads them.
+            commands: commands in these control periods, for the function `rate`.
 
         Raises:
             DomainError: the function raised an exception, or returned figures of the wrong shape.

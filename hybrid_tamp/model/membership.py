@@ -20,8 +20,8 @@ class Trial:
         success: whether the trial reached the goal with every measure within its bounds.
         why: reason why the trial failed. Empty if the trial succeeded.
         measures: maps the name of each metric of the domain to its value.
-        conclusive: whether the trial is evidence for or against the class. If another block fails, e.g. if the hand
-            does not reach the token, the trial says nothing about the class.
+        conclusive: whether the trial is evidence for or against the class. The failure of a block that does not require
+            the class is no evidence, e.g. if the hand does not reach the token.
     """
 
     success: bool

@@ -10,7 +10,7 @@ class Movement:
     Attributes:
         slot: slot of the token whose movement is demonstrated.
         moves: varying property that the movement changes: ``position`` or ``orientation``.
-        dimensions: 3 for a primitive of the position [m], or 1 for a primitive of the travelled fraction.
+        dimensions: 3 for a primitive of the position [m], or 1 for a primitive of the travelled fraction of the way.
     """
 
     slot: str

@@ -1,4 +1,4 @@
-"""Outcomes of planning: a plan and figures of the planner, or the reason why there is no plan."""
+"""Outcomes of planning: a plan and information about the planner, or the reason why there is no plan."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -164,7 +164,7 @@ class PlanOutcome(Tabular):
 
     @property
     def error(self) -> HybridTampError | None:
-        """Exception that describes the failure, or None if there is none."""
+        """Exception that describes the failure of planning, or None if planning did not fail."""
         if self.failure is None:
             return None
         if self.status == "limit":

@@ -108,7 +108,7 @@ class TaskPlan(Tabular):
     Attributes:
         instances: all block instances, including instances of the resting block, sorted by start.
         makespan: end of the plan [s].
-        actions: actions that the planner returned. Empty if no planner made the plan.
+        actions: actions that the planner returned. Empty if the plan was not returned by a planner.
     """
 
     instances: tuple[BlockInstance, ...]

@@ -61,12 +61,13 @@ class Predicate:
         reads: maps each parameter to the varying properties that the margin reads from the parameter's token.
         kind: kind of the predicate.
         value_of: name of the parameter that has at most one value. None unless the predicate is functional.
-        rows: rows of symbols for which a relation holds, in the order of the sorts. None for other predicates.
+        rows: tuples of symbols for which the predicate holds, if the predicate is a relation (see `relation`), in the
+            order of the sorts. None for other predicates.
         by_name: whether the margin or the rows depend on names of tokens, not only on properties and states.
-        share: function ``share(state, *values)`` for a load that several tokens bear together. The function returns the
-            load on the first value and the capacity of the first value [unit]. None for other predicates.
+        share: function ``share(state, *values)`` for a load that several tokens bear together. The function returns a
+            pair of (load, capacity) for the first token [unit]. None for other predicates.
         safety: safety factor of a static predicate, or None.
-        competence: whether a static predicate states what blocks can do, not what physics allows. Messages say so.
+        competence: whether a static predicate is a limit of the blocks, not a limit of physics. Messages mention this.
         at_start: whether the predicate by definition describes the initial state, so that no block changes its atoms.
         bound: function ``bound(state, radius, *values)`` that returns an upper bound of the margin over all horizontal
             displacements of the tokens by at most `radius` [m], which can be infinite.
@@ -163,11 +164,11 @@ class Predicate:
 
     @property
     def keywords(self) -> dict[str, float]:
-        """Keyword arguments of `margin`, `share` and `bound`, which are the safety factor if there is one."""
+        """Keyword arguments of `margin`, `share` and `bound`: the safety factor, or none without a safety factor."""
         return {} if self.safety is None else {"factor": self.safety.factor}
 
     def evaluate(self, state: State, *values: Value) -> FloatArray:
-        """Return the margin for the given arguments, shape ``(...)``. A margin within rounding errors is zero."""
+        """Return the margin for the given arguments, shape ``(...)``. Margins within a rounding error of 0 are 0."""
         return evaluate_margin(self, state, values)
 
     def margins(self, state: State, bindings: Sequence[tuple[Value, ...]]) -> FloatArray:

@@ -1,8 +1,8 @@
-"""Partial order of the reassignments of a plan, because the planned instants are only estimates.
+"""The partial order of the reassignments of a plan. A run keeps this order, but not the instants, which are estimates.
 
-Two reassignments keep their order if an instance of one and an instance of the other have a token in common. The token
-can have any role and can be a place. All other pairs of reassignments can happen in either order, because conditions
-depend only on the tokens of an instance. Each reassignment happens as soon as its conditions hold.
+Two reassignments keep their order if they involve the same token, in any role. The token can be a place. All other
+pairs of reassignments can happen in either order, because the conditions of an instance depend only on its tokens. Each
+reassignment happens as soon as its conditions hold.
 """
 
 from collections.abc import Iterable

@@ -127,7 +127,7 @@ class Recording:
 def demonstrated_movements(
     source: str, times: FloatArray, trajectory: State, instances: Iterable[BlockInstance], movement: Movement
 ) -> Iterator[ShownMovement]:
-    """Yield the demonstrated movement of each instance, from its start until its exit conditions hold.
+    """Yield the movement that each instance demonstrates between its start and the time when its exit conditions hold.
 
     Args:
         source: name of the run or observation, for messages.

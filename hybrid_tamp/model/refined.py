@@ -86,7 +86,7 @@ class Shortfall:
 
 @dataclass(frozen=True)
 class Value:
-    """The violation V and the value J of hyperparameters. V is minimised first, and then J is maximised."""
+    """The violation V of conditions and the performance J of a plan. V is minimised first, and then J is maximised."""
 
     violation: float
     value: float
@@ -133,7 +133,8 @@ class RefinedPlan:
         best: V and J of the plan in the forward models.
         defaults: V and J with the default values of all hyperparameters.
         apart: V and J if each action is optimised separately, in the order of the plan. None if not requested.
-        shortfall: first condition that fails, or None. After optimisation in physics, the condition fails in physics.
+        shortfall: first condition that fails in the forward models, or in physics after an optimisation in physics.
+            None if all conditions hold.
         expected: maps pairs of (instance or `GOAL`, atom) to the expected margin.
         optimiser: name of the optimiser. Empty if there was nothing to optimise.
         evaluations: number of rollouts.

@@ -19,7 +19,7 @@ class Membership:
     rows: frozenset[Row]
 
     def __call__(self, state: State, *symbols: object) -> FloatArray:
-        """Return the margin for a row of symbols or tokens, shape ``(...)``. A row contains the names of tokens."""
+        """Return the margin for a row of symbols or tokens, shape ``(...)``. Rows refer to tokens by name."""
         row = tuple(getattr(symbol, "name", symbol) for symbol in symbols)
         return np.full(state.values.shape[:-1], 0.0 if row in self.rows else -1.0)
 

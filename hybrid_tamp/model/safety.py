@@ -1,8 +1,8 @@
 """Safety factors of feasibility facts, and the replacement of predicates in blocks.
 
 A physical bound states what is possible at best, e.g. the load at which a grasp slips. A safety factor of more than 1
-makes a fact stricter than its physical bound, because a load should stay below the bound. A task chooses its safety
-factors. So a fact that fails only because of its safety factor proves nothing.
+makes a fact stricter than its physical bound, because a load should stay below the bound. A task can choose other
+safety factors. So a fact that fails only because of its safety factor does not prove that there is no plan.
 """
 
 from collections.abc import Mapping
@@ -13,13 +13,13 @@ from hybrid_tamp.model.predicate import Literal, Predicate
 
 
 def with_factor(predicate: Predicate, factor: float) -> Predicate:
-    """Return a predicate that has a safety factor with another factor, which must be at least 1."""
+    """Return a predicate with a new safety factor, which must be at least 1."""
     assert predicate.safety is not None, "the predicate must have a safety factor"
     return replace(predicate, safety=replace(predicate.safety, factor=factor))
 
 
 def with_factors(predicates: Mapping[str, Predicate], factors: Mapping[str, float]) -> dict[str, Predicate]:
-    """Return the predicates whose safety factor changes, with the new factor.
+    """Return a new version of each predicate whose safety factor changes.
 
     Args:
         predicates: maps each name to its predicate.
@@ -33,9 +33,9 @@ def with_factors(predicates: Mapping[str, Predicate], factors: Mapping[str, floa
 
 
 def use_predicates(block: Block, changed: Mapping[str, Predicate]) -> Block:
-    """Return the block in which each condition on a predicate in `changed` uses the predicate of the same name there.
+    """Return the block with the predicates in `changed` in place of the predicates with the same names.
 
-    If nothing changes, the same block is returned.
+    If the block has none of these predicates, the same block is returned.
     """
 
     def of(old: Predicate) -> Predicate:

@@ -1,4 +1,4 @@
-"""Checks of the shapes of what the functions of a domain return.
+"""Checks of the shapes of the arrays that the functions of a domain return.
 
 A function that forgets ``axis`` returns one number for a whole batch of states. Numpy would silently broadcast this
 number, and the optimiser would then optimise nonsense.
@@ -69,8 +69,8 @@ def check_initial_value(
 ) -> None:
     """Check the shape of a hyperparameter's initial value.
 
-    One number for a whole batch is right only if the value is constant. It is compared with the values for the first
-    and for the last state alone.
+    A single number for a whole batch is correct only if the value is constant. So this number must equal the value for
+    the first state alone and the value for the last state alone.
 
     Args:
         where: name of the hyperparameter.

@@ -22,13 +22,13 @@ DEFAULT_PLANNER = "fast-downward"
 class Limits:
     """Limits on planning and running a task.
 
-    Counts limit what a command finds. The time and the memory only end the command.
+    The limits `time` and `memory` can end a command, but never change the results of a finished command.
 
     Attributes:
         time: limit on the wall-clock time of a whole command [s].
         memory: limit on the total memory of the planner and its child processes [MiB].
         refinements: largest number of repeated planner calls after rejected plans.
-        contact: largest force of a contact that no running block allows [N].
+        contact: largest tolerated force of a contact that no running block allows [N].
     """
 
     time: float = 600.0
@@ -60,8 +60,8 @@ class MidLevel:
         optimiser: ``cma`` (CMA-ES) or ``grid`` (direct sampling on a grid, as in the paper).
         evaluations: largest number of rollouts.
         refine: ``physics`` for further optimisation in the physics backend, or ``none``.
-        weights: maps ``BLOCK.measure`` to the weight in the value of a plan. The domain already contains the weights.
-        hyperparameters: maps ``BLOCK.name`` to a value or to narrower bounds. The domain already contains the settings.
+        weights: maps ``BLOCK.measure`` to the measure's weight. The blocks of the task already have these weights.
+        hyperparameters: maps ``BLOCK.name`` to a value or to narrower bounds. The blocks already have these settings.
     """
 
     optimiser: str = "cma"
@@ -178,7 +178,7 @@ class Task:
 
     @cached_property
     def unsettled(self) -> tuple[tuple[Atom, Token, type[ObjectClass]], ...]:
-        """Triples of (goal atom, token, class). The atom requires the token to be in the class, but this is unknown."""
+        """Triples of (goal atom, token, class). The atom requires the token to be a member, but this is unknown."""
         return tuple(
             (atom, token, parameter.sort)
             for atom in self.goal

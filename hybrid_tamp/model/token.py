@@ -43,7 +43,7 @@ class UnknownProperty(KeyError):
 
 
 def _declarations(object_class: type[ObjectClass]) -> dict[str, dict[str, str]]:
-    """Return what each declaration of a class says, which must be equal in all classes with this declaration."""
+    """Return the content of each declaration of a class. Classes that share a declaration must agree on its content."""
     found = {f"property {name!r}": _describe(field) for name, field in object_class.model_fields.items()}
     for varying in object_class.varying:
         described = {"size": str(varying.size), "unit": varying.unit, "default": str(varying.default)}
@@ -65,7 +65,7 @@ def _describe(field: FieldInfo) -> dict[str, str]:
 
 
 def conflicts(classes: Iterable[type[ObjectClass]]) -> list[Issue]:
-    """Return one issue for each difference between declarations of two classes that a token could both have."""
+    """Return one issue for each difference between declarations of the same name in two of the classes."""
     seen: dict[str, tuple[type[ObjectClass], dict[str, str]]] = {}
     found = []
     for object_class in _ordered(classes):

@@ -1,7 +1,7 @@
 """Recipes of a domain for trials that test whether a token is a member of a class (paper, Sec. II-B).
 
 `hybrid_tamp.questions.probe` ranks classes, warps shapes and counts successes in all domains. A recipe estimates the
-properties of a new token from a known member of the class, and creates the task of a trial.
+properties of a new token from a known member of the class (the labelled token), and creates the task of a trial.
 """
 
 from collections.abc import Callable, Mapping

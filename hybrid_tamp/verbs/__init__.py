@@ -1,1 +1,1 @@
-"""The verbs of the command line, one module each. Each verb loads a task, calls the stages and saves the results."""
+"""The verbs (commands) of the command line, each in its own module. The verbs load tasks and save results."""

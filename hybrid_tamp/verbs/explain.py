@@ -18,7 +18,7 @@ from hybrid_tamp.verbs.loading import Settings, load_timed
 from hybrid_tamp.verbs.plan import TRIALS as PLAN_TRIALS
 
 TRIALS = 20
-"""Default number of changed tasks to plan in the search for single changes."""
+"""Default maximum number of changed tasks that are planned in the search for single changes."""
 MOST = 5
 """Default maximum number of single changes that the search finds."""
 
@@ -38,11 +38,11 @@ def explain(
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        settings: settings that replace those of the task file.
-        trials: largest number of changed tasks to plan, to find single changes that make the task solvable.
+        settings: settings that override the task file.
+        trials: maximum number of changed tasks that are planned to find single changes that make the task solvable.
         most: maximum number of single changes to find.
         optimise: whether to optimise the hyperparameters of the plan, and to replan without bindings that fail.
-        progress: called with the fraction of the work that is done and the current activity.
+        progress: called with the completed fraction of the work and the name of the current activity.
 
     Raises:
         InputError: the task file is wrong, or the planner is unknown or not installed.
@@ -63,7 +63,7 @@ def explain(
 
 
 def _explain_widely(outcome: PlanOutcome, trials: int, most: int, deadline: Deadline) -> PlanOutcome:
-    """Return the outcome with the explanation that `plan` gives, extended by the results of a wider search."""
+    """Return the outcome with the explanation of `plan`, extended by the explanation of a wider search."""
     planned = explain_outcome(outcome, min(trials, PLAN_TRIALS), 1, deadline)
     wider = explain_outcome(outcome, trials, most, deadline)
     if planned.explanation is None or wider.explanation is None:

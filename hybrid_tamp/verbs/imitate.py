@@ -36,7 +36,9 @@ from hybrid_tamp.verbs.run import run
 
 _WAY = "imitation"
 _ALLOWANCE_OF_POSES = 1.0
-"""Tolerance for demonstrations in files. The poses in files are noisy and lack velocities."""
+"""Tolerance of margins for demonstrations in files, as a multiple of the scale. Poses in files are noisy and lack
+velocities, so this tolerance is larger than for recordings of runs.
+"""
 _logger = logging.getLogger(__name__)
 
 
@@ -59,11 +61,11 @@ def imitate(
         source: the imitator's task, the path of its file, or the name of a bundled task.
         folder: folder for the files of the run.
         settings: settings that override the task file.
-        actor: the demonstrator's task, if the demonstration is a file of poses; by default the imitator's task.
+        actor: the demonstrator's task if the demonstration is a file of poses; by default the imitator's task.
         backend: name of the physics backend.
         force: whether to replace the files of another run.
-        progress: called with the fraction of the work that is done and the current activity.
-        on_segmentation: called with the segmentation before the run.
+        progress: called with the completed fraction of the work and the name of the current activity.
+        on_segmentation: called with the segmented demonstration before the run starts.
 
     Raises:
         NoPlan: the imitator cannot execute the demonstrated plan; the message gives the reason.
@@ -98,9 +100,9 @@ def read_shown(
 
     Args:
         path: the folder of a run, or a file of token poses.
-        task: the imitator's task. This is also the demonstrator's task if `path` is a file and `actor` is None.
+        task: the imitator's task, which is also the demonstrator's task if `path` is a file and `actor` is None.
         settings: settings that override the task file.
-        actor: another task for the demonstrator, if `path` is a file.
+        actor: the demonstrator's task if `path` is a file and the demonstrator has another task than the imitator.
 
     Raises:
         InputError: the folder has no complete run, or the file is wrong.

@@ -78,7 +78,7 @@ def fit_primitive(
 
 
 def save_primitive(primitive: PrimitiveFile, path: Path, *, force: bool = False) -> None:
-    """Write a primitive as JSON. The file has a temporary name until the file is complete.
+    """Write a primitive as JSON. The file has a temporary name until all of the text is written.
 
     Raises:
         InputError: the file exists and `force` is false, or the file cannot be written.
@@ -126,7 +126,7 @@ def _read_run(path: Path, blocks: Sequence[Block], movement: Movement, token: st
 
 
 def _check_movements(path: Path, shown: Iterable[ShownMovement], block: Block, movement: Movement) -> None:
-    """Raise `InputError` if a movement differs in kind from the movements that the block's primitive generates."""
+    """Raise `InputError` if a movement is not of the kind that the block's primitive generates."""
     for one in shown:
         try:
             one.way(movement.moves, movement.dimensions)

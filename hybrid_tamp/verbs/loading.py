@@ -21,7 +21,7 @@ class Settings:
     """Settings that override a task file. A value of None keeps the file's setting.
 
     Attributes:
-        domain: the domain: a name, ``package.module:ATTRIBUTE`` or a Python file.
+        domain: name of an installed domain, ``package.module:ATTRIBUTE`` or a Python file.
         planner: name of the planning engine.
         objective: what the planner minimises, ``length`` or ``makespan``.
         seed: seed of all random numbers.
@@ -29,7 +29,7 @@ class Settings:
         memory_limit: memory limit of the planner [MiB].
         optimiser: optimiser of hyperparameters, ``cma`` or ``grid``.
         evaluations: largest number of rollouts of the optimiser.
-        refine: ``none``, or ``physics`` to continue in the physics backend from the optimum of the forward models.
+        refine: ``physics`` to continue the optimisation in the physics backend, or ``none``.
         began: reading of the monotonic clock when the command began [s]; by default when the verb is called.
     """
 
@@ -45,7 +45,7 @@ class Settings:
     began: float | None = None
 
     def clock(self) -> float:
-        """Return the reading of the monotonic clock when the command began [s]. A verb calls this first."""
+        """Return the reading of the monotonic clock when the command began [s]. Each verb first calls this method."""
         return time.monotonic() if self.began is None else self.began
 
 
@@ -57,7 +57,8 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         settings: settings that override the task file.
-        plans: whether the verb plans the task. If so, the file's planner is checked unless the settings name a planner.
+        plans: whether the verb plans the task. If true, and if the settings name no planner, check that the planner in
+            the task file is available.
 
     Raises:
         InputError: the file has faults; each issue names the place of a fault.
@@ -91,7 +92,8 @@ def _replaced(record: Record, **values: Any) -> Record:
 def domain_finder(name: str | None) -> Callable[[str], Domain]:
     """Return the function with which a verb finds the domain of a task file.
 
-    Given a `name`, the function always returns that domain. By default, the function finds installed domains by name.
+    If a `name` is given, the function always returns the domain of this name. Otherwise, the function returns the
+    installed domain that the task file names.
     """
     if name is None:
         return installed_domain

@@ -47,7 +47,7 @@ def pddl(
         The written files.
 
     Raises:
-        InputError: the task file is wrong, the folder cannot be used, or the goal has wildcards that no plan binds.
+        InputError: the task file is wrong, the folder cannot be used, or the goal has wildcards but `solve` is false.
         NoPlan: there is no plan, or no plan was found.
         LimitReached: a time or memory limit was reached.
     """

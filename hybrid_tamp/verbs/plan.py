@@ -20,7 +20,7 @@ from hybrid_tamp.verbs.loading import Settings, load_timed
 from hybrid_tamp.verbs.pddl import export
 
 TRIALS = 6
-"""Default number of changed tasks to plan in the search for a single change that makes the task solvable."""
+"""Default maximum number of changed tasks that are planned to find a change that makes the task solvable."""
 
 
 def plan(
@@ -36,18 +36,18 @@ def plan(
 ) -> PlanOutcome:
     """Plan a task and check the plan. If there is no plan, the outcome explains why.
 
-    If a time or memory limit is reached, the outcome has what was found before.
+    If a time or memory limit is reached, the outcome contains the results so far.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         settings: settings that override the task file.
         folder: folder for plan.json, the PDDL files and the task file; by default no files are written.
         force: whether to replace the files of another run.
-        optimise: whether to optimise the hyperparameters, and to replan if no hyperparameters satisfy the plan.
-        trials: largest number of changed tasks to plan, if there is no plan, to find a change that makes the task
-            solvable.
+        optimise: whether to optimise the hyperparameters, and to replan if all hyperparameters violate a condition.
+        trials: maximum number of changed tasks that are planned if there is no plan. The aim is to find a change that
+            makes the task solvable.
         planner: a running planner process; by default a new process is started.
-        progress: called with the fraction of the work that is done and the current activity.
+        progress: called with the completed fraction of the work and the name of the current activity.
 
     Raises:
         InputError: the task file is wrong, the planner is unknown or not installed, or the folder cannot be used.
@@ -72,7 +72,7 @@ def plan(
 
 
 def save_plan(outcome: PlanOutcome, folder: RunFolder) -> None:
-    """Write the files of a plan into a folder, from which the files of an earlier run are removed first.
+    """Remove the files of an earlier run from a folder, and write the files of a plan into the folder.
 
     If there is no plan, PDDL is left out for goals with wildcards or with tokens of unknown classes. If a limit was
     reached, PDDL is always left out, because compiling a large task takes seconds.

@@ -36,11 +36,11 @@ def probe(
         source: a task, the path of a task file, or the name of a bundled task. Trials also use the task's other tokens.
         token: name of the token.
         classes: names of the classes to test; by default all classes whose membership is unknown.
-        settings: settings that replace those of the task file. The seed determines the start states.
-        starts: initial number of trials of each class, each from another start state.
-        most_starts: maximum number of trials of each class, used if fewer trials give no clear verdict.
+        settings: settings that override the task file. The seed determines the initial states of the trials.
+        starts: initial number of trials for each class. Each trial has a different initial state.
+        most_starts: maximum number of trials for each class. Trials are added until the verdict is clear.
         backend: name of the physics backend.
-        tell: called with the fraction of the work that is done and the current activity.
+        tell: called with the completed fraction of the work and the name of the current activity.
 
     Raises:
         InputError: the task file is wrong, the token, a class or the backend does not exist, or the token has no

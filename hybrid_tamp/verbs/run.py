@@ -59,12 +59,12 @@ def run(
         force: whether to replace the files of another run.
         planner: a running planner process; by default a new process is started.
         find_plan: function that returns a plan; by default the planner is called.
-        progress: called with the fraction of the work that is done and the current activity.
+        progress: called with the completed fraction of the work and the name of the current activity.
         deadline: deadline of a command that began earlier; by default the time limit of the task counts from now.
 
     Raises:
-        NoPlan: there is no plan, or no plan that was found succeeds in the forward models.
-        LimitReached: a time or memory limit was reached. The folder has what was found before.
+        NoPlan: there is no plan, or every plan that was found fails in the forward models.
+        LimitReached: a time or memory limit was reached. The folder contains the results so far.
         InputError: the task file, the folder, the planner or the backend cannot be used.
         NotFinite: every rollout of a plan failed.
     """
@@ -121,7 +121,7 @@ def _tell_frames(tell: Progress, done: int, of: int) -> None:
 
 
 def judge(outcome: PlanOutcome, recording: Recording, seconds: float) -> RunResult:
-    """Evaluate a recording by the predicted margins, the law of assignment and the domain's measures.
+    """Return a recording with its predicted margins, metrics, measures and violations of the law of assignment.
 
     Args:
         outcome: the outcome of planning, with the refined plan that was executed.
