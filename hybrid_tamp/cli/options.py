@@ -13,7 +13,7 @@ Domain = Annotated[
 Planner = Annotated[str | None, typer.Option("--planner", metavar="NAME", help="planning engine")]
 Objective = Annotated[
     Literal["length", "makespan"] | None,
-    typer.Option("--objective", help="quantity to minimise: the number of actions or the time"),
+    typer.Option("--objective", help="quantity to minimise: the number of actions (length) or the time (makespan)"),
 ]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, max=2**32 - 1, help="seed of all random numbers")]
 Time = Annotated[float | None, typer.Option("--time-limit", min=0.001, help="time limit of the whole command [s]")]

@@ -20,7 +20,7 @@ def plan(
     domain: options.Domain = None,
     planner: options.Planner = None,
     objective: options.Objective = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for plan.json, PDDL files")] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for the files of the plan")] = None,
     force: options.Force = False,
     seed: options.Seed = None,
     time_limit: options.Time = None,

@@ -44,7 +44,7 @@ def ground_goals(
     every = dict.fromkeys(tuple(dict.fromkeys(atoms)) for atoms in product(*choices))
     goals = [each for each in every if _compatible(predicates, each)]
     if not goals:
-        wanted = f"at least one choice of values for {ANY!r} must allow all goal atoms to be true at the same time"
+        wanted = f"all goal atoms must be true at the same time for at least one choice of values for {ANY!r}"
         raise InputError([Issue("goal", wanted, "no such choice")])
     given = {atom for atom in goal if not _open(atom)}
 

@@ -44,7 +44,8 @@ class Deadline:
             LimitReached: the deadline has passed.
         """
         if not self.left:
-            raise LimitReached(f"the command reached its time limit of {self.limit:g} s", limit="time")
+            said = f"the command reached its time limit of {self.limit:g} s; a larger limit may be enough"
+            raise LimitReached(said, limit="time")
 
 
 NEVER = Deadline()

@@ -65,7 +65,8 @@ def _classes(domain: Declarations) -> Iterator[Issue]:
 
 def _blocks(domain: Declarations) -> Iterator[Issue]:
     if domain.resting not in {block.name for block in domain.blocks}:
-        yield Issue(domain.name, f"a domain must have the block {domain.resting} for tokens that no other block uses")
+        wanted = f"a domain must have the block {domain.resting} for tokens that no other block uses"
+        yield Issue(domain.name, wanted, remedy="add this block, or name another block with 'resting'")
     for block in domain.blocks:
         names = [slot.name for slot in block.slots] + [target.name for target in block.targets]
         for name in sorted({name for name in names if names.count(name) > 1}):
@@ -141,7 +142,7 @@ def _conditions(domain: Declarations) -> Iterator[Issue]:
                 yield Issue(f"{block.name}: {literal.text}", wanted, remedy="declare an entry condition instead")
         for literal, reason in block.waived.items():
             if literal not in block.entry or literal in block.invariants or not reason:
-                wanted = "'waived' must map entry conditions that are not invariants to reasons"
+                wanted = "'waived' must map entry conditions to reasons, and must not contain invariants"
                 yield Issue(f"{block.name}: {literal.text}", wanted, remedy="remove the condition from 'waived'")
         for literal in block.exit:
             yield from _exit(block, literal)

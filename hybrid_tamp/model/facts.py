@@ -71,7 +71,7 @@ class StaticFacts:
         """Return whether a positive atom is a feasibility fact of the task."""
         predicate = self._task.domain.predicate_by_name[atom.predicate]
         values = tuple(map(self._task.value, atom.arguments))
-        # A row may name the same place twice, e.g. a token that stays where it is.
+        # A row may name the same place twice, e.g. as the old and the new place of a token that does not move.
         fits = all(map(_fits, values, predicate.parameters)) and (predicate.rows is not None or different(values))
         return fits and self._margin(predicate, values, atom) >= 0
 

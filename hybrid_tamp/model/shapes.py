@@ -56,7 +56,7 @@ def check_commands(
     """
     for (token, action), command in commands.items():
         if (token, action) not in sizes:
-            wanted = "a policy must command only actions of the tokens in its block's slots"
+            wanted = "each command of a policy must be an action of a token in a slot of the block"
             have = ", ".join(f"{name} of {owner}" for owner, name in sizes) or "none"
             raise DomainError([Issue(where, wanted, f"{action} of {token}", remedy=f"the actions are {have}")])
         shape = (*state.values.shape[:-1], sizes[token, action])

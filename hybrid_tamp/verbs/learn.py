@@ -119,7 +119,7 @@ def _read_run(path: Path, blocks: Sequence[Block], movement: Movement, token: st
     there = sorted({one.slots[movement.slot] for one in instances})
     chosen = [one for one in instances if token in (None, one.slots[movement.slot])]
     if not chosen:
-        moving = f" with {token}" if token and there else ""
+        moving = f" that moves {token}" if token and there else ""
         wanted = f"the run must contain an instance of {' or '.join(names)}{moving}"
         raise InputError([Issue(str(path), wanted, available=tuple(there))])
     return list(demonstrated_movements(path.name, recording.times, recording.trajectory, chosen, movement))

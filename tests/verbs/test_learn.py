@@ -100,7 +100,7 @@ def test_a_table_and_a_run_together(recorded: Path, tmp_path: Path) -> None:
     assert both.sources == ["low.csv", "first/REACHING-1"]
     assert len(both.weights) == 12
     assert both.rms > 0.02
-    with pytest.raises(InputError, match="an instance of REACHING:behind with foot; available: hand"):
+    with pytest.raises(InputError, match="an instance of REACHING:behind that moves foot; available: hand"):
         hybrid_tamp.learn("REACHING:behind", [recorded], token="foot")
 
 
