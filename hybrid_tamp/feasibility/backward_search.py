@@ -128,7 +128,7 @@ class BackwardSearch:
         return found
 
     def _narrowed(self, block: Block, allowed: Choices, reached: set[Atom]) -> Choices:
-        """Return the values of each role with which the changing conditions hold initially or are in `reached`."""
+        """Return the values of each role for which the changing conditions hold initially or are in `reached`."""
         kept = dict(allowed)
         for literal in block.changing_entry:
             if not literal.positive:

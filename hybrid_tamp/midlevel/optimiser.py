@@ -70,7 +70,7 @@ class NothingFinite(HybridTampError):
     """Raised if all rollouts of a search failed. Then there is no best candidate."""
 
     def __init__(self, evaluations: int) -> None:
-        super().__init__(f"the violation or the value is NaN or infinite for all {evaluations} candidates")
+        super().__init__(f"all {evaluations} candidates failed, because their violation or value was not finite")
         self.evaluations = evaluations
 
 

@@ -120,7 +120,7 @@ def _bases(default: FloatArray, n: int, rng: np.random.Generator) -> FloatArray:
 
 
 def _moved(base: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return points with one variable of a base point moved to each level. Shape ``(n, k, levels, k)``."""
+    """Return each base point with each variable moved to each level. Shape ``(n, k, levels, k)``."""
     n, k = base.shape
     moved = np.tile(base[:, None, None, :], (1, k, len(LEVELS) + 1, 1))
     for i in range(k):

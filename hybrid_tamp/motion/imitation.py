@@ -1,4 +1,4 @@
-"""Fit of the weights of a movement primitive to demonstrated positions by linear least squares."""
+"""Linear least-squares fit of a movement primitive's weights to demonstrated positions."""
 
 from collections.abc import Iterable, Sequence
 

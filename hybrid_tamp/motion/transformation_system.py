@@ -140,8 +140,8 @@ def settling_responses(system: TransformationSystem, n_steps: int, n_settle: int
     """Return the responses on a uniform time grid that includes the settling time after the movement.
 
     During the settling time, a minimum-jerk profile fades out the responses to s and to the weights. So the movement
-    ends at the goal for all weights. The response to the goal is not faded out. With default constants, its distance
-    from its limit is ``(1 + 12.5 p) exp(-12.5 p)`` at time p, e.g. 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
+    ends at the goal for all weights. The response to the goal is not faded out. With default constants, this response
+    differs from its limit by ``(1 + 12.5 p) exp(-12.5 p)`` at time p, e.g. by 5.0e-5 at p = 1 and 1.6e-5 at p = 1.1.
 
     Args:
         system: spring and its inputs.

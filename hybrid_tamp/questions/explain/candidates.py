@@ -121,7 +121,7 @@ class _Space:
         into = {(split_mode(one[0])[0], other) for one, other in network.edges}
 
         def likely(one: SlotName, other: SlotName) -> bool:
-            """Say whether the network has this edge for another slot or mode of the action at one end."""
+            """Say whether the network has an edge that differs only in the slot or the mode of one end."""
             return (one, split_mode(other[0])[0]) in out_of or (split_mode(one[0])[0], other) in into
 
         # Edges within one block come last, because they only let an action follow itself.

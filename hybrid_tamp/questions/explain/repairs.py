@@ -1,9 +1,9 @@
 """Search for single changes that make a task solvable.
 
 The delete relaxation of a changed task, in which blocks delete no atoms, is solved in a few hundredths of a second. If
-the relaxation has no plan, the change is useless. All other changes are planned, and a plan must obey the law of
-assignment. If the task is unsolvable only because blocks delete atoms, the relaxation proves nothing. The planner then
-tries many edges or facts at once. If even the whole group does not help, each change of the group is useless.
+the relaxation has no plan, the change is useless. Otherwise, the planner searches for a plan of the changed task that
+obeys the law of assignment. If the task is unsolvable only because blocks delete atoms, the relaxation proves nothing.
+The planner then tries many edges or facts at once. If the whole group does not help, no change of the group helps.
 """
 
 from collections import Counter
@@ -129,7 +129,7 @@ class _Sieve:
 def find_counterfactual_reasons(
     task: Task, reasons: Iterable[Reason], suggestions: Iterable[Suggestion]
 ) -> list[Reason]:
-    """Return a reason for each suggested change that removes the cause of none of the given reasons."""
+    """Return an additional reason for each suggested change that no given reason explains."""
     found: list[Reason] = []
     for suggestion in suggestions:
         if not any(points_to(reason, suggestion.change) for reason in (*reasons, *found)):

@@ -1,4 +1,4 @@
-"""Reasons why no block can achieve an atom, because every way to achieve the atom needs the atom to hold before.
+"""Reasons for unreachable atoms that depend on themselves: every way to achieve the atom needs the atom first.
 
 For example, a hand must hold a hammer to set the hammer upright, but the hand can grasp only an upright hammer. No
 block is impossible, so the reason is an atom of the initial state: the hammer does not stand.
