@@ -1,4 +1,4 @@
-"""What the command line prints and writes when it optimises hyperparameters; the domain is that of pucks."""
+"""Output and files of the command line when it optimises hyperparameters, in the domain of pucks."""
 
 import json
 import os

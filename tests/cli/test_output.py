@@ -1,4 +1,4 @@
-"""Standard output that cannot be written: the reader has gone, the disk is full, or it is closed."""
+"""Tests of a standard output that cannot be written: no reader, a full disk, or a closed file."""
 
 import subprocess
 import sys

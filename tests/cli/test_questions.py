@@ -1,4 +1,4 @@
-"""The verbs that answer questions: explain and affordances."""
+"""The commands `explain` and `affordances`."""
 
 import json
 import subprocess

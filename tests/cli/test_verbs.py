@@ -1,4 +1,4 @@
-"""The command line as users and scripts see it: every verb, every exit status, every document."""
+"""Tests of every command, every exit status and every document of the command line."""
 
 import json
 import shutil

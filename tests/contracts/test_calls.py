@@ -1,4 +1,4 @@
-"""The chain of calls from the command to the planner is short (scripts/calls prints it)."""
+"""The chain of function calls from the command line to the planner is short (`scripts/calls` prints the chain)."""
 
 import pytest
 from contracts.scripts import load_script

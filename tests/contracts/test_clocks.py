@@ -1,4 +1,4 @@
-"""Who reads the clock. Only the deadline acts on it, so the clock ends commands and decides nothing else."""
+"""The modules that read the clock. Only the deadline depends on the clock, so the clock never decides a result."""
 
 import ast
 from pathlib import Path
@@ -14,7 +14,7 @@ BEGINNINGS = {
     "hybrid_tamp/verbs/loading.py",
     "hybrid_tamp/verbs/replay.py",
 }
-"""Modules that note when a command begins."""
+"""Modules that store the time at which a command begins."""
 DURATIONS = {
     "hybrid_tamp/midlevel/physics_refinement.py",
     "hybrid_tamp/midlevel/refinement.py",
@@ -32,7 +32,7 @@ PROCESSES = {"hybrid_tamp/symbolic/engines/worker_process.py"}
 
 
 def reads_clock(path: Path) -> bool:
-    """Say whether a module calls a function of `time` that reads a clock."""
+    """Return whether a module calls a function of `time` that reads a clock."""
     return any(
         isinstance(node, ast.Attribute)
         and node.attr in CLOCKS

@@ -1,4 +1,4 @@
-"""The tables in the documentation name everything that exists, and nothing else."""
+"""The tables in the documentation are complete and contain nothing that does not exist."""
 
 import re
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ from hybrid_tamp.taskfile.domains import available_domains, find_domain
 
 
 def packages() -> set[str]:
-    """Return the packages and modules directly in hybrid_tamp/, as the layout in docs/architecture.md writes them."""
+    """Return the packages and modules directly in hybrid_tamp/, written as in the layout in docs/architecture.md."""
     inside = {name.split(".")[1] for name in KNOWN if name.startswith("hybrid_tamp.")}
     folders = {name for name in inside if (ROOT / "hybrid_tamp" / name).is_dir()}
     return {f"{name}/" for name in folders} | {f"{name}.py" for name in (inside - folders) | {"__init__"}}

@@ -1,4 +1,4 @@
-"""The import table of docs/architecture.md as data. Every import counts, wherever it is."""
+"""The allowed imports of each package. The tests cover all imports, also inside functions."""
 
 import ast
 import subprocess
@@ -11,7 +11,7 @@ from contracts.imports import KNOWN, ROOT, imports_of, library_imports, module_o
 import hybrid_tamp
 
 BASE = ("model", "geometry", "motion")
-"""Each may import those after it, and every other package may import all of them."""
+"""Each of these packages may import the packages after it. Every other package may import all of these packages."""
 
 TABLE: dict[str, tuple[str, ...]] = {
     "cli": ("batch", "verbs", "report"),
@@ -58,7 +58,7 @@ TABLE: dict[str, tuple[str, ...]] = {
     "skills": (),
     "workers": (),
 }
-"""What each package or module may import besides `errors`, itself and `BASE`."""
+"""Maps each package or module to its allowed imports besides `errors`, itself and `BASE`."""
 
 LIBRARIES = {
     "unified_planning": ("symbolic.engines", "interop"),
@@ -70,16 +70,16 @@ LIBRARIES = {
     "ompl": ("paths",),
     "joblib": ("workers",),
 }
-"""The packages that may import each library."""
+"""Maps each library to the packages that may import it."""
 
 PUBLIC = ("hybrid_tamp", "hybrid_tamp.authoring", "hybrid_tamp.skills", "hybrid_tamp.testing")
-"""What bundled domains may import of the framework."""
+"""Modules of the framework that bundled domains may import."""
 
 VIOLATIONS = frozenset((ROOT / "tests/contracts/violations.txt").read_text().splitlines())
 """Importer and imported module, one pair per line. The list may only shrink."""
 
 CIRCLES = frozenset((ROOT / "tests/contracts/circles.txt").read_text().splitlines())
-"""Modules that import each other, one circle per line. The list may only shrink."""
+"""Groups of modules that import each other, one group per line. The list may only shrink."""
 
 
 def within(module: str, package: str) -> bool:
@@ -103,7 +103,7 @@ def violations() -> set[tuple[str, str]]:
             if mine.partition(".")[0] == "domains":
                 wrong = within(module, "hybrid_tamp") and module not in PUBLIC
             elif mine in ("hybrid_tamp", "hybrid_tamp.errors"):
-                # The package itself names what users see of every stage, and loads it at first use.
+                # The package itself contains the public names of every stage, and loads them at first use.
                 wrong = mine == "hybrid_tamp.errors" and within(module, "hybrid_tamp")
             else:
                 one, other = mine.removeprefix("hybrid_tamp."), module.removeprefix("hybrid_tamp.")

@@ -1,4 +1,4 @@
-"""The package list is complete: a forgotten folder would work in a checkout and nowhere else."""
+"""The list of packages is complete. A package that is not in the list would work only in a checkout."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ SOURCES = {"hybrid_tamp": "hybrid_tamp", "domains": "hybrid_tamp_domains", "prob
 
 
 def test_every_folder_of_modules_is_a_package_of_the_wheel() -> None:
-    # Read as text, because Python 3.10 has no parser for TOML.
+    # The file is read as text, because Python 3.10 has no parser for TOML.
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     listed = re.findall(r'"(.+?)"', text.split("\npackages = [", 1)[1].split("]", 1)[0])
     here = {

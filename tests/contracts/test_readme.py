@@ -1,4 +1,4 @@
-"""The commands in the README do what it says they do."""
+"""The commands in the README work and have the exit statuses that the README states."""
 
 import re
 import shlex
@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("readme")
 
 
-# In the README's order, because `replay` needs the folder of `run`.
+# The commands run in the order of the README, because `replay` needs the folder of `run`.
 def test_every_command_of_the_readme_works(
     command: Callable[..., "subprocess.CompletedProcess[str]"], folder: Path
 ) -> None:

@@ -1,4 +1,4 @@
-"""A name is imported from the module that defines it; only the public modules re-export names."""
+"""Every name is imported from the module that defines the name. Only the public modules re-export names."""
 
 import ast
 
@@ -18,7 +18,7 @@ def imported(tree: ast.Module) -> set[str]:
 
 
 def listed(tree: ast.Module) -> set[str]:
-    """Return the names in `__all__`, and those imported as themselves (`import x as x`), which marks re-exports."""
+    """Return the names that a module re-exports, by `__all__` or by an import of the form `import x as x`."""
     found: set[str] = set()
     for node in tree.body:
         if isinstance(node, ast.Assign) and any(isinstance(x, ast.Name) and x.id == "__all__" for x in node.targets):
@@ -29,7 +29,7 @@ def listed(tree: ast.Module) -> set[str]:
 
 
 def taken_from(trees: dict[str, ast.Module]) -> set[tuple[str, str]]:
-    """Return every pair of module and name that some `from module import name` has."""
+    """Return the pairs of (module, name) in all imports of the form `from module import name`."""
     return {
         (node.module, alias.name)
         for tree in trees.values()
@@ -57,7 +57,7 @@ def test_no_module_hands_on_names_of_another() -> None:
 
 
 def test_no_alias_of_an_old_name() -> None:
-    """A module-level assignment of an imported name to another name keeps an old name alive."""
+    """A module must not assign an imported name to a second name, because this keeps an old name alive."""
     wrong = []
     for path in source_files():
         tree = ast.parse(path.read_text(encoding="utf-8"))

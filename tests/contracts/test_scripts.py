@@ -1,4 +1,4 @@
-"""Every script finds the names that it imports. The long scripts do not run in the suite."""
+"""Every script can be imported. The test suite does not run scripts that take long."""
 
 import pytest
 from contracts.imports import ROOT

@@ -1,4 +1,4 @@
-"""Modules, verbs and functions are short."""
+"""Modules and functions are short."""
 
 import ast
 
@@ -7,7 +7,7 @@ from contracts.scripts import load_script
 
 LONGEST_MODULE = 250
 LONGEST_FUNCTION = 40
-"""Lines of code from `def`, without docstring and blank lines."""
+"""Maximum number of lines of a function, without the docstring and blank lines."""
 
 
 def test_no_module_over_250_lines() -> None:

@@ -1,6 +1,6 @@
-"""Nothing depends on the text of atoms, literals and planned actions: with noise in its place, verbs give the same.
+"""The results of commands do not depend on the text of atoms, literals and planned actions.
 
-`scripts/noise` checks this for all bundled tasks.
+The tests replace this text by random text. `scripts/noise` repeats the tests for all bundled tasks.
 """
 
 import pytest
@@ -15,7 +15,7 @@ CASES = {
     "unknown_box": ("probe",),
 }
 FEWER = {"probe": ("--class", "TUMBLABLE")}
-"""Options that make a verb quicker."""
+"""Maps commands to options with which they take less time."""
 
 
 @pytest.mark.parametrize(("task", "verb"), [(task, verb) for task, verbs in CASES.items() for verb in verbs])

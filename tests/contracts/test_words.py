@@ -1,4 +1,4 @@
-"""Names use the words of the field; the words of our own do not come back (issue 12, point 13)."""
+"""Names and sentences use standard terms instead of the private words in `WORDS` (issue 12, point 13)."""
 
 import ast
 import re
@@ -14,7 +14,7 @@ WORDS = frozenset(
     }
 )
 PROSE = WORDS - {"trying", "filling", "parts", "usable", "looks", "judges"}
-"""Words that no sentence needs. The others are plain English in sentences."""
+"""Words that must not occur in sentences either. The remaining words are plain English in sentences."""
 
 COMPOUND = "a compound's or a mesh's parts: `parts` is a key of the task file"
 KEPT: dict[tuple[str, str], str] = {
@@ -25,7 +25,7 @@ KEPT: dict[tuple[str, str], str] = {
     ("convex_parts", "variable"): COMPOUND,
     ("MOST_PARTS", "variable"): COMPOUND,
 }
-"""Names that keep such a word: name and kind of name, with the reason."""
+"""Maps pairs of (name, kind of name) to the reason why the name may contain one of the words."""
 
 
 def words_of(name: str) -> list[str]:
@@ -69,7 +69,7 @@ def variables(path: Path) -> Iterator[str]:
 
 
 def hits() -> Iterator[tuple[str, str]]:
-    """Yield each such word in a name, and its place."""
+    """Yield pairs of (word, place) for each of the words in a name."""
     for path in source_files():
         found = [*names(path), *((name, "variable") for name in variables(path))]
         for name, what in found:
@@ -93,7 +93,7 @@ KEYS = {
     "hybrid_tamp/report/refinement_tables.py": ("rounds",),
     "hybrid_tamp/report/page.html": ("rounds",),
 }
-"""Documented JSON keys that are such words, by the file that names them."""
+"""Maps each file to the documented JSON keys in this file that are among the words."""
 
 
 def test_no_sentence_has_a_word_of_our_own() -> None:

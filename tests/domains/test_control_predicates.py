@@ -1,4 +1,4 @@
-"""A tumble keeps its promises while it runs: the box turns slowly, and no hand is pressed onto the floor."""
+"""The invariants of a tumble hold in a run: the box turns slowly, and no hand is pressed onto the floor."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ from hybrid_tamp.physics.protocol import open_backend
 
 
 def corner(index: int, **properties: float) -> Task:
-    """Return the task of a corner of the ranges, with other properties of the box."""
+    """Return the task of a corner of the ranges, with changed properties of the box."""
     task = random_tumbling(index, rng=Corner(index, 5))
     box = task.tokens[-1]
     changed = replace(box, properties={**box.properties, **properties})
@@ -25,7 +25,7 @@ def corner(index: int, **properties: float) -> Task:
 
 
 def with_squeeze(plan: TaskPlan, share: float) -> TaskPlan:
-    """Return the plan with a part of the squeeze of the hands that lower the box."""
+    """Return the plan with a smaller squeeze of the hands that lower the box."""
     instances = [
         replace(i, hyperparameters={**i.hyperparameters, "squeeze": share * i.hyperparameters["squeeze"]})
         if i.block == "TIPPING:lower"

@@ -1,4 +1,4 @@
-"""Fig. 6 by the forward models: the best grasp of a hammer for push, strike, and push then strike."""
+"""Fig. 6 with the forward models: the best grasp of a hammer for a push, a strike, and a push followed by a strike."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from hammer_figures import FILES, LOCATIONS, TABLE, Figure, Scan, closed_form, c
 from hybrid_tamp.midlevel.scores import Scores
 
 EVERY = 0.0025
-"""Distance of the grasps that are sampled [m]."""
+"""Distance between neighbouring samples of the grasp [m]."""
 
 
 @pytest.mark.parametrize("kind", FILES)

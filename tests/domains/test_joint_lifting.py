@@ -1,4 +1,4 @@
-"""Joint lifting by closed forms and by its own forward models: what hands bear, what is feasible, what slips."""
+"""Tests of joint lifting with closed forms and forward models: loads, feasibility and slip."""
 
 from functools import partial
 from pathlib import Path
@@ -54,7 +54,7 @@ def crate(task: Task) -> Token:
 
 
 def roles_of(task: Task, mode: str) -> dict[str, str]:
-    """Return who is in which slot: every hand on the side where it starts."""
+    """Return a mapping from slots to tokens. Every hand is in the slot for the side on which it starts."""
     hands = [token for token in task.tokens if token.basic_actions]
     found = {"object": crate(task).name}
     for slot, place in zip(SLOTS, CREWS[f"{mode} hands"], strict=False):
@@ -63,14 +63,14 @@ def roles_of(task: Task, mode: str) -> dict[str, str]:
 
 
 def ready(task: Task, mode: str) -> State:
-    """Return the state in which every hand stands by at its place."""
+    """Return the state in which every hand is at its place beside the box."""
     roles = Roles.of(f"{mode} hands", task.bind(roles_of(task, mode)))
     places = {(h.name, "position"): place_at(task.state, h, roles.thing, place) for h, place in roles.hands}
     return task.state.replace(places)
 
 
 def act(task: Task, action: str, mode: str, physics: Backend, state: State, **chosen: float) -> State:
-    """Run a block until its exit conditions hold, or as long as it should last and a second more."""
+    """Run a block until its exit conditions hold, but at most one second longer than its expected duration."""
     block = task.domain.block_by_name[f"{action}:{mode}"]
     binding = task.bind(roles_of(task, mode))
     physics.assign([BlockInstance(f"{action}-1", block.name, roles_of(task, mode), 0.0, 1.0)])
@@ -132,7 +132,7 @@ def test_there_is_room_for_two_hands_side_by_side_on_wide_faces_only() -> None:
         room, less, least = (
             float(FITS.evaluate(task.state, task.tokens[0], box, place)) for box in (crate(task), narrow, flat)
         )
-        # From 1 cm above the middle to the top 3 cm are needed; half of .16 m, less 2 cm, is no room for 7 cm.
+        # The hand needs 3 cm between the top and 1 cm above the middle. Half of 0.16 m minus 2 cm is less than 7 cm.
         assert room == pytest.approx(0.15 - 0.01 - 0.03)
         assert less == pytest.approx(0.08 - 0.02 - 0.07 if along else 0.16 - 0.07)
         assert least == pytest.approx(0.03 - 0.01 - 0.03)
@@ -224,7 +224,7 @@ def test_a_box_that_does_not_stand_on_its_bottom_face_is_refused(pose: str, said
 
 
 def test_symbols_and_forward_models_agree() -> None:
-    """A crate that two can lift and four as well; with this seed the walks come to all blocks of both modes."""
+    """Two hands can lift this crate, and four hands too. With this seed, the walks reach all blocks of both modes."""
     text = (PROBLEMS / "lift_four_hands.yaml").read_text(encoding="utf-8")
     assert "mass: 24" in text
     assert not check_domain(load_task_text(text.replace("mass: 24", "mass: 12"), "crate"), samples=1, seed=2)
@@ -249,7 +249,7 @@ def test_a_box_is_lifted_held_and_set_down_again(mode: str, backend: str) -> Non
 
 @pytest.mark.parametrize("backend", ["analytic", "pybullet"])
 def test_hands_that_squeeze_too_little_slip_off(backend: str) -> None:
-    """Nothing but friction bears the box: mu S must be more than its share of the weight."""
+    """Only friction bears the box, so mu S must exceed each hand's share of the weight."""
     task = lifting("four")
     thing = crate(task)
     slipping = squeeze_for(thing, "four hands") / 1.5

@@ -1,4 +1,4 @@
-"""Joint lifting in PyBullet, whole runs judged by law, measures and contacts; campaigns are in scripts/campaign."""
+"""Runs of joint lifting in PyBullet, with checks of the law, measures and contacts (see also scripts/campaign)."""
 
 from pathlib import Path
 
@@ -24,7 +24,7 @@ PROBLEMS = Path(__file__).parents[2] / "problems"
 
 
 def run(task: Task) -> tuple[Recording, dict[str, float]]:
-    """Plan and run a task; the run is lawful, and the lift is controlled."""
+    """Plan and run a task, and check that the run is lawful and that the lift is controlled."""
     plan = hybrid_tamp.plan(task).required()
     with open_backend("pybullet") as physics:
         recording = execute(task, plan, physics)
@@ -49,7 +49,7 @@ def test_hands_lift_a_box_and_bear_it_to_the_end(name: str, mode: str) -> None:
     roles = Roles.of(f"{mode} hands", task.bind(hold.slots))
     held = recording.trajectory.values[-1]
     for hand, place in roles.hands:
-        # Each hand touches its face and is not in it, and squeezes it as hard as it takes, in the very end.
+        # At the end, each hand touches its face without penetration, and squeezes hard enough.
         state = recording.at(recording.duration)
         assert np.array_equal(state.values, held)
         assert abs(float(gap_at(state, hand, roles.thing, place))) < 0.001
@@ -58,7 +58,7 @@ def test_hands_lift_a_box_and_bear_it_to_the_end(name: str, mode: str) -> None:
 
 
 def test_hands_never_go_through_each_other() -> None:
-    """Hands are upright, .16 m long, of radius .035 m: one above the other, or apart from it."""
+    """Upright hands with a length of 0.16 m and a radius of 0.035 m are above each other or beside each other."""
     task = load_task(PROBLEMS / "lift_four_hands.yaml")
     run_of, _ = run(task)
     hands = task.tokens[:4]
@@ -82,7 +82,7 @@ def test_the_forward_models_expect_what_happens() -> None:
 
 @pytest.mark.parametrize(("seed", "hands"), [(10, 4), (261, 2)])
 def test_a_box_does_not_turn_in_the_hands(seed: int, hands: int) -> None:
-    """Seed 10: 1.9 times what two bear; seed 261 tipped over in two hands that lay along its faces."""
+    """With seed 10, the weight is 1.9 times the load of two hands. With seed 261, a box once turned in the hands."""
     _, found = run(random_lifting(seed, hands))
     assert found["tilt [deg]"] < 0.1
     assert found["slip [m]"] < 0.001

@@ -9,7 +9,8 @@ from scipy.optimize import linprog
 from hybrid_tamp.model.token import Token
 
 CASES = [(78.5, 0.22, 0.12, 0.4), (196.2, 0.352, 0.16, 0.4), (78.5, 0.38, 0.2, 0.5), (100.0, 0.3, 0.1, 0.6)]
-"""Weight [N], width [m], height of the hands [m] and friction of boxes whose edge slides under half their weight."""
+"""Boxes whose edge slides at a squeeze of half the weight: weight [N], width [m], height of the hands [m] and
+friction."""
 
 
 def least_squeeze(weight: float, width: float, height: float, friction: float) -> float:

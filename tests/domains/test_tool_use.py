@@ -1,4 +1,4 @@
-"""Tool use by its own forward models: closed forms, the best grasp, what is feasible, batches."""
+"""Tests of tool use with the forward models: closed forms, the best grasp, feasibility and batches."""
 
 from collections.abc import Callable
 from itertools import chain
@@ -36,13 +36,13 @@ HAND, HAMMER, BLOCK = TASK.tokens[:3]
 GRASPS = np.linspace(0.0, 0.15, 31)
 USED = {"hand": HAND, "tool": HAMMER, "object": BLOCK, "region": TASK.token_by_name["goal"]}
 SECONDS = {"PUSHING": 10.0, "STRIKING": 2.0}
-"""How long a rollout takes at most [s]."""
+"""Largest duration of a rollout [s]."""
 FORCE = 0.5 * 9.81 * 2.0
-"""With which the floor resists the block [N]."""
+"""Friction force of the floor on the block [N]."""
 
 
 def held(state: State, place: FloatArray, orientation: FloatArray, grasps: FloatArray) -> State:
-    """Return states in which the hand holds the hammer, which is somewhere."""
+    """Return states in which the hand holds the hammer at an arbitrary place."""
     at = place + rotate(orientation, on_handle(HAMMER, grasps))
     return state.repeated(len(grasps)).replace(
         {
@@ -62,7 +62,7 @@ def ready_to_push(grasps: FloatArray, distance: float) -> State:
 
 
 def ready_to_strike(grasps: FloatArray) -> State:
-    """The hand is where the level hammer would meet the middle of the top, but the hammer is raised."""
+    """Return states with a raised hammer that would hit the middle of the block's top if the hammer were level."""
     lever = HAMMER["impact_point"][0] + grasps
     hand = top(TASK.state, BLOCK) + np.stack([-lever, 0 * grasps, np.full_like(grasps, 0.045)], axis=-1)
     orientation = tool_orientation(0.0, RAISED)
@@ -70,7 +70,7 @@ def ready_to_strike(grasps: FloatArray) -> State:
 
 
 def rolled(block: Block, binding: Binding, start: State, **chosen: float | FloatArray) -> dict[str, FloatArray]:
-    """Roll a block out to its exit and return the figures of its measures; nothing of it depends on other code."""
+    """Roll out a block to its exit, and return the values of its measures without code of the mid-level planner."""
     count = len(start.values)
     given = block.initial_values(binding, start) | chosen
     hyperparameters = {name: np.broadcast_to(value, count) for name, value in given.items()}
@@ -89,7 +89,7 @@ def rolled(block: Block, binding: Binding, start: State, **chosen: float | Float
                 figures[measure.name] = np.where(pending, now, figures[measure.name])
         margins = [literal.margin(state, binding) for literal in block.exit if ANY not in literal.arguments]
         pending &= ~((np.min(margins, axis=0) >= 0) & (step * CONTROL_PERIOD > block.duration.minimum))
-        # Grasps with which nothing is struck never come to their exit.
+        # If a grasp does not strike the block, the rollout never reaches its exit.
         if not pending.any() or step * CONTROL_PERIOD > SECONDS[block.name]:
             break
     return figures | {m.name: m.end(binding, start, state, hyperparameters) for m in block.performance if m.end}
@@ -110,12 +110,12 @@ def struck() -> dict[str, FloatArray]:
 
 @pytest.fixture(scope="module")
 def touched() -> FloatArray:
-    """Contact of each grasp, by the closed form of the paper's 'linear in the amount of contact'."""
+    """Return the contact of each grasp by the closed form for the paper's 'linear in the amount of contact'."""
     return (np.minimum(GRASPS + 0.03, 0.15) - np.maximum(GRASPS - 0.03, 0.0)) / 0.06
 
 
 def test_the_tip_is_as_fast_as_the_work_of_the_torque_makes_it(struck: dict[str, FloatArray]) -> None:
-    """sqrt(2 tau phi / (I_c + m g^2 + I_w)) (g + .025), where the butt of the handle is not in the way."""
+    """sqrt(2 tau phi / (I_c + m g^2 + I_w)) (g + .025), if the butt of the handle does not hit the block."""
     rate = np.sqrt(2.0 * 4.0 * np.pi / 2 / (0.00199 + 0.6 * GRASPS**2 + 0.002))
     free = GRASPS >= 0.04
     assert np.allclose(np.sqrt(struck["tip_speed_squared"])[free], (rate * (GRASPS + 0.025))[free], atol=1e-4)
@@ -224,7 +224,7 @@ def test_problems_are_solved_by_lawful_plans_that_val_accepts(name: str, tmp_pat
 
 
 def with_hammer(task: Task, **properties: object) -> Task:
-    """Return the task with a hammer of other properties."""
+    """Return the task with changed properties of the hammer."""
     other = Token.make("hammer", HAMMER.classes, HAMMER.properties | properties, HAMMER.shape)
     return task.replaced(tokens=tuple(other if token.name == "hammer" else token for token in task.tokens))
 
@@ -244,7 +244,7 @@ def test_what_a_hand_cannot_hold_has_no_plan(properties: dict[str, float], fact:
 
 
 def test_a_tool_that_strikes_is_chosen_among_others() -> None:
-    """A stick of the same handle is nearer, but nothing says that it strikes."""
+    """A stick with the same handle is nearer, but is not a STRIKER."""
     stick = Token.make(
         "stick",
         [Graspable],

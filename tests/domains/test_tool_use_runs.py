@@ -1,4 +1,4 @@
-"""Tool use in PyBullet: one run of each kind; campaigns are in scripts/campaign."""
+"""Tool use in PyBullet, with one run of each kind. See also `scripts/campaign`."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -19,7 +19,7 @@ from hybrid_tamp.taskfile.loader import load_task
 
 
 def run(task: Task, **chosen: float) -> tuple[Recording, Mapping[str, float]]:
-    """Plan and run a task with some hyperparameters of its blocks chosen; return what was recorded and measured."""
+    """Plan and run a task with given values of some hyperparameters, and return the recording and the measures."""
     plan = hybrid_tamp.plan(task).required()
     instances = tuple(
         replace(i, hyperparameters={**i.hyperparameters, **{k: v for k, v in chosen.items() if k in i.hyperparameters}})
@@ -50,7 +50,7 @@ def test_problems_run_as_the_closed_forms_predict(name: str) -> None:
 
 
 def test_a_long_push_of_a_block_that_no_axis_of_the_world_helps_stays_on_its_line() -> None:
-    """Seed 5: .83 m at 110 degrees, with a long lever; without steering the block turns away."""
+    """Seed 5 gives a push of 0.83 m at 110 degrees, with a long lever. Without steering, the block turns away."""
     recording, measured = run(random_hammer(5), grasp_location=0.13)
     assert recording.success
     agrees(measured, "PUSHING-1.torque", "N m", 0.1)

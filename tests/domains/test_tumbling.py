@@ -1,4 +1,4 @@
-"""Tumbling: its symbols agree with each other and with the numbers, and its blocks do what they declare."""
+"""Tests of tumbling: the symbols agree with each other and with the margins, and the blocks do what they declare."""
 
 import numpy as np
 import pytest
@@ -102,7 +102,7 @@ def test_a_shape_that_is_not_the_box_is_refused() -> None:
 
 
 def run(block: Block, task: Task, state: State, roles: dict[str, str]) -> State:
-    """Roll a block's own forward model out until its exit conditions hold, and check that its entry held."""
+    """Roll out the forward model of a block to its exit, and check that the entry conditions held."""
     binding: dict[str, Value] = task.bind(roles)
     for literal in block.entry:
         then = task.state if literal.predicate.static else state

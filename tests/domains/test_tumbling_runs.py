@@ -1,4 +1,4 @@
-"""Tumbling in PyBullet: one run of each kind, judged by law, measures, contacts. Campaigns: scripts/campaign."""
+"""Runs of tumbling in PyBullet, with checks of the law, measures and contacts (see also scripts/campaign)."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ PROBLEMS = Path(__file__).parents[2] / "problems"
 
 
 def measured(seed: int, hands: int, rng: Corner | None = None) -> dict[str, float]:
-    """Plan and run a random task and return all measures; the run is lawful and every tumble is controlled."""
+    """Plan and run a random task, check the law and that tumbles are controlled, and return all measures."""
     task = random_tumbling(seed, hands=hands, rng=rng)
     plan = hybrid_tamp.plan(task).required()
     with open_backend("pybullet") as physics:
@@ -44,7 +44,7 @@ def test_four_hands_are_a_fifth_faster_than_two_and_leave_the_box_in_peace() -> 
 
 
 def test_a_box_whose_edge_slides_is_tipped_all_the_same() -> None:
-    """Seed 25: friction .4 and nearly a cube; its edge slides by 3 cm, and the hands have to turn further."""
+    """Seed 25 gives nearly a cube with a friction of 0.4. The edge slides by 3 cm, so the hands turn further."""
     assert measured(25, 2)[CONTACT] < 5.0
 
 

@@ -1,4 +1,4 @@
-"""A hand that waits beside a box which others tumble keeps no old facts: in the law, and in plans."""
+"""If hands tumble a box, facts about a hand that waits beside the box become false, in plans and in the law."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ WAITS = "hand 3"
 
 @pytest.fixture(scope="module")
 def plan() -> TaskPlan:
-    """Return a lawful plan in which two hands tumble the box and the third one rests all the time."""
+    """Return a lawful plan in which two hands tumble the box, and the third hand rests all the time."""
     found = hybrid_tamp.plan(random_tumbling(0)).required()
     rests = BlockInstance("RESTING-w", "RESTING", {"token": WAITS}, 0.0, found.makespan, reached=0.1)
     found = replace(found, instances=(*found.instances, rests))
@@ -27,13 +27,13 @@ def plan() -> TaskPlan:
 
 
 def occupied(plan: TaskPlan, *instances: BlockInstance) -> TaskPlan:
-    """Return the plan with other instances for the hand that waits."""
+    """Return the plan with different instances for the waiting hand."""
     others = [i for i in plan.instances if WAITS not in i.slots.values()]
     return replace(plan, instances=(*others, *instances))
 
 
 def reach(plan: TaskPlan, end: float) -> tuple[BlockInstance, BlockInstance]:
-    """Return how the third hand comes to the left face at the beginning and stands there until some instant [s]."""
+    """Return instances in which the third hand moves to the left face and stays there until a time [s]."""
     first = next(i for i in plan.instances if i.block == "REACHING:beside" and i.targets["face"] == "left")
     rest = BlockInstance("RESTING-w", "RESTING", {"token": WAITS}, 0.0, first.start, reached=first.start)
     return rest, replace(first, name="REACHING-w", slots={"hand": WAITS}, end=end)
@@ -55,7 +55,7 @@ def test_what_a_hand_knew_of_a_box_is_gone_once_it_steps_aside(plan: TaskPlan) -
     rest, stands = reach(plan, tips.start)
     aside = BlockInstance("RESTING-x", "RESTING", {"token": WAITS}, tips.start, plan.makespan, reached=tips.start + 0.1)
     assert not check_law(TASK, occupied(plan, rest, stands, aside))
-    # The hand was at the left face before the box turned; it cannot take part from there now.
+    # The hand was at the left face before the box turned, so it cannot take part in the tumble afterwards.
     lowers = tipping(plan, "lower")
     aside = replace(aside, end=lowers.start)
     joins = replace(lowers, slots={**lowers.slots, "first": WAITS}, targets={**lowers.targets, "near": "left"})
@@ -70,7 +70,7 @@ def test_plans_reach_a_face_anew_after_others_have_turned_the_box() -> None:
     task: Task = TASK.replaced(goal=(Atom("posture", ("box 1", tipped)), *at_left))
     found = hybrid_tamp.plan(task).required()
     tips = tipping(found, "opposite")
-    # One of the two tips the box from there; the other one could have come before, but would not be there any more.
+    # One of the two hands tips the box from there. The third hand could have been there before, but not any more.
     [other] = {"hand 1", WAITS} - set(tips.slots.values())
     *_, (last, _) = found.timeline(other)
     assert (last.block, last.targets["posture"]) == ("REACHING:beside", tipped)

@@ -1,4 +1,4 @@
-"""The examples do what they say."""
+"""The examples run and have the results that they describe."""
 
 import importlib.util
 import subprocess
@@ -42,7 +42,7 @@ def test_a_domain(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     result = example("domain").main(tmp_path / "run")
     assert result.success
     assert capsys.readouterr().out == f"{result}\n"
-    # A task without a file leaves one, from which the run can be replayed.
+    # A run of a task without a file writes a task file, from which the run can be replayed.
     report = hybrid_tamp.replay(tmp_path / "run", lambda name: result.task.domain)
     assert report.identical
 

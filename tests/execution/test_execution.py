@@ -1,4 +1,4 @@
-"""The closed loop: measured events, bounds, failures and the log."""
+"""Tests of the closed-loop execution: measured events, bounds, failures and the log."""
 
 import json
 import logging
@@ -39,7 +39,7 @@ def duration(minimum: float, maximum: float) -> Duration:
 
 
 def commanding(value: Any, token: str = "pusher", action: str = "force") -> Any:
-    """Return a maker of a policy that always commands the same."""
+    """Return a policy factory whose policies always return the same command."""
     return lambda binding, start, parameters: lambda elapsed, state: {(token, action): np.asarray(value)}
 
 
@@ -115,7 +115,7 @@ def test_a_block_may_allow_a_contact(toys: Any) -> None:
         task = world.pusher().spot(height=0.0).task()
         with open_backend("pybullet") as backend:
             recording = execute(task, toys.one_move(), backend)
-        assert recording.failure is not None  # The floor keeps it from the spot.
+        assert recording.failure is not None  # The floor prevents the pusher from reaching the spot.
         assert (recording.failure.contact is None) == allowed
         assert allowed or recording.failure.reason.startswith("pusher and the floor touched with ")
 
@@ -136,7 +136,7 @@ def test_an_invariant_that_is_violated_fails_the_run(toys: Any) -> None:
     assert recording.failure.instance == "MOVING-1"
     assert recording.failure.reason.startswith("pusher is far from its start at ")
     [margin] = recording.failure.margins
-    # Half the scale is the tolerance; a control period adds little.
+    # The tolerance is half the scale. A control period adds little.
     assert -0.012 < margin.measured < -0.005
 
 
@@ -175,7 +175,7 @@ def test_hyperparameters_come_from_the_plan_or_initial_values_and_are_recorded(t
 
 
 def test_whoever_is_ready_first_goes_first(toys: Any) -> None:
-    """Two moves that share nothing end in their measured order, not in the estimated order of the plan."""
+    """Two independent moves end in the measured order, and not in the estimated order of the plan."""
     world = toys.world.pusher("far", position=(0, 1, 0.5)).pusher("close", position=(0.3, 0, 0.5))
     task = world.spot("a", x=0.4).spot("b", x=0.4).task(Atom("near", ("close", "b")))
     state = task.state.replace({("a", "position"): (0.4, 1, 0.5)})
@@ -196,7 +196,7 @@ def test_whoever_is_ready_first_goes_first(toys: Any) -> None:
 
 
 def test_a_hold_waits_for_a_later_event(toys: Any) -> None:
-    """Two movers hold at their spots until both are there, because both leave for the same spot."""
+    """Two pushers wait at their spots until both have arrived, because both then move to the same spot."""
     world = toys.world.block(hold=True).pusher("far").pusher("close", position=(0.38, 1, 0.5))
     world = world.spot("a").spot("b").spot("c", x=0.2, radius=0.3)
     task = world.task(Atom("near", ("far", "c")))
@@ -229,7 +229,7 @@ def test_overdue_block_fails_with_atom_and_margin(toys: Any) -> None:
 
 
 def test_block_without_hold_that_cannot_leave_fails(toys: Any) -> None:
-    """Its exit holds, but the next instance cannot begin: the other pusher never arrives."""
+    """The exit conditions hold, but the next instance cannot begin, because the second pusher never arrives."""
     world = toys.world.pusher("one").pusher("two", position=(0, 1, 0.5)).spot("a").spot("b").spot("c")
     task = world.task(Atom("near", ("one", "c")))
     instances = (
@@ -250,7 +250,7 @@ def test_holding_block_must_have_reached_its_exit_in_time(toys: Any) -> None:
 
 
 def test_a_wait_that_never_ends_is_a_failure(toys: Any) -> None:
-    """RESTING has no bound that matters, and the next RESTING never finds the pusher at rest."""
+    """RESTING has no effective bound, and the next RESTING never begins, because the pusher is not at rest."""
     task = toys.world.pusher(velocity=(0.5, 0, 0)).task()
     plan = TaskPlan((toys.rest("RESTING-1", 0.0, 0.1), toys.rest("RESTING-2", 0.1, 0.2)), 0.2)
     recording = run(task, plan)
@@ -346,7 +346,7 @@ def test_events_are_told_as_they_happen(toys: Any, tmp_path: Path) -> None:
     ]
     with EventLog(tmp_path / "events.jsonl") as log:
         run(task, toys.one_move(), observer=log)
-        # Flushed: whoever reads now sees every event.
+        # The file is flushed, so a reader sees every event.
         lines = (tmp_path / "events.jsonl").read_text(encoding="utf-8").splitlines()
     documents = [json.loads(line) for line in lines]
     assert len(documents) == len(seen)
@@ -385,7 +385,7 @@ def test_progress_is_told(toys: Any) -> None:
 
 
 def test_who_reads_what_another_holds_waits_until_it_is_still() -> None:
-    """Two hands approach a box that two others hold tipped, but only once it stands still (law 5)."""
+    """Two hands approach a box that two other hands hold tipped, but only after the box is at rest (law 5)."""
     task = random_tumbling(3, hands=4)
     plan = hybrid_tamp.plan(task).required()
     recording = run(task, plan)

@@ -1,4 +1,4 @@
-"""scripts/judge reports every kind of broken promise. The recordings are broken here on purpose."""
+"""`scripts/judge` reports every kind of broken promise. The tests change recordings so that promises are broken."""
 
 import json
 import shutil
@@ -20,12 +20,12 @@ from hybrid_tamp.taskfile.saving import save_task
 
 JUDGE = load_script("judge")
 Change = Callable[[Any, FloatArray, dict[str, Any]], None]
-"""Function ``change(run, states, document)`` that breaks a recording in place."""
+"""Function ``change(run, states, document)`` that changes a recording in place so that it breaks a promise."""
 UP, ALONG = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
 
 
 def record(name: str, folder: Path) -> Path:
-    """Run a bundled task on the blocks' own systems, and save recording and task file."""
+    """Run a bundled task in the forward models of the blocks, and save the recording and the task file."""
     task = load_task(name)
     save(predict(task, hybrid_tamp.plan(task).required()), folder / "recording.npz")
     save_task(task, folder / "task.yaml")
@@ -43,7 +43,7 @@ def lifted(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def faults_after(change: Change, folder: Path, broken: Path) -> list[str]:
-    """Return what the judge reports after a change of the recording."""
+    """Return the faults that the judge reports after a change of the recording."""
     run = JUDGE.Run(folder)
     with np.load(folder / "recording.npz", allow_pickle=False) as file:
         arrays = dict(file)
@@ -82,7 +82,7 @@ def lead_out(hand: str, distance: float) -> Change:
 
 
 def after(block: str, key: str, alter: Callable[[FloatArray], FloatArray], before_end: int = 0) -> Change:
-    """Return a change of the box from the end of a block's last instance on."""
+    """Return a change of the box's pose after the end of a block's last instance."""
 
     def change(run: Any, states: FloatArray, document: dict[str, Any]) -> None:
         last = [each for each in document["instances"] if each["block"].startswith(block)][-1]

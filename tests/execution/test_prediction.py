@@ -1,4 +1,4 @@
-"""Predicted beside measured margins."""
+"""Tests of predicted margins in comparison with measured margins."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The order of events that a plan gives."""
+"""Tests of the order of events that a plan determines."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from hybrid_tamp.model.reassignment import initial, reassignments
 
 
 def two_movers(toys: Any, spots: tuple[str, str] = ("a", "b"), second: float = 0.1) -> Any:
-    """Two pushers move at about the same time, each to a spot."""
+    """Return a plan in which two pushers move to two spots at about the same time."""
     task = toys.world.pusher("one").pusher("two", position=(0, 1, 0.5)).spot("a").spot("b").task()
     instances = (
         toys.rest("RESTING-1", 0.0, 0.1, "one"),

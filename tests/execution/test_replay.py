@@ -1,4 +1,4 @@
-"""A recording runs again bit for bit, and tampering shows."""
+"""The replay of a recording is bit-identical, and a changed recording is detected."""
 
 from dataclasses import replace
 from typing import Any
@@ -13,7 +13,7 @@ from hybrid_tamp.physics.protocol import open_backend
 
 
 def recorded(toys: Any, name: str = "pybullet") -> Any:
-    # An oblique start: Bullet would not return its quaternion to the last bit.
+    # The initial orientation is oblique, because Bullet would not return such a quaternion bit-identically.
     world = toys.world.pusher(orientation=np.array([0.18, 0.36, 0.54, 0.74]) / np.linalg.norm([0.18, 0.36, 0.54, 0.74]))
     task = world.spot().task()
     with open_backend(name) as backend:

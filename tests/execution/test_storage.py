@@ -1,4 +1,4 @@
-"""Recordings survive being written and read; whatever else a file holds is refused with words."""
+"""Recordings do not change when they are written and read. Files with other contents are refused with a message."""
 
 import io
 import json

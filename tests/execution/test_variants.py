@@ -1,4 +1,4 @@
-"""Plans that begin alike go on from a snapshot, to the bit as from the start."""
+"""Plans with the same beginning continue from a snapshot, bit-identically to runs from the start."""
 
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Which blocks a goal may need, and that what no goal needs is looked at by nobody."""
+"""Tests of the blocks that are relevant to a goal. Irrelevant parts of a task are never examined."""
 
 import pytest
 import serial
@@ -26,7 +26,7 @@ def names(of: Task) -> set[str]:
 
 
 def chain(*edges: tuple[str, str]) -> Task:
-    """Return a task that block B solves; before it may be A, which brings about nothing that B asks for."""
+    """Return a task that block B solves. Block A may come before B, but achieves no entry condition of B."""
     blocks = [block("A", {"part": Part}, (), [ODD("part")]), block("B", {"part": Part}, (), [DONE("part")])]
     ends = [("B.part", "RESTING.token"), ("RESTING.token", "A.part")]
     of = serial.domain(blocks, [DONE, ODD], [*ends, *edges])
@@ -82,7 +82,7 @@ def test_what_starts_in_a_block_keeps_it() -> None:
 
 
 def test_a_condition_on_other_things_is_not_asked_for() -> None:
-    """Of places and things, and of disjoint classes, nothing can be a member of both."""
+    """No token can be both a place and a thing, or a member of two disjoint classes."""
     loose = block("C", {"tool": Tool}, (), [LONELY("tool")])
     of = serial.domain(
         [block("B", {"part": Part}, (), [DONE("part")]), loose],

@@ -1,4 +1,4 @@
-"""Bodies that share space, against closed forms and PyBullet's own distances."""
+"""Tests of overlapping bodies, with closed forms and with PyBullet's distances."""
 
 from pathlib import Path
 

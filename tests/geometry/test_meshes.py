@@ -1,4 +1,4 @@
-"""Bodies read from mesh files, in Bullet."""
+"""Tests of bodies from mesh files in Bullet."""
 
 from pathlib import Path
 from typing import Any
@@ -36,7 +36,7 @@ def test_a_concave_box_stands_on_its_edges_as_high_as_its_file_says() -> None:
 
 
 def test_a_ball_fits_into_the_hollow() -> None:
-    """The middle of the top side lies 3 cm deeper than its edges; a hull would hold the ball that much higher."""
+    """The middle of the top side is 3 cm below its edges. On a convex hull, the ball would be 3 cm higher."""
     ball = Token.make("ball", [Thing], {"mass": 1.0}, read_ball())
     task = scene(
         {("thing", "position"): (0.0, 0.0, 0.15), ("ball", "position"): (0.0, 0.0, 0.372)},
@@ -66,7 +66,7 @@ def test_every_part_of_a_mesh_is_drawn_and_in_the_picture() -> None:
 
 
 def test_a_snapshot_of_parts_in_contact_is_gone_back_to_bit_for_bit() -> None:
-    # It tilts onto an edge and falls back, so that contacts of its parts come and go.
+    # The body tilts onto an edge and falls back, so that contacts of its parts begin and end.
     start = {("thing", "position"): (0.0, 0.0, 0.2), ("thing", "angular_velocity"): (0.0, 2.0, 0.5)}
     task = scene(start, thing=thing("p5.obj"))
     with open_backend("pybullet") as backend:

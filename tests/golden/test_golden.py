@@ -1,4 +1,4 @@
-"""Generated files are what the code generates; `scripts/regenerate` is the only thing that writes them."""
+"""The generated files equal the output of the code. Only `scripts/regenerate` writes them."""
 
 from pathlib import Path
 

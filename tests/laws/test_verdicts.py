@@ -1,4 +1,4 @@
-"""The law checker and VAL give the same verdict on intact plans and on randomly broken ones.
+"""The law checker and VAL give the same verdict on valid plans and on randomly changed plans.
 
 Plans are random walks through the compiled operators, so that they take every edge of the network. VAL checks the
 re-encoded timeline. Classical PDDL has no time, so durations (law 6) are checked separately.
@@ -39,7 +39,7 @@ TASKS = {
 
 
 def walk(compilation: Compilation, rng: random.Random, length: int) -> list[PlannedAction]:
-    """Return random applicable actions that end with no instance half done."""
+    """Return a sequence of random applicable actions after which no instance is incomplete."""
     facts = set(compilation.problem.init)
     wanted = {fact for fact in compilation.problem.goal if fact[0] not in ("inside", "posture")}
     actions: list[PlannedAction] = []
@@ -88,7 +88,7 @@ def with_goal(task: Task, actions: list[PlannedAction]) -> Task:
 
 
 def broken(plan: TaskPlan, rng: random.Random) -> TaskPlan:
-    """Return the plan with an instance dropped, doubled or swapped with another in time or in tokens."""
+    """Return the plan with an instance dropped, duplicated, or exchanged in its times or tokens."""
     instances = list(plan.instances)
     first, second = rng.randrange(len(instances)), rng.randrange(len(instances))
     one, other = instances[first], instances[second]
@@ -139,7 +139,7 @@ def test_val_accepts_every_lawful_timeline_as_a_temporal_plan(name: str, seed: i
 
 @pytest.mark.parametrize("hands", [2, 4])
 def test_law_and_val_agree_on_whole_tumbles(hands: int, tmp_path: Path) -> None:
-    """Random walks seldom get beyond the first tip, but a planner's plan does."""
+    """Random walks seldom continue after the first tip of a box, but the plan of a planner does."""
     task = random_tumbling(3, hands=hands)
     compilation = compile_task(task)
     with PlannerProcess() as planner:

@@ -1,4 +1,4 @@
-"""Both optimisers: bounds, order, ties, budgets, failed rollouts, seeds; and the accuracy of each."""
+"""Tests of both optimisers: bounds, order, ties, budgets, failed rollouts, seeds and accuracy."""
 
 import subprocess
 import sys
@@ -45,7 +45,7 @@ def search(optimise: Optimiser, evaluate: Evaluate, space: SearchSpace, limit: i
     st.integers(3000, 3100),
 )
 def test_bounds_and_budget_are_kept(name: str, triples: list[list[int]], limit: int, seed: int) -> None:
-    # Thirds, so that mapping to the unit cube and back rounds. The optimum is outside, in a corner's direction.
+    # Bounds in thirds cause rounding in the map to the unit cube and back. The optimum is outside, beyond a corner.
     space = SearchSpace(tuple(Variable(f"x{i}", "m", a / 3, c / 3, b / 3) for i, (a, b, c) in enumerate(triples)))
     seen: list[FloatArray] = []
 
@@ -104,7 +104,7 @@ def test_nothing_finite_is_an_error(name: str) -> None:
 
 @BOTH
 def test_of_equal_candidates_the_one_nearest_to_the_default_wins(name: str) -> None:
-    # A plateau, on which x1 does nothing and rounding disturbs the values; the default is on it.
+    # The default is on a plateau, on which x1 has no effect and rounding disturbs the values.
     def evaluate(points: FloatArray) -> Scores:
         plateau = np.minimum(points[:, 0], 1.0)
         return Scores(np.zeros(len(points)), plateau + 1e-15 * points[:, 1])
@@ -236,7 +236,7 @@ def test_one_variable(best: float) -> None:
 
 
 def test_optimum_in_a_corner() -> None:
-    # cmaes does not reach this corner if it resamples every point outside.
+    # cmaes does not reach this corner if points outside the bounds are resampled.
     seen: list[FloatArray] = []
 
     def evaluate(points: FloatArray) -> Scores:
@@ -246,7 +246,7 @@ def test_optimum_in_a_corner() -> None:
     optimum = search(CMAES(restarts=0), evaluate, box(6))
     np.testing.assert_allclose(optimum.point, 5.0, atol=1e-3)
     assert optimum.evaluations < 1500
-    # Folded, not clipped: no candidate is spent on a corner again.
+    # Candidates are reflected at the bounds instead of clipped, so that no corner is evaluated twice.
     assert len(np.unique(np.concatenate(seen), axis=0)) == optimum.evaluations
 
 

@@ -1,4 +1,4 @@
-"""The last refinement: physics shifts the optimum that the forward models expect."""
+"""Tests of the optimisation in physics, where the optimum differs from the optimum of the forward models."""
 
 from dataclasses import replace
 from typing import Any
@@ -17,7 +17,7 @@ from hybrid_tamp.model.refined import RefinedPlan
 
 
 def wanting(a: float) -> Block:
-    """Return FIRST as it is in a world in which another a is the best on its own."""
+    """Return a variant of FIRST in which a different value of a is the best on its own."""
 
     def near(b: Any, before: Any, after: Any, h: Any) -> Any:
         return -((after[b["puck"], "place"][..., 0] - a) ** 2)
@@ -35,10 +35,10 @@ def test_it_goes_on_towards_the_optimum_of_physics() -> None:
     assert found.physics is not None
     assert found.physics.evaluations == 40
     assert found.physics.best.value > found.physics.before.value
-    # There the best is a = b = 0.55, by the forward models 0.5.
+    # The optimum in physics is a = b = 0.55. The optimum in the forward models is 0.5.
     assert [tuned.value for tuned in found.hyperparameters] == pytest.approx([0.55, 0.55], abs=0.02)
     assert found.physics.history[-1].value == found.physics.best.value
-    assert found.best.value < -0.18  # the forward models rate it below their own optimum
+    assert found.best.value < -0.18  # in the forward models, this value is lower than the optimum
 
 
 def test_the_optimum_is_kept_where_physics_agrees_and_nothing_is_run_unasked() -> None:

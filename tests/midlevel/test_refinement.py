@@ -1,4 +1,4 @@
-"""The mid-level planner on a toy world with closed forms."""
+"""Tests of the mid-level planner in a toy world with closed forms."""
 
 from dataclasses import replace
 from typing import Any
@@ -74,7 +74,7 @@ def test_one_hyperparameter_is_searched_as_it_is(optimiser: str) -> None:
     still = replace(SECOND.hyperparameters[0], lower=0.0, upper=0.0)
     second = replace(SECOND, hyperparameters=(still,), performance=())
     a, b = refine(puck_task(first, second, optimiser=optimiser), puck_plan()).hyperparameters
-    # In the end all candidates are as good as each other; it matters all the same.
+    # At the end, all candidates are equally good, but the hyperparameter still has an effect.
     assert (a.status, a.moves, b.status) == ("optimised", (("FIRST-1", "plateau"),), "fixed")
     assert 0.1 <= a.value <= 0.7
     idle = replace(first, performance=(Measure("idle", "m", 1.0, end=lambda b, s, e, h: 0.0 * h["a"]),))
@@ -84,7 +84,7 @@ def test_one_hyperparameter_is_searched_as_it_is(optimiser: str) -> None:
 
 def test_dummies_are_free_and_what_acts_through_an_interaction_is_not() -> None:
     def together(b: Any, before: Any, after: Any, h: Any) -> Any:
-        # At the defaults, all zero, neither of them has an effect.
+        # At the defaults, which are all zero, neither hyperparameter has an effect.
         return 0.1 * h["c"] * (h["d"] - 0.0) - 0.05 * h["d"] ** 2
 
     along = SECOND.performance[1]
@@ -150,7 +150,7 @@ def test_what_is_not_a_number_everywhere_names_the_block() -> None:
 
 
 def test_the_violation_comes_first() -> None:
-    # The exit of SECOND requires y < 2: a weight that draws b beyond the limit gains nothing.
+    # The exit of SECOND requires y < 2, so a weight that favours a larger b does not increase b beyond the limit.
     def far(b: Any, before: Any, after: Any, h: Any) -> Any:
         return after[b["puck"], "place"][..., 1]
 
@@ -168,7 +168,8 @@ def test_the_violation_comes_first() -> None:
 
 
 def test_the_result_of_an_earlier_action_keeps_a_reserve_too() -> None:
-    # FIRST would like x = 0.2, but must slide the puck into x < 0.15, which is no goal of the task.
+    # The measure of FIRST is best at x = 0.2, but its exit conditions require x < 0.15, which is not a goal of the
+    # task.
     def left(state: Any, puck: Any, zone: str) -> Any:
         return 0.15 - state[puck, "place"][..., 0]
 

@@ -1,4 +1,4 @@
-"""Rollouts of populations against the executor on the blocks' own forward models, which runs one at a time."""
+"""Comparison of rollouts of populations with single runs in the forward models of the blocks."""
 
 from dataclasses import replace
 
@@ -158,12 +158,13 @@ def test_hands_that_hold_while_others_come_are_as_in_the_executor() -> None:
     for instance in run.instances:
         begin, end = rollout.intervals[instance.name]
         assert (begin[0], end[0]) == pytest.approx((instance.start, instance.end))
-    # Hands reach for a box in its pose after tipping; while they approach it settles by less than this.
+    # Hands reach for the predicted pose of a tipped box. While the hands approach, the box settles by less than this
+    # value.
     np.testing.assert_allclose(rollout.final.values[0], run.states[-1], atol=1e-3)
 
 
 def test_a_movement_that_begins_slowly_is_not_given_up() -> None:
-    """A box that was shown to lie for half of the time, as hands close on it, is tipped all the same."""
+    """A primitive in which the box does not move during the first half of the time still tips the box."""
     task = hybrid_tamp.load_task("problems/tumble_two_hands.yaml")
     time = np.linspace(0.0, 1.0, 201)
     late = DMP.imitate(time, minimum_jerk(np.clip(2.0 * time - 1.0, 0.0, 1.0))[:, None])

@@ -40,7 +40,7 @@ def test_the_best_are_those_of_rank_zero(pairs: list[tuple[float, float]]) -> No
 def test_the_best_are_equal_but_for_rounding() -> None:
     value = np.array([5.0, 5.0 + 1e-14, 5.0 - 1e-9, 6.0])
     np.testing.assert_array_equal(Scores(np.array([0.0, 0.0, 0.0, 1e-300]), value).best(), [True, True, False, False])
-    # With violations equal but for rounding the value decides.
+    # If violations differ only by rounding, the value decides.
     np.testing.assert_array_equal(Scores(np.full(4, 0.3) + 1e-16, value).best(), [False, False, False, True])
 
 

@@ -1,4 +1,4 @@
-"""Which hyperparameters matter: dummies are found, those that act through an interaction only are kept."""
+"""Tests of the screening of hyperparameters. Hyperparameters without effect are found, and all others are kept."""
 
 from collections.abc import Callable
 
@@ -25,7 +25,7 @@ SPACE = SearchSpace(
 
 
 def value(points: FloatArray) -> FloatArray:
-    """x4 acts only through an interaction and not at the default; x5 acts only if x4 is not 0."""
+    """x4 has an effect only through an interaction, and not at the default. x5 has an effect only if x4 is not 0."""
     x1, x2, x3, x4, x5 = points[:, :5].T
     return np.asarray(3.0 * x1 - (x2 - 0.5) ** 2 + np.sin(2.0 * np.pi * x3) + x4 * (x5 - DEFAULT_5))
 
@@ -70,7 +70,7 @@ def test_noise_is_no_effect(evaluate: Callable[[FloatArray], Scores], seed: int)
     def noisy(points: FloatArray) -> Scores:
         scores = evaluate(points)
         broken = scores.violation > 0.0
-        # Conditions that hold with room to spare hold with noise too.
+        # Conditions with a large margin also hold with noise.
         violation = np.where(broken, np.abs(scores.violation + blur(scores.violation)), 0.0)
         return Scores(violation, scores.value + blur(scores.value[~broken], len(points)))
 
@@ -132,7 +132,7 @@ def test_points_are_within_bounds_in_one_batch_and_the_same_for_a_seed() -> None
     assert np.array_equal(batches[0], batches[1])
     assert not np.array_equal(batches[0], batches[2])
     assert found[0] == found[1]
-    # A latin hypercube: each eighth but one of an axis has a base point of its own.
+    # In the latin hypercube, every eighth of an axis except one contains a base point.
     assert sorted(np.floor((batches[0][1:8, 0] + 1.0) / 2.0 * 7.0)) == list(range(7))
 
 

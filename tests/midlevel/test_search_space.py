@@ -1,4 +1,4 @@
-"""Variables and spaces: bounds, the unit cube, parts of a space."""
+"""Tests of variables and search spaces: bounds, the unit cube and subspaces."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""An exception of a domain author's function names the function, the tokens in its roles and the line of the code."""
+"""Messages about exceptions in functions of a domain name the function, its tokens and the line of the code."""
 
 import ast
 import copy
@@ -119,12 +119,12 @@ def test_the_error_survives_the_way_between_processes() -> None:
 
 FUNCTIONS = {"policy", "system", "outcome", "expected", "taught", "metrics", "estimate", "align", "share"}
 FUNCTIONS |= {"end", "peak", "rate", "consistent", "consistent_start", "features", "within", "initial_value", "bound"}
-"""Attributes that are functions of an author, by the names under which the library calls them."""
+"""Names under which the library calls functions of a domain."""
 RECEIVERS = {"block", "duration", "domain", "recipe", "predicate", "measure", "member", "object_class", "own", "h"}
 
 
 def unguarded(node: ast.AST, guarded: bool = False) -> Iterator[ast.Call]:
-    """Yield the calls of authors' functions outside the context `authored`."""
+    """Yield the calls of functions of a domain outside the context `authored`."""
     if isinstance(node, ast.With):
         guarded |= any(
             isinstance(c := i.context_expr, ast.Call) and ast.unparse(c.func) == "authored" for i in node.items

@@ -1,4 +1,4 @@
-"""Goals with a choice: their ground goals, the order of these, and when such a goal holds."""
+"""Tests of goals with a choice: the ground goals, their order, and when the goal holds."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""A domain is checked when it is made; each fault has its place and its remedy."""
+"""A domain is checked when it is created. Messages about faults state the place and a remedy."""
 
 from dataclasses import replace
 from typing import ClassVar

@@ -24,7 +24,7 @@ def test_feasibility_is_known_before_any_search() -> None:
         Atom("on_rolling_line", ("drum 0", "region 0")),
         Atom("within_workspace", ("hand 0", "drum 0", "region 0")),
     }
-    # A region of radius 0.02 m; a thing may drift by 0.002 m as it rolls.
+    # The region has a radius of 0.02 m. An object may drift by 0.002 m when it rolls.
     aside = static_facts(rolling_task(regions=[(0.7, 0.023)]))
     assert Atom("on_rolling_line", ("drum 0", "region 0")) not in aside
     too_far = static_facts(rolling_task(regions=[(4.0, 0.0)]))
@@ -53,14 +53,14 @@ def test_margins_take_a_whole_population_at_once() -> None:
     many = task.state.repeated(5)
     for predicate in task.domain.predicates:
         if not all(task.values_of(parameter.sort) for parameter in predicate.parameters):
-            continue  # of boxes, which this task has none of: see tests/domains
+            continue  # facts about boxes, which this task does not contain: see tests/domains
         values = [next(iter(task.values_of(parameter.sort))) for parameter in predicate.parameters]
         assert predicate.evaluate(many, *values).shape == (5,)
         assert np.allclose(predicate.evaluate(many, *values), predicate.evaluate(task.state, *values))
 
 
 def test_feasibility_does_not_hang_on_where_the_drum_starts() -> None:
-    """Otherwise a chain of hands, each with a part of the path in its workspace, would be proven impossible."""
+    """Hands whose workspaces cover parts of the path can roll a drum in turn, so no proof must exclude this."""
     task = rolling_task(regions=[(0.45, 0.0), (0.7, 0.0)])
     moved = task.replaced(state=task.state.replace({("drum 0", "position"): (-30.0, 0.0, 0.1)}))
     assert static_facts(moved) == static_facts(task)

@@ -1,4 +1,4 @@
-"""A forbidden binding is not used again; all other bindings still are."""
+"""A forbidden binding is not used again. All other bindings remain possible."""
 
 from collections.abc import Callable
 from itertools import pairwise, permutations
@@ -92,7 +92,7 @@ def test_only_the_mode_is_forbidden_and_the_box_is_turned_in_another_way() -> No
 
 
 def test_of_a_block_with_many_slots_those_who_are_in_them_count() -> None:
-    """The last slot decides which tokens take part; otherwise any other hand of the task could replace one."""
+    """The condition is checked at the last slot, for the tokens that are in the other slots at that time."""
     given = random_lifting(0, hands=4)
     plan = solved(given)
     assert hybrid_tamp.plan(forbid(given, used(plan, "LIFTING")), trials=0).status == "unsolvable"

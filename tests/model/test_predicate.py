@@ -1,4 +1,4 @@
-"""Kinds of predicates, and relations over symbols that are declared by their rows."""
+"""Tests of kinds of predicates, and of relations over symbols that are declared as lists of rows."""
 
 from dataclasses import replace
 from itertools import product
@@ -93,7 +93,7 @@ TASKS = {
 def test_many_bindings_at_once_have_the_margins_that_they_have_one_at_a_time(
     name: str, seed: int, copies: int, batch: tuple[int, ...]
 ) -> None:
-    """Each token has a copy, so that the two differ only in their states."""
+    """Each token has a copy. A token and its copy differ only in their states."""
     task, rng = TASKS[name](seed), np.random.default_rng(seed)
     for token in list(task.assigned)[:copies]:
         task = with_copy(task, token, task.state[token, "position"] + rng.uniform(0.0, 1.0, 3))

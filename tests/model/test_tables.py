@@ -1,4 +1,4 @@
-"""A result's text and its HTML are a table of its fields."""
+"""The text and the HTML of a result are tables of the fields of the result."""
 
 from dataclasses import dataclass
 

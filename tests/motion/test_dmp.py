@@ -79,7 +79,7 @@ def test_any_weights_settle_on_the_goal(seed: int) -> None:
 
 
 def test_start_equal_to_goal_still_moves() -> None:
-    # Lifting the hand and putting it down again: the forcing term is not scaled by goal - start.
+    # The hand is lifted and put down again, because the forcing term is not scaled by goal - start.
     up_and_down = np.stack([0.0 * PHASE, 0.1 * np.sin(np.pi * PHASE) ** 4], axis=-1)
     _, positions, _ = DMP.imitate(PHASE, up_and_down).rollout([0.2, 0.2], [0.2, 0.2], 1.0, 1.0 / 240)
     np.testing.assert_allclose(positions[:241] - 0.2, up_and_down, atol=1e-3)
@@ -127,7 +127,7 @@ def test_turning_the_axes_turns_the_movement() -> None:
 
 def test_time_grid() -> None:
     time, positions, velocities = PLAIN.rollout([0.0], [1.0], 0.25, 0.1, settle=0.5)
-    # Three steps, because 0.1 does not divide 0.25, and two beyond the end.
+    # The trajectory has three steps, because 0.1 does not divide 0.25. Two more steps are after the end.
     np.testing.assert_allclose(time, np.arange(6) * 0.25 / 3.0)
     assert positions.shape == velocities.shape == (6, 1)
     assert len(PLAIN.rollout([0.0], [1.0], 0.3, 0.1, settle=0.0)[0]) == 4

@@ -1,4 +1,4 @@
-"""Learning from demonstrations: recovery, noise, few samples, refusals."""
+"""Tests of learning from demonstrations: recovery, noise, few samples and refusals."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 
 
 def reach(phase: FloatArray) -> FloatArray:
-    """A hand lifts, travels over and comes down beside an object [m]."""
+    """Return the path [m] of a hand that rises, moves across and descends beside an object."""
     height = 0.3 + 0.2 * minimum_jerk(phase / 0.45) - 0.25 * minimum_jerk((phase - 0.5) / 0.5)
     return np.stack([0.5 * minimum_jerk((phase - 0.1) / 0.8), -0.2 * minimum_jerk(phase), height], axis=-1)
 
@@ -42,7 +42,7 @@ def test_velocities_are_imitated_too() -> None:
 @pytest.mark.parametrize("soft_start", [False, True])
 def test_a_movement_of_a_primitive_is_recovered(soft_start: bool) -> None:
     source = DMP(np.random.default_rng(5).normal(scale=0.3, size=(10, 2)), soft_start=soft_start)
-    # Without settling time, and of a duration at which the phase has all but decayed.
+    # The movement has no settling time, and lasts until the phase has almost decayed.
     time, positions, _ = source.rollout([0.0, 1.0], [0.4, 1.0], 1.0, 0.002, settle=0.0)
     learnt = DMP.imitate(time, positions, 10, soft_start=soft_start)
     _, replayed, _ = learnt.rollout(positions[0], positions[-1], 1.0, 0.002, settle=0.0)
@@ -98,7 +98,7 @@ def test_any_number_of_weights_arrives(n_weights: int) -> None:
     assert primitive.weights.shape == (n_weights, 3)
     assert np.linalg.norm(positions[-1] - POSITIONS[-1]) < 0.01e-3
     assert np.linalg.norm(velocities[-1]) < 1e-3
-    # With fewer, there is too little freedom to be both at the goal and at rest before settling.
+    # With fewer weights, the primitive cannot be both at the goal and at rest before settling.
     if n_weights >= 4:
         assert np.linalg.norm(positions[240] - POSITIONS[-1]) < 1e-3
 

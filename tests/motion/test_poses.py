@@ -36,7 +36,7 @@ points = vectors(3, 10.0)
 
 
 def matrix(axis: int, angle: float) -> FloatArray:
-    """The textbook's rotation matrix about a coordinate axis."""
+    """Return the rotation matrix about a coordinate axis, as in textbooks."""
     turned = np.eye(3)
     i, j = (axis + 1) % 3, (axis + 2) % 3
     turned[[i, j], [i, j]] = np.cos(angle)
@@ -190,7 +190,7 @@ def test_batches_broadcast_and_equal_single_calls() -> None:
 def test_angle_about_counts_whole_turns(q: FloatArray, axis: FloatArray, total: float) -> None:
     angles = np.linspace(0.0, total, 60)
     series = quaternion_multiply(q, quaternion_from_axis_angle(axis, angles))
-    # The sign of a quaternion is a matter of chance in a recording.
+    # The sign of a quaternion in a recording is arbitrary.
     series[::3] *= -1.0
     np.testing.assert_allclose(angle_about(3.0 * axis, series), angles, atol=1e-11)
 
@@ -201,7 +201,7 @@ def test_angle_about_an_axis_at_right_angles_is_0() -> None:
 
 
 def test_angle_about_follows_a_body_that_also_turns_otherwise() -> None:
-    # A cylinder rolls by 9 rad about its own axis, while it is led round a curve by 2 rad about the vertical.
+    # A cylinder rolls by 9 rad about its axis, while it turns by 2 rad about the vertical along a curve.
     share = np.linspace(0.0, 1.0, 400)
     heading = quaternion_from_axis_angle([0.0, 0.0, 1.0], 2.0 * share)
     rolling = quaternion_from_axis_angle([0.0, 1.0, 0.0], 9.0 * share)

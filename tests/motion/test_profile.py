@@ -1,4 +1,4 @@
-"""Profiles: a primitive in one dimension as the course of a movement along a given way."""
+"""Tests of profiles, i.e. of one-dimensional primitives that describe a movement along a given path."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Reading a movement: interpolation, the hold after the end, batches."""
+"""Tests of trajectories: interpolation, the constant value after the end, and batches."""
 
 import numpy as np
 from hypothesis import given
@@ -16,7 +16,7 @@ SINGLE = [PRIMITIVE.trajectory(START[i], GOAL[i], DURATION[i]) for i in range(6)
 
 
 def line() -> Trajectory:
-    """From 1 m to 3 m in 4 s, sampled three times, with made-up derivatives."""
+    """Return a trajectory from 1 m to 3 m in 4 s, with three samples and invented derivatives."""
     samples = np.array([[[1.0], [0.0], [8.0]], [[2.0], [4.0], [0.0]], [[3.0], [0.0], [-8.0]]])
     return Trajectory(np.array(4.0), np.array([3.0]), 0.5, samples)
 
@@ -76,7 +76,7 @@ def test_velocity_and_acceleration_are_the_derivatives() -> None:
     step = 1e-3
     for elapsed in np.linspace(0.01, 1.5, 40):
         before, now, after = movement.at(elapsed - step), movement.at(elapsed), movement.at(elapsed + step)
-        # Without the end, at which the reference is set to the goal.
+        # The end is excluded, because the reference is set to the goal there.
         running = np.abs(elapsed - movement.end) > 2.0 * step
         for order in (0, 1):
             difference = (after[order] - before[order]) / (2.0 * step)

@@ -1,4 +1,4 @@
-"""The spring: closed forms of its responses, in all three cases of damping."""
+"""Tests of the spring with closed forms of its responses, for all three cases of damping."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ def spring(n_weights: int = 20, alpha: float = 25.0, beta: float = 6.25) -> Tran
 
 
 def step_response(alpha: float, beta: float) -> FloatArray:
-    """The textbook's step response of a damped oscillator from its two (complex) poles."""
+    """Return the step response of a damped oscillator with two (complex) poles, as in textbooks."""
     root = np.sqrt(complex(alpha**2 / 4.0 - alpha * beta))
     one, other = -alpha / 2.0 + root, -alpha / 2.0 - root
     free = (one * np.exp(other * TIMES) - other * np.exp(one * TIMES)) / (one - other)

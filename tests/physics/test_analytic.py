@@ -1,4 +1,4 @@
-"""The analytic backend against closed forms."""
+"""Comparison of the analytic backend with closed forms."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ def test_constant_force_gives_constant_acceleration(toys: Any) -> None:
         assert backend.contact_forces() == []
     time = steps * backend.timestep
     assert state["pusher", "velocity"] == pytest.approx(force / 2.0 * time)
-    # Semi-implicit Euler is ahead of the parabola by half a step's way.
+    # Semi-implicit Euler is ahead of the parabola by half the distance of a step.
     ahead = (1 + 1 / steps) / 2
     assert state["pusher", "position"] == pytest.approx(np.array([0, 0, 0.5]) + force / 2.0 * time**2 * ahead)
 

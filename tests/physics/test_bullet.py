@@ -1,4 +1,4 @@
-"""PyBullet against closed forms, and the promises of the backend."""
+"""Comparison of PyBullet with closed forms, and tests of the protocol of the backend."""
 
 import math
 import subprocess
@@ -22,7 +22,7 @@ SLOPE = math.radians(15)
 
 
 def inclined(angle: float) -> tuple[float, float, float]:
-    """Return gravity as a floor feels it that falls towards +x."""
+    """Return the gravity on a floor that is inclined downwards in the direction of +x."""
     return (GRAVITY * math.sin(angle), 0.0, -GRAVITY * math.cos(angle))
 
 
@@ -73,7 +73,7 @@ def test_rolling_friction_stops_a_drum_after_the_distance_it_implies(toys: Any) 
 
 
 def pushed(toys: Any, force: float, friction: float, half_width: float) -> State:
-    """Push a tall box at the height .5 m with a constant force for a second."""
+    """Push a tall box with a constant force for a second, at a height of 0.5 m."""
     world = toys.world.thing("box", toys.box(half_width, 0.2, 0.3), {"mass": 8.0, "friction": friction})
     world = world.pusher(limit=1000.0, position=(-half_width - 0.0501, 0, 0.5))
     task = world.task()
@@ -134,7 +134,7 @@ def test_a_reassignment_empties_the_windows_of_its_tokens(toys: Any) -> None:
         backend.assign([replace(rests[0], name="RESTING-3"), rests[1]])
         backend.step({})
         felt = {other: force for _, other, force in backend.contact_forces()}
-    # One control period is four substeps of the 9.6 in a window.
+    # A window contains 9.6 substeps, and a control period contains four substeps.
     assert felt == pytest.approx({"box": 2.0 * GRAVITY * 4 / 9.6, "other": 2.0 * GRAVITY}, rel=1e-3)
 
 

@@ -1,4 +1,4 @@
-"""A hand with a wrist and two virtual fingers that holds a hammer, against closed forms."""
+"""Comparison of a hand that holds a hammer with closed forms. The hand has a wrist and two virtual fingers."""
 
 import numpy as np
 import pytest
@@ -71,7 +71,7 @@ def test_holding_a_hammer_level_takes_its_weight_times_the_lever(grasp: float) -
 
 
 def strike(grasp: float, grip: float, torque: float = 4.0, angle: float = np.pi / 2) -> tuple[list[State], float]:
-    """Swing a hammer, head up, by a constant torque about a fixed wrist; return the states and the angle."""
+    """Swing a raised hammer about a fixed wrist by a constant torque, and return the states and the angle."""
     task = held(grasp, HANDLE_UP)
     inertia = MOMENT + MASS * grasp**2 + WRIST
     turned: list[float] = [0.0]
@@ -178,7 +178,7 @@ def test_the_same_commands_give_the_same_bits_whatever_was_before() -> None:
         another.reset(other, other.state)
         assert trajectory(another) == first
         assert trajectory(one) == first
-        # No pair of the hand and the tool is left that would not collide.
+        # All pairs of the hand and the tool collide again.
         fall = other.state.replace({("a", "position"): (0, 0, 0.2), ("b", "position"): (0, 0, 0.03)})
         one.reset(other, fall)
         assert any(one.step({})["b", "impulse"][0] > 0.5 for _ in range(120))

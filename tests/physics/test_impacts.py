@@ -1,4 +1,4 @@
-"""The hardest blow that a thing has taken, against closed forms."""
+"""Comparison of the largest impulse on an object with closed forms."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def test_a_blow_remains_and_a_push_and_the_floor_count_little() -> None:
     given = {("ball", "position"): (0, 0, 0.33), ("block", "position"): 0.05 * UP}
     states = run(scene(given, ball=ball("ball", Thing, mass=1.0), block=block(50.0)), 1.0, lambda *_: {})
     hardest = [state["block", "impulse"][0] for state in states]
-    # The weight of the ball adds to the blow for a period.
+    # The weight of the ball increases the impulse for one control period.
     assert hardest[-1] == pytest.approx(np.sqrt(2 * GRAVITY * 0.2), abs=1.5 * GRAVITY / 240)
     assert hardest == sorted(hardest)
     lying = {("ball", "position"): (0, 0, 0.13), ("block", "position"): 0.05 * UP}

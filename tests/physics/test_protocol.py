@@ -1,4 +1,4 @@
-"""Finding backends by name."""
+"""Tests that find backends by name."""
 
 from importlib.metadata import EntryPoint
 from typing import Any

@@ -1,4 +1,4 @@
-"""Pictures: the camera shows everything, meshes are closed and face outward, drawing disturbs nothing."""
+"""Tests of pictures: the camera shows all bodies, meshes are closed, and drawing has no effect on the simulation."""
 
 from dataclasses import replace
 from typing import Any
@@ -42,7 +42,7 @@ def test_every_sphere_is_inside_the_frustum_and_one_touches_nearly(spheres: Any,
             gaps.append(offset @ inward - seen.radii)
     smallest = np.min(gaps)
     assert smallest >= 0
-    # Only the spare room remains: 0.08 of the distance, seen at half the angle of view.
+    # Only the margin of the picture remains, which is 0.08 of the distance at half the angle of view.
     assert smallest <= 0.08 * shot.distance
 
 

@@ -1,4 +1,4 @@
-"""The physical properties of tokens, against closed forms."""
+"""Comparison of the physical properties of tokens with closed forms."""
 
 import numpy as np
 import pytest

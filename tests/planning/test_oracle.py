@@ -1,4 +1,4 @@
-"""The breadth-first search that checks the planner's proofs finds chains, and exhausts unsolvable tasks."""
+"""Tests of the breadth-first search that checks proofs. It finds chains of movements, and ends on unsolvable tasks."""
 
 import numpy as np
 import pytest

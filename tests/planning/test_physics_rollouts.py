@@ -1,4 +1,4 @@
-"""Candidates tried in physics, one after the other or over processes."""
+"""Tests of candidates in physics, which run one after the other or in several processes."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ DISTANCE = ("ROLLING-1", "distance")
 
 
 def test_two_processes_come_to_the_bits_of_one() -> None:
-    """A task of the hammer travels with its domain, whose functions are closures."""
+    """The task with a hammer is sent to the processes with its domain, whose functions are closures."""
     task, plan = figure_task("strike", 0.5), figure_plan("strike")
     grasps = {GRASP: np.array([0.02, 0.07, 0.12])}
     one, two = (PhysicsRollouts(task, plan, "pybullet", n)(grasps, 3, until="GRASPING-1") for n in (1, 2))

@@ -1,4 +1,4 @@
-"""The network tailored to a task: what is left out, what is brought in, and that no plan is lost."""
+"""Tests of tailored networks: omitted blocks, added objects, and that no plan is lost."""
 
 import dataclasses
 import random
@@ -36,7 +36,7 @@ from hybrid_tamp.taskfile.roles import can_start
 
 
 class Exhaustive:
-    """A planner that looks at every state, and counts what it is asked."""
+    """A planner with an exhaustive search, which counts its requests."""
 
     def __init__(self) -> None:
         self.asked: list[PlanningProblem] = []
@@ -108,14 +108,14 @@ def test_agents_that_have_nothing_to_do_with_the_goal_are_left_out_with_their_bl
 
 
 def test_a_block_needs_a_different_token_for_each_slot_and_target() -> None:
-    # One thing that strikes and is the lever and the lid is not two things.
+    # A single token cannot be the striker, the lever and the lid at the same time.
     both = reduce_task(task({"thing": [Graspable, Lever, Lid]}), ["thing"])
     assert "LEVERING" not in blocks(both.task)
     assert "LEVERING" in blocks(reduce_task(task({"lid": [Lid], "bar": CROWBAR}), ["lid", "bar"]).task)
 
 
 def test_blocks_that_nothing_can_come_to_are_left_out() -> None:
-    # A hammer that cannot be grasped drives nothing, though it fills the slot.
+    # A hammer that cannot be grasped does not drive a nail, although it can fill the slot.
     assert "DRIVING" not in blocks(reduce_task(task({"hammer": [Striker]}), ["hammer"]).task)
 
 
@@ -302,7 +302,7 @@ def test_no_plan_that_the_full_network_has_is_lost(seed: int) -> None:
     assert (full.status == "solved") == (tailored.status == "solved")
     if tailored.plan is not None:
         assert check_law(whole, tailored.plan) == []
-        # Whatever network it was found on, it can be written for the whole one.
+        # A plan from a reduced network can be written as a plan for the whole network.
         compilation = compile_task(whole)
         actions = plan_actions(compilation, tailored.plan)
         assert compilation.reaches_goal(actions)

@@ -1,4 +1,4 @@
-"""Task planner and mid-level planner in turns: what no hyperparameters can carry out is planned anew."""
+"""Tests of replanning: if no hyperparameters satisfy a plan, the task is planned again."""
 
 from dataclasses import replace
 

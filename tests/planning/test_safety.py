@@ -1,4 +1,4 @@
-"""A task that only a safety factor excludes is not proven unsolvable, and the answer states both figures."""
+"""If only a safety factor excludes all plans, the task is not proven unsolvable, and the answer states both figures."""
 
 from collections.abc import Iterator
 
@@ -30,7 +30,7 @@ def planner() -> Iterator[PlannerProcess]:
 
 
 def crate(mass: float, factor: float = 1.5) -> Task:
-    """Return the task of two hands that lift a crate with a safety factor. Two hands bear 222.8 N by friction."""
+    """Return a task in which two hands lift a crate, with a safety factor. Two hands bear 222.8 N by friction."""
     return problem("lift_heavy_two_hands", ("mass: 24", f"mass: {mass}")).with_safety({"bears": factor})
 
 
@@ -113,5 +113,5 @@ def test_every_condition_of_every_block_has_the_factor_of_the_task() -> None:
 
 
 def test_a_limit_during_the_second_search_is_a_limit(planner: PlannerProcess) -> None:
-    """Without an answer of the second search, nothing is known about the physical bounds."""
+    """If the second search has no answer, nothing is known about plans with the physical bounds."""
     assert plan_safely(crate(20), planner, Deadline.after(1e-9)).status == "limit"

@@ -1,4 +1,4 @@
-"""Why each token is in the plan: a chain that ends in the goal, each link of which the plan bears out."""
+"""Tests of the reason for each token of a plan, which is a chain of links in the plan that ends in the goal."""
 
 import pytest
 from bank import problem

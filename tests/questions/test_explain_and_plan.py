@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def compare(source: Any, **more: Any) -> tuple[Explanation, TaskExplanation]:
-    """Return the two explanations of a task, after a check that that of `explain` contains that of `plan`."""
+    """Return the explanations of `explain` and `plan`, after checking that the first contains the second."""
     optimise = more.pop("optimise", False)
     planned = hybrid_tamp.plan(source, optimise=optimise)
     told = hybrid_tamp.explain(source, optimise=optimise, **more)

@@ -1,4 +1,4 @@
-"""Another agent does as one was seen to do; what cannot be imitated, or is no demonstration, is refused."""
+"""Tests of imitation by another agent. Movements that cannot be imitated and invalid demonstrations are refused."""
 
 import json
 import subprocess
@@ -30,7 +30,7 @@ from hybrid_tamp.verbs.imitate import read_shown
 
 PROBLEMS = Path(__file__).resolve().parents[2] / "problems"
 OTHER = (PROBLEMS / "roll_by_another_agent.yaml").read_text(encoding="utf-8")
-"""Another agent with another hand elsewhere, that rolls another thing the other way."""
+"""A task of a second agent, whose hand is at another place and rolls another object in the opposite direction."""
 
 
 @cache
@@ -51,7 +51,7 @@ def run_folder(tmp_path: Path) -> Path:
 
 
 def poses(every: int = 4, noise: float = 0.0) -> list[str]:
-    """Return the lines of a table of what was seen, by default at 60 Hz, with noise [m, or of quaternions]."""
+    """Return the lines of a table of observed poses, by default at 60 Hz, with noise [m, or of quaternions]."""
     task, _, recording = rolled()
     names, columns = ["time [s]"], [recording.times[:, None]]
     for token in task.assigned:

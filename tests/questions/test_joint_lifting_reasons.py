@@ -1,4 +1,4 @@
-"""What a group affords that no member does, and what is said of a load that is too heavy: each sentence is true."""
+"""Tests of affordances of groups, and of messages about loads that are too heavy: each message is true."""
 
 import pytest
 from bank import problem
@@ -16,7 +16,7 @@ TWO = {"LIFTING:two", "HOLDING:two", "LOWERING:two"}
 
 
 def crate(mass: float, hands: str = "two") -> Task:
-    """Return the crate of a mass for two hands or for four."""
+    """Return the task with a crate of the given mass, for two or for four hands."""
     name = "lift_heavy_two_hands" if hands == "two" else "lift_four_hands"
     return problem(name, ("mass: 24", f"mass: {mass}"))
 

@@ -1,4 +1,4 @@
-"""Which object affords which block to whom; every witness is checked against classes, facts and the network."""
+"""Tests of the views of affordances. Every witness is checked against classes, facts and the network."""
 
 import networkx as nx
 import pytest
@@ -26,7 +26,7 @@ def blocks(affordances: list[Affordance]) -> set[str]:
 
 
 def check(task: Task, affordance: Affordance) -> None:
-    """Check a witness by hand: classes, who may act, feasibility facts, ways along edges."""
+    """Check a witness independently: classes, acting agents, feasibility facts and paths along edges."""
     block = task.domain.block_by_name[affordance.block]
     bound = {role: task.value(name) for role, name in affordance.witness.items()}
     assert set(bound) == set(block.roles)
@@ -87,7 +87,7 @@ def test_a_block_that_no_edge_leads_to_is_not_afforded() -> None:
         ("cutter 0", "CUTTING"),
         ("part 0", "CUTTING"),
     }
-    # Where nothing can be cut, what may only be reached from there is out of reach, too.
+    # If nothing can be cut, blocks that are reachable only from CUTTING are also unreachable.
     blunt = workshop_task((at(),), hands=(50.0,), edges=(1.0,))
     assert {(a.object, a.block) for a in afforded_to(blunt, "robot")} == {("cutter 0", "SETTING")}
 

@@ -1,4 +1,4 @@
-"""Objects never seen: shapes rank classes, labelled ones teach, and trials decide."""
+"""Tests of probes: shapes rank classes, known members provide properties, and trials decide."""
 
 import json
 import subprocess
@@ -60,7 +60,7 @@ BOX = Box(kind="box", half_extents=(0.15, 0.12, 0.18))
         (CYLINDER, (0.97, 1.0), (0.0, 0.2)),
         (Sphere(kind="sphere", radius=0.1), (0.97, 1.0), (0.0, 0.2)),
         (mesh("prism24"), (0.95, 0.98), (0.1, 0.15)),
-        # cos(22.5 deg) is 0.924, a side reaches tan(22.5 deg) of the way to the corner of the box about it.
+        # cos(22.5 deg) is 0.924. A side covers tan(22.5 deg) of the distance to the corner of the bounding box.
         (mesh("prism8"), (0.73, 0.75), (0.41, 0.42)),
         (BOX, (0.0, 0.01), (0.99, 1.0)),
         (mesh("p5"), (0.0, 0.01), (0.99, 1.0)),
@@ -96,7 +96,7 @@ def test_walls_between_parts_are_not_on_the_surface() -> None:
 
 
 def test_contact_points_of_a_box_are_carried_into_the_hollow() -> None:
-    """At 0.44 of the half height the parabola lies 0.03 (1 - 0.44^2) m behind the corners."""
+    """At 0.44 of the half height, the parabola is 0.03 (1 - 0.44^2) m behind the corners."""
     warped = warp(BOX, mesh("p5"), np.eye(3))
     right, top, front = warped.carry(np.array([[0.15, 0.0, 0.0792], [0.066, 0.0, 0.18], [0.0, -0.12, 0.0]]))
     depth = 0.15 - 0.03 * (1 - 0.44**2)
@@ -213,7 +213,7 @@ def test_p5_slides_and_does_not_roll(task: Task) -> None:
 
 
 def test_a_cylinder_never_seen_rolls(task: Task) -> None:
-    """Its mass is that of its volume at the density of the cylinder that is known."""
+    """Its mass is the product of its volume and the density of the known cylinder."""
     drum = Token.make("P5", [], {}, CYLINDER, task.token_by_name["P5"].unknown)
     tokens = tuple(drum if token.name == "P5" else token for token in task.tokens)
     (verdict,) = probe(task.replaced(tokens=tokens), "P5", ["ROLLABLE"], starts=1, most_starts=1).verdicts
@@ -231,7 +231,7 @@ def test_the_written_task_plans_and_runs(task: Task, tumbled: MembershipResult, 
     assert "# P5 has never been seen before" in text
     assert "unknown: [ROLLABLE]" in text
     assert [file.name for file in tmp_path.iterdir()] == ["known.yaml"]
-    # The same box in the task whose goal speaks of it.
+    # The same box in the task whose goal names the box.
     wanted = load_task(TO_TUMBLE)
     save_members(wanted, tumbled, target, force=True)
     known = load_task(target)

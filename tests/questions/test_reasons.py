@@ -1,4 +1,4 @@
-"""The same reason of several modes is said once."""
+"""If several modes of an action have the same reason, the reason is stated once."""
 
 from hybrid_tamp.feasibility.mode_names import BLOCK, merge_reasons
 from hybrid_tamp.model.explanation import Reason, ReasonKind

@@ -1,4 +1,4 @@
-"""Single changes: found by planning them, the same that brute force finds; and the reasons point to them."""
+"""Suggested single changes equal those of a brute-force search, and the reasons match the changes."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -95,7 +95,7 @@ def test_what_only_a_change_shows_is_a_reason_too() -> None:
 
 
 def test_reasons_are_a_smallest_set() -> None:
-    """That nothing leads to CUTTING is true, too, but with a way there and none to SETTING there would be no plan."""
+    """No edge leads to CUTTING either, but this edge alone, without an edge to SETTING, gives no plan."""
     task = without_edge(workshop_task((cut(),)), ("RESTING.token", "SETTING.tool"))
     assert {reason.lacks for reason in explain(task, proven=True)} == {("CUTTING", "tool")}
     found = explain_wholly(task, 60, most=3)

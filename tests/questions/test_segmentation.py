@@ -1,4 +1,4 @@
-"""What was seen is given back in words of the domain: the library's own recordings, with noise, with bystanders."""
+"""Tests of the segmentation of recordings into blocks, with noise and with tokens that take no part."""
 
 from dataclasses import replace
 from functools import cache
@@ -22,9 +22,9 @@ from hybrid_tamp.taskfile.loader import load_task
 
 PROBLEMS = Path(__file__).resolve().parents[2] / "problems"
 NEAR = 0.3
-"""Boundaries are given back up to this [s]."""
+"""Largest accepted error of a boundary between instances [s]."""
 UNSEEN = 0.02
-"""A reach over a shorter distance [m] is not seen."""
+"""A reach over a shorter distance [m] is not detected."""
 
 
 @cache
@@ -41,7 +41,7 @@ def kind(instance: BlockInstance) -> tuple[object, ...]:
 
 
 def visible(recording: Recording) -> list[BlockInstance]:
-    """Return the instances without useless reaches, in which a hand goes back to the place where it already is.
+    """Return the instances without useless reaches, in which a hand reaches to the place where it already is.
 
     A plan may contain such a reach, with a rest after it. Nobody can see it in a recording. A plan in which the next
     instance begins earlier explains the recording as well.
@@ -134,7 +134,7 @@ def test_noise_is_measured_and_margins_are_as_exact_as_that() -> None:
 
 
 def test_a_reach_was_for_what_was_made_use_of() -> None:
-    """Two regions lie all but in one line: the place behind the thing is good for both, but it is rolled to one."""
+    """Two regions are almost in one line. The same place of the hand fits both, but the object rolls to one."""
     task = load_task(PROBLEMS / "roll_second_round.yaml")
     outcome = hybrid_tamp.plan(task, optimise=True)
     with open_backend("pybullet") as physics:
@@ -144,7 +144,7 @@ def test_a_reach_was_for_what_was_made_use_of() -> None:
 
 
 def with_passer_by() -> tuple[Task, Recording, State]:
-    """Return a roll in which the box's second hand, of a task of four, wanders about instead of resting."""
+    """Return a recording of a roll in which a second hand moves around instead of resting."""
     task, recording = recorded("tumble_four_hands")
     states, rows = recording.trajectory, recording.times
     place = states["hand-4", "position"][0]
@@ -178,7 +178,7 @@ def test_a_thing_that_moves_by_itself_is_told() -> None:
 
 
 def test_nothing_but_states_is_read() -> None:
-    """Another row order of tokens, another start: a recording cut in the middle still has its first blocks."""
+    """Tokens have another order and another start. A recording that is cut in the middle has the same first blocks."""
     task, recording = recorded("roll_cylinder")
     rows = recording.times < 5.0
     found = segment(task, Observation.of(recording.times[rows], State(recording.layout, recording.states[rows])))

@@ -1,4 +1,4 @@
-"""Whether hands can tip a box is decided before search, and the explanation says what is missing, in numbers."""
+"""Feasibility facts decide whether hands can tip a box, and the explanation states what is missing, with figures."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -156,7 +156,7 @@ def test_the_planner_proves_what_the_explanation_says(edit: tuple[str, str]) -> 
     outcome = hybrid_tamp.plan(wrong)
     assert outcome.status == "unsolvable"
     assert outcome.explanation is not None
-    # What would do beside mending the fact, such as another hand, is a reason, too.
+    # Alternatives to a repair of the fact, such as an additional hand, are also reasons.
     kinds = [reason.kind for reason in outcome.explanation.reasons]
     assert kinds.count("not_feasible") == 1
     assert set(kinds) <= {"not_feasible", "too_few_tokens"}

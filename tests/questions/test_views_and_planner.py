@@ -1,4 +1,4 @@
-"""The view of an agent and the planner agree on random tasks: what is afforded has a plan, and the rest has none."""
+"""The view of an agent and the planner agree on random tasks: a block is afforded if and only if a plan exists."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -39,7 +39,7 @@ def use(task: Task, block: Block, slot: str, thing: str) -> Task:
 
 
 def disagreements(task: Task, planner: PlannerProcess) -> tuple[list[str], set[bool]]:
-    """Return where view and planner disagree, and which answers the view gives."""
+    """Return the disagreements between view and planner, and the answers of the view."""
     seen = {(each.object, each.block, each.slot) for each in afforded_to(task, *task.agents)}
     found, answers = [], set()
     for each in environment(task):

@@ -1,4 +1,4 @@
-"""Documents are derived from results: renamed keys, values as text, and the published schema of each."""
+"""Tests of documents that are derived from results: renamed keys, values as text, and published schemas."""
 
 import json
 from importlib.resources import files
@@ -48,7 +48,7 @@ FAILED = PlanOutcome(
 
 
 def valid(outcome: PlanOutcome) -> Json:
-    """Return the document of an outcome, read back from text that follows its published schema."""
+    """Return the document of an outcome, read again from JSON, after a check against the published schema."""
     text = json.dumps(document(outcome), allow_nan=False)
     schema = files("hybrid_tamp.report.schemas").joinpath("plan-1.json").read_text(encoding="utf-8")
     Draft202012Validator(json.loads(schema)).validate(json.loads(text))

@@ -1,4 +1,4 @@
-"""The page of a run is made from its documents, whatever they contain."""
+"""The page of a run can be made from all documents, with any content."""
 
 from pathlib import Path
 

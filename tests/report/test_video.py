@@ -1,4 +1,4 @@
-"""Videos, step pictures and their captions, with pictures that need no physics."""
+"""Tests of videos, step pictures and captions, with pictures that are drawn without physics."""
 
 import re
 import subprocess
@@ -28,7 +28,7 @@ from hybrid_tamp.report.caption import Captions, allocation
 from hybrid_tamp.report.video import frame_times, step_pictures, write_video
 
 TIMESTEP = 1 / 240
-WIDTH, HEIGHT = 161, 90  # odd, which a video cannot be
+WIDTH, HEIGHT = 161, 90  # odd sizes, which a video cannot have
 
 
 def block(name: str) -> Block:
@@ -124,7 +124,7 @@ def test_one_picture_a_step(task: Task, recording: Recording, tmp_path: Path) ->
     assert first.shape == second.shape
     assert not np.array_equal(first[:HEIGHT], second[:HEIGHT])
     assert not np.array_equal(first[HEIGHT:], second[HEIGHT:])
-    # Each shows the end of its step: the ball at 0.4 of the way and at its end.
+    # Each picture shows the end of its step: the ball at 0.4 of the path, and at the end of the path.
     columns = [int(np.argmin(picture[:HEIGHT, :WIDTH, 1].mean(axis=0))) for picture in (first, second)]
     assert columns[0] == pytest.approx(0.4 * (WIDTH - 10), abs=2)
     assert columns[1] == WIDTH - 10

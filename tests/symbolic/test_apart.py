@@ -1,4 +1,4 @@
-"""Independent goals planned apart and merged. The tests judge the plan of the whole task."""
+"""Tests of goals that are planned separately. The merged plan is checked for the whole task."""
 
 import time
 from collections.abc import Iterator
@@ -49,7 +49,7 @@ def planner() -> Iterator[Counting]:
 
 
 def accepted(folder: Path, task: Task, planned: SearchResult) -> bool:
-    """Say whether the law checker and VAL accept the plan of the whole task."""
+    """Return whether the law checker and VAL accept the plan of the whole task."""
     assert planned.plan is not None
     lawful = check_law(task, planned.plan) == []
     return lawful and val_accepts(folder, compile_task(task).problem, planned.answer.actions)
@@ -154,7 +154,7 @@ def test_no_clock_decides_which_plan_is_found(
 
 
 class Slow:
-    """A planner that uses up its time limit."""
+    """A planner that always reaches its time limit."""
 
     def solve(self, problem: PlanningProblem, engine: str, limits: Limits) -> PlannerAnswer:
         time.sleep(limits.time)

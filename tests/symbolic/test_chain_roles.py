@@ -1,4 +1,4 @@
-"""Chains with targets and several slots, and the way back to every block."""
+"""Tests of chains with targets and several slots, and of the expansion of chains into blocks."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ from hybrid_tamp.symbolic.schedule import InfeasibleScheduleError
 
 
 def fetching(at: Predicate, done: Predicate) -> list[Block]:
-    """Return blocks by which a tool goes to a station, works there, and packs up."""
+    """Return blocks in which a tool goes to a station, works there and packs up."""
     return [
         block("GO", {"tool": Tool}, [], [at("tool", "station")], {"station": Station}, hold=True),
         block("WORK", {"tool": Tool}, [at("tool", "bench")], [done("tool", "bench")], {"bench": Station}, hold=True),
@@ -141,7 +141,7 @@ def test_names_of_chains_are_told_from_those_of_blocks(tmp_path: Path) -> None:
 @settings(max_examples=80)
 @given(st.integers(0, 10**6))
 def test_chains_lose_no_plan_and_make_none_up(tmp_path_factory: pytest.TempPathFactory, seed: int) -> None:
-    """Exhaustive search finds a plan with chains wherever it does without; every plan is lawful."""
+    """Exhaustive search finds a plan with chains if and only if one exists without chains. Every plan is lawful."""
     of = RandomSeries(seed).task()
     compilation = compile_task(of)
     if not compilation.encoded.chains.links:
@@ -152,8 +152,9 @@ def test_chains_lose_no_plan_and_make_none_up(tmp_path_factory: pytest.TempPathF
     except OverflowError:
         return
     try:
-        # A token that starts in a block has its exit conditions still before it, which operators do not know.
+        # A token that starts in a block has not yet met the exit conditions, but operators do not contain this
+        # condition.
         if actions and not of.assignment:
             lawful(tmp_path_factory.mktemp("random"), compilation, actions)
     except InfeasibleScheduleError:
-        pass  # blocks without a hold that meet again: so it is without chains
+        pass  # blocks without `hold` that meet again, as without chains

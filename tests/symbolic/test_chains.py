@@ -1,4 +1,4 @@
-"""Blocks in series cost no more than one block, and a chain is cut where a plan may need it."""
+"""Blocks in series cost no more than one block, and a chain is split where a plan may need this."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -55,7 +55,7 @@ def test_a_chain_costs_no_more_than_a_single_block(count: int, single: tuple[boo
 
 
 def test_a_longer_chain_has_no_more_effects() -> None:
-    """A chain leaves out facts that only its own blocks require: planners look for invariants in each."""
+    """A chain omits facts that only its own blocks require, because planners search for invariants of every fact."""
     sizes = [
         [
             (len(o.parameters), len(o.precondition), len(o.add), len(o.delete))

@@ -1,4 +1,4 @@
-"""Goals with a choice: every alternative is planned, the best plan wins, and 'unsolvable' means that all are."""
+"""Tests of goals with a choice: the best plan is used, and 'unsolvable' means that all alternatives are unsolvable."""
 
 import json
 from collections.abc import Collection
@@ -55,7 +55,7 @@ def _both(slot: str) -> list[tuple[str, str]]:
 
 
 class Slow:
-    """A planner that reaches its limit on some problems, counted from 1, and records its time limits."""
+    """A planner that reaches its limit on the problems with given numbers (from 1), and records its time limits."""
 
     def __init__(self, planner: PlannerProcess, failing: Collection[int] = ()) -> None:
         self.planner = planner

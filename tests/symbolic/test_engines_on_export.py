@@ -1,4 +1,4 @@
-"""Five engines solve the exported files with an independent reader; VAL judges each plan."""
+"""Five engines solve the exported files with an independent reader, and VAL checks each plan."""
 
 import os
 import subprocess
@@ -75,7 +75,7 @@ def test_optimal_engines_need_no_more_actions_than_the_default() -> None:
 def test_engine_solves_the_exported_files_as_they_are(engine: str, tmp_path: Path) -> None:
     """Solve with the command line of unified-planning, which is independent of this project.
 
-    Of a part of the domain, where each of them is quick: the next test has all of it.
+    The test uses a part of the domain, for which each engine is fast. The next test uses the whole domain.
     """
     task = rolling_task(hands=2)
     _solve_export(task.replaced(domain=ROLLING_ONLY), engine, tmp_path)
@@ -99,7 +99,7 @@ def _solve_export(task: Task, engine: str, tmp_path: Path) -> None:
         cwd=tmp_path,
     )
     assert "SOLVED" in done.stdout, done.stdout + done.stderr
-    # unified-planning's own writer renames what resembles a keyword of PDDL; the files do not.
+    # The writer of unified-planning renames names that resemble keywords of PDDL. The exported files keep these names.
     plan = tmp_path / "plan.pddl"
     plan.write_text(plan.read_text().replace(" goal_ ", " goal ").replace(" goal_)", " goal)"))
     assert val_accepts_files(tmp_path)

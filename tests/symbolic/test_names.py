@@ -39,7 +39,7 @@ NASTY += ["?x", "Ünder☃", "", " ", "TOKEN", "PART", "token", "from-x1", "no x
 
 
 def carrying(names: Mapping[str, str]) -> Task:
-    """Return a task of one plan: two tools hold a part, carry it and colour it, and may let go in between."""
+    """Return a task with a single plan, in which two tools hold a part, carry it and colour it."""
     thing, left, right, goal, shade = (names[key] for key in ROLES)
     colours = SymbolSort("colour", (names["pale"], names["dark"]))
     fit = predicate("fit", Tool, holds=lambda name: name == names["one"], kind=Kind.STATIC)
@@ -71,7 +71,7 @@ def carrying(names: Mapping[str, str]) -> Task:
 
 
 def renamed(plan: TaskPlan, names: Mapping[str, str]) -> set[tuple[object, ...]]:
-    """Return the content of a plan under the plain names."""
+    """Return the content of a plan with the original names."""
     own = {name: key for key, name in names.items()}
     said = set()
     for each in plan.instances:
@@ -82,7 +82,7 @@ def renamed(plan: TaskPlan, names: Mapping[str, str]) -> set[tuple[object, ...]]
 
 
 def judge(folder: Path, names: Mapping[str, str]) -> set[tuple[object, ...]]:
-    """Plan, decode, re-encode and export the task under these names; return the content of the plan."""
+    """Plan, decode, re-encode and export the task with the given names, and return the content of the plan."""
     task = carrying(names)
     compilation = compile_task(task)
     actions = shortest_plan(compilation.problem)
@@ -100,14 +100,14 @@ def judge(folder: Path, names: Mapping[str, str]) -> set[tuple[object, ...]]:
 
 @cache
 def plain() -> frozenset[tuple[object, ...]]:
-    """Return the content of the plan under plain names."""
+    """Return the content of the plan with the original names."""
     with TemporaryDirectory() as folder:
         return frozenset(judge(Path(folder), PLAIN))
 
 
 @st.composite
 def some_names(draw: st.DrawFn) -> dict[str, str]:
-    """Return distinct names for everything, without dots, which separate block and slot in edges."""
+    """Return distinct names for all items. The names contain no dots, because dots separate block and slot in edges."""
     characters = st.characters(codec="utf-8", exclude_characters=".*\n", exclude_categories=("C", "Z"))
     name = st.sampled_from(NASTY) | st.text(characters | st.sampled_from(" -"), min_size=1, max_size=12)
     keys = (*ROLES, *OTHERS)

@@ -1,4 +1,4 @@
-"""The PDDL text: its exact layout once, then the verdicts of VAL."""
+"""Tests of the PDDL text: the exact layout for one problem, and the verdicts of VAL."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The operators that a problem loses as impossible are impossible: all plans stay plans."""
+"""Operators that are removed as impossible are really impossible, so no plan is lost."""
 
 from pathlib import Path
 

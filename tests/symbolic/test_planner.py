@@ -1,4 +1,4 @@
-"""The process of the planner: the answers of the engines, and that no process and no file is left."""
+"""Tests of the planner's process: the answers of the engines, and that no process and no file remains."""
 
 import json
 import os
@@ -32,12 +32,12 @@ AMPLE = Limits(time=120.0, memory=6000.0)
 
 @pytest.fixture(autouse=True)
 def left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Check that no process and no file is left. Fake engines write the file when they leave a process."""
+    """Check that no process and no file remains. Fake engines write the file when they leave a process behind."""
     temporary, left = tmp_path / "temporary", tmp_path / "left"
     temporary.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(temporary))
     monkeypatch.setenv("LEFT", str(left))
-    # Other tests of this process may have left processes that wait for more to do: those of joblib do.
+    # Other tests may have left idle processes, e.g. the processes of joblib.
     before = psutil.Process().children(recursive=True)
     yield left
     assert set(psutil.Process().children(recursive=True)) <= set(before)
@@ -188,13 +188,13 @@ def test_nothing_is_left_if_the_task_is_wrong() -> None:
 
 @contextmanager
 def interrupted(when: Callable[[], bool]) -> Iterator[None]:
-    """Interrupt the code inside, as a terminal does, when a condition holds."""
+    """Interrupt the code in this context when a condition holds, as Ctrl-C in a terminal does."""
 
     def interrupt() -> None:
         wait_for(when)
         os.kill(os.getpid(), signal.SIGINT)
 
-    # Where a shell has put the tests into the background, they were told to ignore it.
+    # If the tests run in the background of a shell, they ignore this signal by default.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     watcher = threading.Thread(target=interrupt)
     watcher.start()

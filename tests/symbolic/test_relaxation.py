@@ -1,4 +1,4 @@
-"""The facts reached without deletes: all reachable facts, and none that no sequence of operators adds."""
+"""The delete relaxation contains all reachable facts, and only facts that a sequence of operators adds."""
 
 import pytest
 from planning_problems import DELIVER, ODD, random_problem, shortest

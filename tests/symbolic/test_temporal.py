@@ -1,4 +1,4 @@
-"""One durative action per block: encoded and exported."""
+"""Tests of the temporal encoding and export, with one durative action per block."""
 
 import os
 import subprocess
@@ -62,7 +62,7 @@ def test_invariants_hold_over_all_of_an_action() -> None:
 
 
 def test_the_temporal_problem_does_not_depend_on_the_order_of_sets() -> None:
-    """Python gives strings different hashes in every process."""
+    """Hash values of strings differ between processes in Python."""
     code = (
         "from random_tasks.tumbling import random_tumbling;"
         "from hybrid_tamp.symbolic.temporal.compilation import compile_durative;"

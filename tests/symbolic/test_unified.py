@@ -1,4 +1,4 @@
-"""Conversion to unified_planning and back: names, plain problems, compiled problems, the validator."""
+"""Tests of the conversion to unified_planning and back: names, plain problems, compiled problems and the validator."""
 
 from dataclasses import replace
 from typing import Any
@@ -27,7 +27,7 @@ def solver() -> Solver:
 
 @st.composite
 def nasty_problems(draw: st.DrawFn) -> PlanningProblem:
-    """Problems of a few steps in which items of different kinds may have the same name."""
+    """Problems with short plans, in which items of different kinds may have the same name."""
     names = st.permutations(NASTY)
     kinds, things, predicates, operators, variables = (draw(names) for _ in range(5))
     (one, two), wide = [f"?{name}" for name in variables[:2]], draw(st.sampled_from([kinds[0], "object"]))
@@ -160,7 +160,7 @@ def test_plain_problems_have_no_meeting_effects_and_no_settled_conditions() -> N
 
 
 def test_pyperplan_is_right_about_there_being_no_plan(solver: Solver) -> None:
-    """The status of the engine does not claim a proof; an exhaustive search shows that the answer is right."""
+    """The status of the engine does not claim a proof, but an exhaustive search confirms the answer."""
     said = {problem.name: solver.reply(problem, "pyperplan")["status"] for problem in map(random_problem, range(50))}
     real = {problem.name: shortest(problem) for problem in map(random_problem, range(50))}
     assert said == {name: "unsolvable" if length is None else "solved" for name, length in real.items()}

@@ -1,4 +1,4 @@
-"""Whereabouts of tokens: chains of movements are planned, and only upper bounds prove that there is no plan."""
+"""Tests of whereabouts: chains of movements are planned, and only upper bounds prove that no plan exists."""
 
 from pathlib import Path
 
@@ -39,7 +39,7 @@ def pushes(plan: TaskPlan) -> list[BlockInstance]:
 
 
 def turn_last_leg(task: Task, degrees: float) -> Task:
-    """Return the task with the goal turned about the corner, so that the last push is not square to the block."""
+    """Return the task with the goal rotated about the corner, so that the last push is oblique to the block's sides."""
     middle, goal = task.state["middle", "position"], task.state["goal", "position"]
     cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     turned = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ (goal - middle)
@@ -78,7 +78,7 @@ def test_conditions_are_measured_in_predicted_states(corner: Task, plan: TaskPla
 def test_a_failed_binding_is_excluded_in_its_situation_only(corner: Task, plan: TaskPlan) -> None:
     last = pushes(plan)[-1]
     roles = Tracking(corner.domain).roles(corner.domain.block_by_name["PUSHING"])
-    # The binding failed with the block at its start, so it may still be used at the corner.
+    # The binding failed when the block was at its initial place, so the binding is still permitted at the corner.
     at_start = forbid(corner, last, corner.state, roles)
     assert [push.targets["region"] for push in pushes(hybrid_tamp.plan(at_start).required())] == ["middle", "goal"]
     there = forbid(corner, last, predict_states(corner, plan)[last.name], roles)

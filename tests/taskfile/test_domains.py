@@ -1,4 +1,4 @@
-"""What is named is found: installed, by module or by path, and once; else the message says what there is."""
+"""Domains are found by installed name, by module or by path. Otherwise the message lists the available names."""
 
 import sys
 from pathlib import Path

@@ -198,7 +198,7 @@ def test_an_angle_may_be_a_whole_turn_or_what_its_class_allows(load: Callable[[s
     assert load(turning).token_by_name["drum"]["turns"] == 900.0
 
 
-# Edits that, by their nature, are more than one fault.
+# Edits that cause more than one fault.
 _SEVERAL = {"no tokens", "unknown key of a pose", "two tokens of one name", "unknown domain"}
 _SEVERAL |= {"unknown key of a token", "key that is no text", "goal that names a token twice"}
 

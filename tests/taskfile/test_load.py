@@ -1,4 +1,4 @@
-"""A file that is right gives the task that it says."""
+"""A file without faults is loaded as the task that it describes."""
 
 import json
 import math
@@ -125,14 +125,14 @@ def test_any_names_come_back_as_written(load: Load, text: str, names: list[str],
 
 
 def _quoted(name: str, ascii_only: bool) -> str:
-    r"""Write a name in double quotes: as JSON does, also beyond \uFFFF, or with printable characters as they are."""
+    r"""Return a name in double quotes, either with the escapes of JSON, or with unchanged printable characters."""
     if ascii_only:
         return json.dumps(name)
     return '"' + "".join(c if c.isprintable() and c not in '"\\' else json.dumps(c)[1:-1] for c in name) + '"'
 
 
 def _renamed(text: str, mine: str, theirs: str) -> str:
-    """Put another name wherever the file names a token; names of the others are quoted already and stay."""
+    """Replace the name of a token everywhere in the file. Names that are already in quotes do not change."""
     for before, after in (("  ", ":"), ("[", "]"), ("[", ","), (" ", "]"), ("{", ":")):
         text = text.replace(f"{before}{mine}{after}", f"{before}{theirs} {after}")
     return text

@@ -1,4 +1,4 @@
-"""Mesh files: what is read from them, and what is refused with which figure."""
+"""Tests of mesh files: their content, and messages with figures about unsuitable meshes."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What a task file says of the mid-level planner, and goals with a choice."""
+"""Tests of the settings of the mid-level planner in a task file, and of goals with a choice."""
 
 import json
 from dataclasses import replace
@@ -88,7 +88,7 @@ def test_a_number_fixes_a_hyperparameter_of_every_mode() -> None:
         assert (rate.lower, rate.upper, float(rate.initial_value({}, task.state))) == (0.7, 0.7, 0.7)
 
 
-# In front of the place that the message must name stands ``«``.
+# ``«`` marks the place that the message must name.
 FAULTS = {
     "{optimiser: «cmaa}": ("'cma' or 'grid'", "did you mean 'cma'?"),
     "{refine: «phisics}": ("did you mean 'physics'?",),

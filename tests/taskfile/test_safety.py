@@ -1,4 +1,4 @@
-"""Safety factors in a task file."""
+"""Tests of safety factors in a task file."""
 
 from pathlib import Path
 

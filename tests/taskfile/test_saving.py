@@ -1,4 +1,4 @@
-"""What is saved loads as it was, and a task built in Python is checked as a file is."""
+"""A saved task is loaded unchanged, and a task that is built in Python is checked like a file."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The JSON Schema and the reference page say what the checks do."""
+"""The JSON Schema and the reference page agree with the checks."""
 
 import copy
 import json

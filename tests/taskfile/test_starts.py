@@ -1,4 +1,4 @@
-"""Tokens that cannot be where a file puts them: in the floor, in each other, or where their classes refuse them."""
+"""Tests of invalid initial poses: below the floor, inside another token, or forbidden by a class."""
 
 import os
 from collections.abc import Callable
@@ -22,7 +22,7 @@ HALVES = "[0.15, 0.14, 0.18]"
 
 
 def refused(text: str, old: str, new: str) -> Issue:
-    """Return the one fault of a text in which something stands in place of another; ``«`` marks where."""
+    """Return the only fault of a text after a replacement. ``«`` marks the place of the fault."""
     assert old in text
     marked = text.replace(old, new, 1)
     before, _, _ = marked.partition("«")
@@ -64,7 +64,7 @@ def test_a_box_without_a_face_to_stand_on(pose: str, words: tuple[str, ...]) -> 
 
 
 def test_a_box_that_leans_over_an_edge_may_start() -> None:
-    # Tipped from its bottom to its right, 6 degrees past the balance, with its edge on the floor.
+    # The box is tipped to the right, 6 degrees past the balance point, with its edge on the floor.
     load_task_text(TWO_HANDS.replace(BOX, "pose: {position: [0.0, 0, 0.2331], rpy: [0, 0.7995, 0]}"), "t")
 
 

@@ -1,4 +1,4 @@
-"""Files that are no YAML, not plain data, or meant to do harm: refused with their place, quickly, and never run."""
+"""Files that are not YAML, not plain data or malicious are refused quickly, with a place, and never executed."""
 
 import time
 from collections.abc import Callable
@@ -21,7 +21,7 @@ Issues = Callable[[str], tuple[Issue, ...]]
 
 
 def refused(text: str) -> list[str]:
-    """Return the messages about a text that is refused, or that is readable and has faults."""
+    """Return the messages about a text that cannot be read or that has faults."""
     try:
         document = parse(text, "f")
     except InputError as error:
@@ -210,7 +210,7 @@ def test_a_name_that_no_file_can_have_is_refused() -> None:
 
 
 def _only_refused(raw: bytes, domain: Domain) -> Task | None:
-    """Load bytes as a file would be; whatever else than `InputError` is raised goes through."""
+    """Load bytes like a file. Only the exception `InputError` is accepted."""
     try:
         return load_task_text(decode(raw, "f"), "f", lambda name: domain)
     except InputError as error:

@@ -1,4 +1,4 @@
-"""Slips of numpy in a correct domain: each of them is refused by name."""
+"""Tests of mistakes with numpy in a correct domain. Each message names the function with the mistake."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Toy domains with a fault on purpose: `check_domain` reports each kind of fault, and nothing else."""
+"""Toy domains with intentional faults. `check_domain` reports each kind of fault, and nothing else."""
 
 from collections.abc import Callable
 from dataclasses import replace

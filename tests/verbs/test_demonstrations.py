@@ -1,4 +1,4 @@
-"""Every fault of a demonstration or of a primitive file, with its place; exit status 30 on the command line."""
+"""Tests of faults in demonstrations and primitive files. Messages state the place, and the exit status is 30."""
 
 import json
 import subprocess

@@ -90,7 +90,8 @@ def test_a_recorded_reach_reaches_new_goals(recorded: Path, tmp_path: Path) -> N
     assert np.max(distances(load_task(ROLL), learnt.primitive)) < 1e-3
     hybrid_tamp.save_primitive(learnt, tmp_path / "reach.json")
     assert read_primitive(tmp_path / "reach.json") == learnt
-    # For the demonstrated start and goal it is the demonstration: the packaged reach as a servo follows it.
+    # With the demonstrated start and goal, the primitive reproduces the demonstration, i.e. the reach that a servo
+    # follows.
     ours, default = (p.trajectory(start, goal, 2.0).at(0.8)[0] for p in (learnt.primitive, demonstrated_reach()))
     assert 1e-4 < np.linalg.norm(ours - default) < 0.05
 

@@ -1,4 +1,4 @@
-"""The time limit of a command: what is left of a run that the limit ends, and that no clock changes a run."""
+"""Tests of the time limit of a command: the results of a run that the limit ends, and that the clock changes no run."""
 
 import json
 from pathlib import Path
