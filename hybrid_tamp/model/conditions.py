@@ -131,7 +131,7 @@ class _Checker:
 
 
 class _Symbols(_Checker):
-    """Check by the declared effects. The effects of an instance are applied when its exit conditions hold."""
+    """Checks by declared effects. The effects of an instance are applied when its exit conditions hold."""
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         super().__init__(task, plan)
@@ -189,7 +189,7 @@ class _Symbols(_Checker):
 
 
 class _Margins(_Checker):
-    """Check by the margins that were measured at the instants of reassignment."""
+    """Checks by margins that were measured at the instants of reassignment."""
 
     def __init__(self, task: Task, plan: TaskPlan, measured: Measured) -> None:
         super().__init__(task, plan)

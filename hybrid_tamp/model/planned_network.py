@@ -9,7 +9,7 @@ from hybrid_tamp.model.task import Task
 
 @dataclass(frozen=True)
 class WholeNetwork:
-    """Figures of the whole task, before blocks and tokens were omitted for planning.
+    """Size of the whole task, before blocks and tokens were omitted for planning.
 
     Attributes:
         blocks: number of blocks of the whole domain.
@@ -51,7 +51,7 @@ class PlannedNetwork:
         blocks: names of the blocks in the network, sorted.
         edges: edges of the network, as pairs of (source, target).
         tokens: names of the tokens, sorted.
-        reduced_from: figures of the whole task, or None if no block or token was omitted.
+        reduced_from: size of the whole task, or None if no block or token was omitted.
         expanded_with: objects that were added because planning without the objects failed, in the order of addition.
     """
 

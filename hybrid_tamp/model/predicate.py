@@ -67,7 +67,7 @@ class Predicate:
         share: function ``share(state, *values)`` for a load that several tokens bear together. The function returns a
             pair of (load, capacity) for the first token [unit]. None for other predicates.
         safety: safety factor of a static predicate, or None.
-        competence: whether a static predicate is a limit of the blocks, not a limit of physics. Messages mention this.
+        competence: whether a static predicate describes a limit of the blocks, not of physics. Messages mention this.
         at_start: whether the predicate by definition describes the initial state, so that no block changes its atoms.
         bound: function ``bound(state, radius, *values)`` that returns an upper bound of the margin over all horizontal
             displacements of the tokens by at most `radius` [m], which can be infinite.

@@ -92,5 +92,5 @@ def check_initial_value(
 
 
 def sizes_of(tokens: Mapping[str, Token]) -> dict[tuple[str, str], int]:
-    """Return a mapping from each pair of (token, basic action) to its number of components, for tokens in slots."""
+    """Return a mapping from pairs of (token, basic action) to numbers of components. `tokens` maps slots to tokens."""
     return {(token.name, action.name): action.size for token in tokens.values() for action in token.basic_actions}

@@ -82,7 +82,7 @@ class State:
             raise UnknownProperty(owner, name, known) from None
 
     def replace(self, changes: Mapping[tuple[str, str], ArrayLike]) -> "State":
-        """Return a copy with new values for some pairs of (token, property), each broadcast to ``(..., size)``."""
+        """Return a copy with new values for pairs of (token, property). Each value is broadcast to ``(..., size)``."""
         values = self.values.copy()
         for key, value in changes.items():
             values[..., self.layout.slices[key]] = value

@@ -10,7 +10,7 @@ Rows = Sequence[tuple[str, Any]]
 
 
 class Tabular:
-    """Base class of dataclasses that print as a table. By default, each field of the dataclass is a row."""
+    """Base class of dataclasses that are printed as a table. By default, each field of the dataclass is a row."""
 
     @property
     def rows(self) -> Rows:

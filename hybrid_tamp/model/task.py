@@ -88,7 +88,7 @@ class Task:
         seed: seed of all random numbers.
         objective: quantity that is minimised: ``length`` (number of actions) or ``makespan`` (duration of the plan).
         midlevel: settings for the optimisation of hyperparameters.
-        safety: maps predicates to the safety factors that the task chooses. The domain already contains the factors.
+        safety: maps predicates to the safety factors of the task. The predicates of `domain` already have the factors.
         source: path of the task file, or None.
         primitives: maps a block or action to the file of a learnt motor primitive, which the domain already contains.
     """
@@ -153,7 +153,7 @@ class Task:
         return self.token_by_name.get(name, name)
 
     def bind(self, roles: Mapping[str, str]) -> dict[str, Value]:
-        """Return a binding that maps each role to its token or symbol, given the names of tokens and symbols."""
+        """Return a binding of roles to tokens and symbols. `roles` maps each role to the name of a token or symbol."""
         return {role: self.value(name) for role, name in roles.items()}
 
     def choices(self, block: Block, fixed: Mapping[str, Value] | None = None) -> dict[str, tuple[Value, ...]]:

@@ -1,7 +1,8 @@
 """Recipes of a domain for trials that test whether a token is a member of a class (paper, Sec. II-B).
 
-`hybrid_tamp.questions.probe` ranks classes, warps shapes and counts successes in all domains. A recipe estimates the
-properties of a new token from a known member of the class (the labelled token), and creates the task of a trial.
+For every domain, `hybrid_tamp.questions.probe` ranks classes, warps the shape of a known member (the labelled token) to
+the shape of the new token, and counts successes. A recipe of the domain estimates the properties of the new token from
+the labelled token, and creates the task of a trial.
 """
 
 from collections.abc import Callable, Mapping
@@ -40,8 +41,8 @@ class TrialRecipe(Generic[TaskType]):
 
     Attributes:
         object_class: class of the recipe.
-        align: function ``align(task, token, labelled)`` that returns the initial rotation of the warp, shape
-            ``(3, 3)``, from the body frame of the labelled token to the body frame of the new token.
+        align: function ``align(task, token, labelled)`` that returns the rotation with which the warp starts, shape
+            ``(3, 3)``. The rotation maps the body frame of the labelled token to the body frame of the new token.
         estimate: function ``estimate(task, token, labelled, carry)`` that returns an `Estimate`. Both tokens need
             shapes.
         task: function ``task(task, member, rng)`` that returns the task of a trial. `rng` randomises the initial state.

@@ -1,4 +1,4 @@
-"""The check of a domain. Random walks roll out one block after another and compare the rollouts with declarations."""
+"""The check of a domain. Random walks simulate one block after another, and compare the results with declarations."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -29,7 +29,7 @@ _Key = tuple[str, tuple[str, ...]]
 
 
 def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 / 240) -> list[Disagreement]:
-    """Simulate every block with every target from reachable states, and compare the rollouts with the declarations.
+    """Roll out (simulate) every block for every target from reachable states. Compare the results with declarations.
 
     Random walks start in the initial state of the task, with displaced and turned tokens. Each step of a walk rolls out
     a block whose entry conditions and invariants hold. The walk prefers the block and targets with the fewest rollouts.
@@ -52,7 +52,7 @@ def check_domain(task: Task, *, samples: int = 8, seed: int = 0, dt: float = 1 /
         - ``fixed``: the block changed an atom of a static predicate, although the predicate reads no varying property.
         - ``bound``: the margin of a static predicate exceeded its declared bound.
         - ``ends``: a final pose differs from the outcome, or the outcome depends on a role that `Block.ends` omits.
-        - ``invariant``: an entry condition held throughout all rollouts, but is neither an invariant nor waived.
+        - ``invariant``: an entry condition held throughout all rollouts, but is no invariant and not in `Block.waived`.
         - ``batch``: a function has one result for a state in a batch and another result for the same state alone.
 
     Raises:
@@ -83,8 +83,8 @@ class _Check:
     def walk(self) -> None:
         """Roll out one block after another, until many successive steps have repeated earlier steps.
 
-        A failed step is not counted if an earlier step of the walk used drawn hyperparameters. The planner would choose
-        the hyperparameters of both steps together.
+        A failed step is not counted if an earlier step of the walk used drawn hyperparameters. The planner would avoid
+        this failure, because the planner chooses the hyperparameters of consecutive blocks together.
         """
         self._due = min(self._due + 1, self._samples)
         first = state = draw_start(self._task, self._rng, lambda drawn: self._enter(drawn) >= self._allowed)
@@ -135,8 +135,8 @@ class _Check:
     def _report_exits(self) -> None:
         """Report the failed exit conditions of each block whose rollouts towards certain targets never succeeded.
 
-        A block that fails from some states only is not reported, because feasibility facts can be upper bounds. Such
-        facts can also hold in some states from which the block fails.
+        A block that fails only from some states is not reported, because a feasibility fact can be an upper bound. Such
+        a fact can also hold in some states from which the block fails.
         """
         for key, rolled in self._failed.items():
             if key in self._succeeded:
@@ -215,7 +215,7 @@ class _Conditions:
     """Function that returns whether conditions hold in a state. Each margin is evaluated only once."""
 
     def __init__(self, first: State, state: State) -> None:
-        """Store both states. The state `first` at the start of the walk is for predicates with `at_start`."""
+        """Store both states. Predicates with `at_start` are evaluated in the state `first` at the start of the walk."""
         self._first, self._state = first, state
         self._known: dict[Atom, float] = {}
 

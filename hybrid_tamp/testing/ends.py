@@ -13,7 +13,7 @@ from hybrid_tamp.testing.disagreement import Disagreements
 from hybrid_tamp.testing.rollouts import Rollouts
 
 _DISTANCE = 0.05
-"""Largest distance between the declared and the final position [m], or the radius of a listed region if larger."""
+"""Largest allowed distance between the declared and the final position [m], unless a listed region is larger."""
 _ANGLE = float(np.radians(5.0))
 """Largest angle between the declared and the final orientation [rad]."""
 _SAME = 1e-6
@@ -79,7 +79,7 @@ def _check_others(
 def _check_surroundings(
     rolled: Rollouts, slot: str, targets: Sequence[str], declared: str, found: Disagreements, rng: np.random.Generator
 ) -> None:
-    """Compare the outcome with the outcome for a state in which all tokens that are not listed have moved."""
+    """Compare the outcomes for two states. In the second state, all tokens that are not listed are displaced."""
     listed = {rolled.binding[role] for role in (slot, *targets)}
     others = [v for v in rolled.binding.values() if isinstance(v, Token) and v not in listed]
     moved = rolled.start.replace(

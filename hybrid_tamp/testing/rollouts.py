@@ -20,7 +20,7 @@ _LONGEST_HOLD = 30.0
 _SLOWEST = 2
 """Longest duration of a rollout with drawn hyperparameters, as a multiple of the duration with initial values."""
 _STILL = 1e-7
-"""Largest change of each property in a time step of a state at rest, in SI units."""
+"""A state is at rest if no property changes by more than this value in a time step, in SI units."""
 _INITIAL = 0.5
 """Probability with which a hyperparameter keeps its initial value, so that some rollouts reach their exits."""
 

@@ -18,7 +18,7 @@ from hybrid_tamp.verbs.loading import Settings, load_timed
 from hybrid_tamp.verbs.plan import TRIALS as PLAN_TRIALS
 
 TRIALS = 20
-"""Default maximum number of changed tasks that are planned in the search for single changes."""
+"""Default maximum number of changed tasks to try in the search for single changes."""
 MOST = 5
 """Default maximum number of single changes that the search finds."""
 
@@ -39,9 +39,9 @@ def explain(
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
         settings: settings that override the task file.
-        trials: maximum number of changed tasks that are planned to find single changes that make the task solvable.
+        trials: maximum number of changed tasks to try, in the search for single changes that make the task solvable.
         most: maximum number of single changes to find.
-        optimise: whether to optimise the hyperparameters of the plan, and to replan without bindings that fail.
+        optimise: whether to optimise the hyperparameters of the plan, and to replan without the bindings that fail.
         progress: called with the completed fraction of the work and the name of the current activity.
 
     Raises:

@@ -20,7 +20,7 @@ from hybrid_tamp.verbs.loading import Settings, load_timed
 from hybrid_tamp.verbs.pddl import export
 
 TRIALS = 6
-"""Default maximum number of changed tasks that are planned to find a change that makes the task solvable."""
+"""Default maximum number of changed tasks to try, in the search for a change that makes the task solvable."""
 
 
 def plan(
@@ -43,9 +43,9 @@ def plan(
         settings: settings that override the task file.
         folder: folder for plan.json, the PDDL files and the task file; by default no files are written.
         force: whether to replace the files of another run.
-        optimise: whether to optimise the hyperparameters, and to replan if all hyperparameters violate a condition.
-        trials: maximum number of changed tasks that are planned if there is no plan. The aim is to find a change that
-            makes the task solvable.
+        optimise: whether to optimise the hyperparameters, and to replan if no values satisfy all conditions.
+        trials: maximum number of changed tasks to try if there is no plan, in the search for a change that makes the
+            task solvable.
         planner: a running planner process; by default a new process is started.
         progress: called with the completed fraction of the work and the name of the current activity.
 

@@ -121,7 +121,7 @@ def _tell_frames(tell: Progress, done: int, of: int) -> None:
 
 
 def judge(outcome: PlanOutcome, recording: Recording, seconds: float) -> RunResult:
-    """Return a recording with its predicted margins, metrics, measures and violations of the law of assignment.
+    """Return the result of a run: its recording, metrics, performance measures and violations of the law of assignment.
 
     Args:
         outcome: the outcome of planning, with the refined plan that was executed.
