@@ -19,8 +19,8 @@ _logger = logging.getLogger(__name__)
 def portable(task: Task) -> tuple[str, dict[str, str]]:
     """Return the text of a task file for another folder, and the files that belong in the same folder.
 
-    The text is a copy of the task's file in which only the names of primitive and mesh files differ. The text is
-    generated from the task if the task has no file or the file now describes another scene or goal.
+    The text is a copy of the task's file in which only the names of primitive and mesh files differ. If the task has no
+    file, or if the file now describes another scene or goal, the text is generated from the task.
 
     Returns:
         The text, and a mapping from the name of each primitive and mesh file to its content.
@@ -69,7 +69,7 @@ def _with_files(path: Path) -> tuple[str, dict[str, str]]:
 
 
 def teach_task(task: Task, primitives: Mapping[str, PrimitiveFile], folder: Path, find_domain: FindDomain) -> Task:
-    """Write a task file that names additional motor primitives, and return the task loaded from the file.
+    """Write a task file that names additional motor primitives, and return the task that is loaded from this file.
 
     A task that already names motor primitives is returned unchanged.
 

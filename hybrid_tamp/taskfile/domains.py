@@ -167,6 +167,6 @@ def find_task_file(text: str) -> Path:
     if str(Path(text).parent) in (".", "problems") and name in bundled:
         return Path(str(files(PROBLEMS).joinpath(f"{name}.yaml")))
     if os.path.exists(text):
-        # Also return paths of folders etc., because the error when such a path is read is clearer than the error below.
+        # Also return paths of folders etc., because reading them raises a clearer error than the error below.
         return Path(text)
     raise InputError([Issue("", "neither a task file nor a bundled task has this name", shown(text), bundled)])

@@ -70,7 +70,7 @@ def _predicate(atom: Atom, path: KeyPath, faults: Faults, domain: Domain | None)
 
 
 def _check_arguments(atom: Atom, predicate: Predicate | None, path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Record a fault for each argument that is not a token or symbol that the predicate accepts."""
+    """Record a fault for each argument that the predicate does not accept."""
     typed = predicate is not None and len(predicate.parameters) == len(atom.arguments)
     parameters = predicate.parameters if predicate is not None and typed else [None] * len(atom.arguments)
     for index, (argument, parameter) in enumerate(zip(atom.arguments, parameters, strict=True)):
@@ -110,7 +110,7 @@ def _check_different(atom: Atom, path: KeyPath, faults: Faults, scene: Scene) ->
 
 def _check_class(argument: str, atom: Atom, parameter: Parameter, path: KeyPath, faults: Faults, scene: Scene) -> None:
     sort, outline = parameter.sort, scene.outlines[argument]
-    # A token of unknown membership is accepted here, but a plan requires that a probe confirms the membership.
+    # A token of unknown membership is accepted here. A plan exists only after a probe has confirmed the membership.
     if isinstance(sort, SymbolSort) or outline.is_member(sort) or outline.may_be_member(sort):
         return
     members = ", ".join(member.name for member in outline.classes)

@@ -23,7 +23,7 @@ SMALLEST, LARGEST = 0.001, 10.0
 MOST_SKEW = 0.05
 _WHAT = "a mesh file"
 _THINNEST = 1e-6
-"""Minimum volume of a solid, relative to the cubed longest edge of its bounding box."""
+"""Minimum volume of a solid, relative to the cube of the longest edge of its bounding box."""
 _DENT = 1e-3
 """Maximum dent of a convex solid, relative to the longest edge of its bounding box. Rounding causes small dents."""
 _SAME = 1e-7

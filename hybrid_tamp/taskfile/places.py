@@ -105,7 +105,7 @@ class Faults:
         self._unreadable.add(path)
 
     def sound(self, path: KeyPath) -> bool:
-        """Return False if the value, a value inside it or a value that contains it has a fault, else True."""
+        """Return whether the value, all values inside it and all values that contain it are without faults."""
         return path not in self._above and not any(prefix in self._faulty for prefix in _prefixes(path))
 
     def mark(self, path: KeyPath, *, key: bool = False) -> Mark:

@@ -32,7 +32,7 @@ def save_task(task: Task, path: Path | str) -> None:
     An existing file is replaced. Mesh files and primitive files are copied into the folder of the task file.
 
     Args:
-        task: the task. Of the task's domain, only the name is written.
+        task: the task. Only the name of the task's domain is written.
         path: path of the task file.
 
     Raises:
