@@ -68,7 +68,7 @@ def names_of(bound: Mapping[str, Value]) -> tuple[str, ...]:
 
 
 def order_roles(choices: Choices, conditions: Iterable[Literal]) -> Choices:
-    """Return the choices with the roles in the order of the conditions, so that conditions are tested early."""
+    """Return the choices, with the roles in the order of their first conditions. Conditions are then tested early."""
     roles = dict.fromkeys(argument for literal in conditions for argument in literal.arguments if argument in choices)
     return {role: choices[role] for role in (*roles, *(role for role in choices if role not in roles))}
 

@@ -11,6 +11,6 @@ class Kind(Enum):
     FUNCTIONAL = "functional"
     """Given the other parameters, one parameter has at most one value. A new value replaces the old value."""
     MAINTAINED = "maintained"
-    """An atom holds only while the instance that added the atom runs."""
+    """An atom is added by an instance and holds only until this instance ends."""
     STATIC = "static"
     """The atoms are feasibility facts, which depend only on fixed properties and the initial state."""

@@ -19,7 +19,7 @@ NOT_REFINED = "not_refined"
 CLASS_UNKNOWN = "class_unknown"
 """Kind of failure: the goal requires a token to be a member of a class, but the membership is unknown."""
 SAFETY = "safety"
-"""Kind of failure: no plan keeps the safety factors of the task, but the physical bounds do not exclude a plan."""
+"""Kind of failure: no plan satisfies the safety factors of the task, but the physical bounds do not exclude a plan."""
 
 MESSAGES: Mapping[str, str] = {
     "unsolvable": "The planner has proven that no plan exists.",
@@ -27,7 +27,7 @@ MESSAGES: Mapping[str, str] = {
     "planner_crashed": "The planner crashed.",
     "plan_refused": "The planner returned an invalid plan, which was rejected.",
     CLASS_UNKNOWN: "It is unknown whether a plan exists, because the class of a token in the goal is unknown.",
-    SAFETY: "No plan keeps the safety factors of the task, but the physical bounds alone do not exclude a plan.",
+    SAFETY: "No plan satisfies the safety factors of the task, but the physical bounds alone do not exclude a plan.",
     NOT_REFINED: "Plans exist, but every plan that was found fails in the forward models of the blocks.",
 }
 """Maps each kind of failure to a sentence for the user."""

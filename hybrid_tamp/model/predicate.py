@@ -148,7 +148,7 @@ class Predicate:
 
     @property
     def maintained(self) -> bool:
-        """Whether an atom of the predicate holds only while the instance that added the atom runs."""
+        """Whether an atom of the predicate is added by an instance and holds only until this instance ends."""
         return self.kind is Kind.MAINTAINED
 
     @property

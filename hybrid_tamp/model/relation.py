@@ -1,4 +1,4 @@
-"""Relations over symbols, which are declared by the rows of symbols for which they hold."""
+"""Relations over symbols. A relation is declared by the rows (tuples) of symbols for which the relation holds."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

@@ -23,7 +23,7 @@ def with_factors(predicates: Mapping[str, Predicate], factors: Mapping[str, floa
 
     Args:
         predicates: maps each name to its predicate.
-        factors: maps names of predicates with a safety factor to factors, which are at least 1.
+        factors: maps names of predicates to new safety factors of at least 1. Each predicate must have a safety factor.
     """
     return {
         name: with_factor(predicates[name], factor)
