@@ -19,7 +19,7 @@ SLEEP = "import time; time.sleep(600)"
 
 
 class Fake(Engine, OneshotPlannerMixin):
-    """Reports that it found nothing."""
+    """Engine that reports that no plan was found."""
 
     status = PlanGenerationResultStatus.UNSOLVABLE_INCOMPLETELY
 
@@ -71,7 +71,7 @@ class Broken(Fake):
 
 
 class Untyped(Fake):
-    """Accepts no types, and no compiler removes them."""
+    """Engine that does not accept types. No compiler removes the types."""
 
     @staticmethod
     def supported_kind():
@@ -81,7 +81,7 @@ class Untyped(Fake):
 
 
 class Right(Fake):
-    """Moves the first box over yard to shop."""
+    """Engine whose plan moves the first box over the yard to the shop."""
 
     status = PlanGenerationResultStatus.SOLVED_SATISFICING
     places = ("home", "yard", "shop")
@@ -93,13 +93,13 @@ class Right(Fake):
 
 
 class Wrong(Right):
-    """Omits a step of the plan."""
+    """Engine that omits a step of the plan."""
 
     places = ("yard", "shop")
 
 
 class Untidy(Right):
-    """Finds a correct plan, and leaves processes and files behind."""
+    """Engine that finds a correct plan, and leaves processes and files behind."""
 
     def plan(self, problem):
         leave_processes_and_files()
@@ -107,7 +107,7 @@ class Untidy(Right):
 
 
 class Slow(Fake):
-    """Leaves processes and files behind, and never ends."""
+    """Engine that leaves processes and files behind, and never ends."""
 
     def plan(self, problem):
         leave_processes_and_files()
@@ -115,7 +115,7 @@ class Slow(Fake):
 
 
 class Stubborn(Fake):
-    """Blocks everything else in its process."""
+    """Engine that blocks all other threads of its process."""
 
     def plan(self, problem):
         leave_processes_and_files()
@@ -124,7 +124,7 @@ class Stubborn(Fake):
 
 
 class Hog(Fake):
-    """Has a grandchild in another session that takes 400 MiB."""
+    """Engine with a grandchild process in another session, which takes 400 MiB."""
 
     def plan(self, problem):
         take = "import time; taken = bytearray(400 * 2**20); time.sleep(600)"
@@ -139,7 +139,7 @@ class Raising(Fake):
 
 
 class Crashing(Fake):
-    """Leaves processes and files behind, and ends by a signal."""
+    """Engine that leaves processes and files behind, and ends by a signal."""
 
     def plan(self, problem):
         leave_processes_and_files()

@@ -138,7 +138,7 @@ class Figure:
         self.evaluate = Evaluator(self.objective, self.part)
 
     def sampled(self, count: int) -> Scan:
-        """Evaluate grasps along the whole handle."""
+        """Evaluate `count` grasps along the whole handle."""
         grasps = np.linspace(self.part.lower[0], self.part.upper[0], count)
         return Scan(grasps, self.evaluate(grasps[:, None]))
 

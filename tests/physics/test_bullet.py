@@ -108,7 +108,7 @@ def test_floor_carries_the_weight(toys: Any) -> None:
 
 
 def test_a_blow_within_a_period_is_felt(toys: Any) -> None:
-    """A pusher of 1.5 kg that stops from 1 m/s takes 1.5 N s, within one of the four substeps of a period."""
+    """A pusher of 1.5 kg is stopped from 1 m/s, which gives an impulse of 1.5 N s within one of the four substeps."""
     world = toys.world.thing("wall", toys.box(0.1, 0.1, 0.1), {"mass": 1e6, "friction": 0.5}, position=(0, 0, 0.1))
     for start in np.linspace(-0.17, -0.18, 7):
         task = world.pusher(position=(start, 0, 0.1), velocity=(1.0, 0, 0)).task()

@@ -28,7 +28,7 @@ def planner() -> Iterator[PlannerProcess]:
 
 
 def use(task: Task, block: Block, slot: str, thing: str) -> Task:
-    """Return the task whose goal is that a token is in a slot of a block, by an effect that only this block has."""
+    """Return the task whose goal is a new effect of the block, which states that `thing` was in `slot`."""
     used = Predicate(
         "used",
         (Parameter("thing", block.slot(slot).object_class),),

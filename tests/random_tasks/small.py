@@ -1,7 +1,7 @@
 """Small random tasks of every bundled domain, to compare the planner's proofs with an exhaustive search.
 
 Each domain has tasks that need one movement, and tasks without a plan. Rolling, tumbling and tool use have tasks in
-which one object must be moved twice. Of 300 consecutive seeds that begin at a multiple of 10, these are 110 tasks.
+which one object must be moved twice. Such tasks are 110 of 300 consecutive seeds, counted from a multiple of 10.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""A toy domain with one of everything that a task file can name, and a file that is right."""
+"""A toy domain with one item of each kind that a task file can name, and a task file without faults."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -39,7 +39,7 @@ class Hand(CapabilityClass):
 
 
 class Rollable(AffordanceClass):
-    """Can be rolled."""
+    """An object that can be rolled."""
 
     name: ClassVar[str] = "ROLLABLE"
     axis: Direction = quantity("1", "axis of rotation")
@@ -48,12 +48,12 @@ class Rollable(AffordanceClass):
 
     @staticmethod
     def consistent(token: Token) -> str | None:
-        """Complain about a token without a shape."""
-        return "it rolls and has no shape" if token.shape is None else None
+        """Return an error message if a token has no shape, otherwise None."""
+        return "a rolling token has no shape" if token.shape is None else None
 
 
 class Heavy(AffordanceClass):
-    """Has a mass, like what rolls, and where it lies."""
+    """An object with a mass, which ROLLABLE also declares, and with two kinds of angles."""
 
     name: ClassVar[str] = "HEAVY"
     mass: Number = quantity("kg", "mass of the body", gt=0)
@@ -63,7 +63,7 @@ class Heavy(AffordanceClass):
 
 
 class Liquid(AffordanceClass):
-    """Flows, and therefore never rolls."""
+    """A liquid, which is disjoint from ROLLABLE."""
 
     name: ClassVar[str] = "LIQUID"
 
@@ -76,14 +76,14 @@ class Region(PlaceClass):
 
 
 class Hole(PlaceClass):
-    """A hole, whose radius is in millimetres by mistake."""
+    """A hole whose radius is in millimetres, which conflicts with REGION."""
 
     name: ClassVar[str] = "HOLE"
     radius: Number = quantity("mm", "radius of the hole", gt=0)
 
 
 class Idea(PlaceClass):
-    """A place that is nowhere."""
+    """A place without a position."""
 
     name: ClassVar[str] = "IDEA"
     varying: ClassVar[tuple[VaryingProperty, ...]] = ()
@@ -171,14 +171,14 @@ seed: 7
 
 
 def find_toy(name: str) -> Domain:
-    """Return the toy domain for its name."""
+    """Return the toy domain if the name is the name of the toy domain."""
     if name != "toy":
         raise InputError([Issue("", "unknown domain", shown(name), ("toy",))])
     return TOY
 
 
 def check_planner(name: str) -> None:
-    """Know two planners."""
+    """Raise an `InputError` if the planner is not one of two known planners."""
     if name not in ("fast-downward", "symk"):
         raise InputError([Issue("planner", "unknown planner", shown(name), ("fast-downward", "symk"))])
 
@@ -195,13 +195,13 @@ def text() -> str:
 
 @pytest.fixture(scope="session")
 def load() -> Callable[[str], Task]:
-    """Load a text of the toy domain; messages call it ``t.yaml``."""
+    """Return a function that loads a text as the task file ``t.yaml`` of the toy domain."""
     return lambda text: load_task_text(text, "t.yaml", find_toy, check_planner)
 
 
 @pytest.fixture(scope="session")
 def issues(load: Callable[[str], Task]) -> Callable[[str], tuple[Issue, ...]]:
-    """Return what is wrong with a text."""
+    """Return a function that returns the faults of a text."""
 
     def found(text: str) -> tuple[Issue, ...]:
         try:

@@ -178,7 +178,7 @@ def _entry(task: Task, name: str) -> dict[str, object]:
          "must place the token above the floor"),
         ({**TOKENS, "twin": DRUM}, [WITHIN], "tokens.twin.pose.position", "must not overlap other tokens"),
         ({**TOKENS, "drum": {k: v for k, v in DRUM.items() if k != "shape"}}, [WITHIN], "tokens.drum",
-         "is inconsistent: it rolls and has no shape"),
+         "is inconsistent: a rolling token has no shape"),
         ({**TOKENS, "drum": {**DRUM, "properties": {"mass": 5}}}, [WITHIN], "tokens.drum.properties.axis",
          "missing key 'axis'"),
         (TOKENS, [Atom("within", ("drum", "gaol"))], "goal[0].within[1]", "unknown token in the goal"),

@@ -21,7 +21,7 @@ from hybrid_tamp.testing import check_domain
 
 
 def fact(margin: Callable[..., Any]) -> Task:
-    """Return a task whose domain has the condition `slip`, with a margin of the pusher's position ``(..., 3)``."""
+    """Return a task in which `margin` maps the pusher's position ``(..., 3)`` to the margin of `slip`."""
     slip = Predicate(
         "slip",
         (Parameter("pusher", Pusher),),
@@ -37,7 +37,8 @@ def task(moving: Block) -> Task:
 
 
 def policy(command: Callable[[Any], Any], name: str = "force", since: float = 0.0) -> Task:
-    """Return a task whose policy commands a function of the right command ``(..., 3)`` from a time [s] on."""
+    """Return a task whose policy is wrong after a time [s]. `command` maps the correct command ``(..., 3)`` to a wrong
+    one."""
 
     def make(binding: Any, start: State, parameters: Any) -> Any:
         right = servo(binding, start, parameters)
@@ -53,7 +54,7 @@ def policy(command: Callable[[Any], Any], name: str = "force", since: float = 0.
 
 
 def system(values: Callable[[Any], Any]) -> Task:
-    """Return a task whose system computes a function of the right state ``(..., m)``."""
+    """Return a task whose system is wrong. `values` maps the correct state ``(..., m)`` to a wrong state."""
 
     def make(binding: Any, start: State) -> Any:
         right = free_motion(binding, start)
@@ -68,7 +69,8 @@ def system(values: Callable[[Any], Any]) -> Task:
 
 
 def guess(value: Callable[[Any], Any]) -> Task:
-    """Return a task whose hyperparameter starts at a function of the pusher's position ``(..., 3)``."""
+    """Return a task in which `value` maps the pusher's position ``(..., 3)`` to the initial value of a
+    hyperparameter."""
     stiffness = Hyperparameter("stiffness", "N/m", 1.0, 1000.0, lambda b, s: 200.0 + value(s[b["pusher"], "position"]))
     return task(replace(MOVING, hyperparameters=(stiffness,)))
 
@@ -78,18 +80,18 @@ def measure(**value: Any) -> Task:
 
 
 def outcome(values: Callable[[Any], Any]) -> Task:
-    """Return a task whose block expects an end state that is a function of the initial state ``(..., m)``."""
+    """Return a task in which `values` maps the initial state ``(..., m)`` to the outcome of a block."""
     return task(replace(MOVING, outcome=lambda binding, state: State(state.layout, values(state.values))))
 
 
 def duration(expected: Callable[[Any], Any]) -> Task:
-    """Return a task whose block expects a duration that is a function of the pusher's position ``(3,)``."""
+    """Return a task in which `expected` maps the pusher's position ``(3,)`` to the expected duration of a block."""
     moving = Duration(MOVING.duration.minimum, MOVING.duration.maximum, lambda b, s, h: expected(place(b, s)))
     return task(replace(MOVING, duration=moving))
 
 
 def bound(expected: Callable[[Any], Any]) -> Task:
-    """Return a task with a feasibility condition whose bound is a function of the pusher's position ``(3,)``."""
+    """Return a task in which `expected` maps the pusher's position ``(3,)`` to the bound of a feasibility condition."""
     close = Predicate(
         "close",
         (Parameter("pusher", Pusher),),
