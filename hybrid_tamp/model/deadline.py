@@ -11,8 +11,8 @@ from hybrid_tamp.errors import LimitReached
 class Deadline:
     """The instant at which a command must end.
 
-    A verb first creates its deadline and then passes the deadline to every function that can take long. These functions
-    check the deadline repeatedly. Worker processes check the same deadline, because all processes share the clock.
+    A verb creates one deadline and passes the deadline to every function that can take long. These functions check the
+    deadline repeatedly. Worker processes check the same deadline, because all processes share the clock.
 
     Attributes:
         limit: time limit of the command [s].

@@ -30,7 +30,8 @@ class Reason:
 
     Attributes:
         goal: unreachable goal atoms.
-        block: name of the block that could achieve the goal atoms, or of its action if several modes fail, or empty.
+        block: name of the block that could achieve the goal atoms. Name of the action if several modes fail. Can be
+            empty.
         kind: kind of the reason.
         message: description of the reason.
         atom: condition that fails, or None.

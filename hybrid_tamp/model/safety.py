@@ -23,7 +23,7 @@ def with_factors(predicates: Mapping[str, Predicate], factors: Mapping[str, floa
 
     Args:
         predicates: maps each name to its predicate.
-        factors: maps names of predicates to new safety factors of at least 1. Each predicate must have a safety factor.
+        factors: maps names of predicates to new safety factors of at least 1. Predicates without a factor are ignored.
     """
     return {
         name: with_factor(predicates[name], factor)
@@ -35,7 +35,7 @@ def with_factors(predicates: Mapping[str, Predicate], factors: Mapping[str, floa
 def use_predicates(block: Block, changed: Mapping[str, Predicate]) -> Block:
     """Return the block with the predicates in `changed` in place of the predicates with the same names.
 
-    If the block has none of these predicates, the same block is returned.
+    If no predicate of the block changes, the same block is returned.
     """
 
     def of(old: Predicate) -> Predicate:
