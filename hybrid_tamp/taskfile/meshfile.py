@@ -106,7 +106,9 @@ def _read_text(path: Path, source: str, scale: float, text: str) -> MeshShape:
     size = _size(vertices, surfaces) * scale
     if not SMALLEST <= size <= LARGEST:
         remedy = (
-            "write scale: 0.001 if the file is in millimetres" if size > LARGEST else "set scale to the unit in metres"
+            "write scale: 0.001 if the file is in millimetres"
+            if size > LARGEST
+            else "set scale to the length of one unit in metres"
         )
         wanted = f"the length of a mesh must be between {SMALLEST:g} m and {LARGEST:g} m"
         raise InputError([Issue(source, wanted, f"{size:.4g} m", remedy=remedy)])

@@ -25,7 +25,9 @@ def check_printable(name: str, path: KeyPath, faults: Faults, what: str, *, key:
     odd = next((character for character in name if not character.isprintable()), None)
     if odd is not None:
         came = f"{shown(name)} with the character U+{ord(odd):04X}"
-        faults.at(path, f"{what} must have printable characters only", came, remedy="rename it", key=key, sound=True)
+        faults.at(
+            path, f"{what} must contain only printable characters", came, remedy="change the name", key=key, sound=True
+        )
 
 
 def _symbol_sorts(domain: Domain) -> tuple[SymbolSort, ...]:

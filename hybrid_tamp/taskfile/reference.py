@@ -109,7 +109,7 @@ def _notes(predicate: Predicate) -> str:
     if predicate.value_of is not None:
         notes.append(f"at most one {predicate.value_of} at a time")
     if predicate.maintained:
-        notes.append("holds only as long as the block that made it true runs")
+        notes.append("holds until the block that made it true ends")
     return "; ".join(notes)
 
 

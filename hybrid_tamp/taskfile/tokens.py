@@ -139,7 +139,7 @@ def _check_company(
             faults.at(path, "a token must not be both a place and a thing", came, remedy="use two tokens")
         elif not domain.relations.can_share_token(one, other):
             wanted = f"no token can be a member of both {other.name} and {one.name}"
-            faults.at(path, wanted, shown(one.name), remedy=f"the domain {domain.name} declares them disjoint")
+            faults.at(path, wanted, shown(one.name), remedy=f"the domain {domain.name} declares these classes disjoint")
 
 
 def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, folder: Path) -> Token | None:

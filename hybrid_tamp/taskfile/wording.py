@@ -29,7 +29,7 @@ _WANTED = {
     "literal_error": "must be {expected}",
     "model_attributes_type": _MAPPING,
     "model_type": _MAPPING,
-    "string_pattern_mismatch": "must be a name of letters, digits, '-', '_', '.', '[' and ']'",
+    "string_pattern_mismatch": "must consist of letters, digits, '-', '_', '.', '[' and ']'",
     "string_too_short": "must not be empty",
     "string_type": "must be text",
     "too_long": "must be a list of {max_length} entries",
@@ -38,7 +38,7 @@ _WANTED = {
     "union_tag_not_found": "must have the key 'kind'",
 }
 _REMOVED: dict[KeyPath, str] = {
-    ("midlevel", "seconds"): "delete it: midlevel.evaluations limits the search, and limits.time limits the command",
+    ("midlevel", "seconds"): "delete the key, because midlevel.evaluations limits the search",
 }
 """Maps the path of each removed key to advice that replaces the key."""
 _BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")

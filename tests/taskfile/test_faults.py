@@ -92,7 +92,7 @@ FAULTS = [
     fault("time limit of zero", "time: 30", "time: «0", "limits.time must be more than 0 [s]", "got 0"),
     fault("negative memory", "memory: 1024", "memory: «-1", "limits.memory must be more than 0 [MiB]"),
     fault("half a refinement", "refinements: 2", "refinements: «2.5", "must be a whole number", "got 2.5"),
-    fault("planner that is no name", "fast-downward", "«fast downward", "planner must be a name of letters"),
+    fault("planner that is no name", "fast-downward", "«fast downward", "planner must consist of letters"),
     fault("classes that are no list", "classes: [HAND]", "classes: «HAND", "classes of token 'hand' must be a list"),
     # What the file names.
     fault("unknown domain", "domain: toy", "domain: «tyo", "unknown domain", "'tyo'", "available: toy"),

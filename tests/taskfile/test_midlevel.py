@@ -95,7 +95,10 @@ FAULTS = {
     "{evaluations: «0}": ("midlevel.evaluations must be more than 0",),
     "{evaluations: «-5}": ("more than 0", "got -5"),
     "{evaluations: «2.5}": ("must be a whole number",),
-    "{«seconds: 5}": ("the key midlevel.seconds no longer exists", "delete it: midlevel.evaluations limits the search"),
+    "{«seconds: 5}": (
+        "the key midlevel.seconds no longer exists",
+        "delete the key, because midlevel.evaluations limits",
+    ),
     "{«evalutions: 5}": ("unknown key in midlevel", "did you mean 'evaluations'?"),
     "{weights: {«ROLLING.efort: 1}}": ("a measure of the domain", "did you mean 'ROLLING.effort'?"),
     "{weights: {«ROLING.effort: 1}}": ("a measure of the domain", "did you mean 'ROLLING.effort'?"),

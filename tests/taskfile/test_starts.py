@@ -124,7 +124,7 @@ def test_what_tumbling_does_not_know(old: str, new: str, words: tuple[str, ...])
 @pytest.mark.parametrize("who", ["hand-1", "robot"])
 def test_names_that_would_disturb_a_terminal(name: str, who: str) -> None:
     said = str(refused(TWO_HANDS.replace(who, name), "domain", "domain"))
-    assert "must have printable characters only" in said
+    assert "must contain only printable characters" in said
     assert said.isprintable()
 
 
