@@ -4,6 +4,13 @@ This module only re-exports names. A domain may import `hybrid_tamp`, `hybrid_ta
 but no other module of `hybrid_tamp`.
 """
 
+from hybrid_tamp.geometry.agreement import CylinderSize as CylinderSize
+from hybrid_tamp.geometry.agreement import Disagreement as Disagreement
+from hybrid_tamp.geometry.agreement import HalfExtents as HalfExtents
+from hybrid_tamp.geometry.agreement import MomentsOfInertia as MomentsOfInertia
+from hybrid_tamp.geometry.agreement import PointOnSurface as PointOnSurface
+from hybrid_tamp.geometry.agreement import PointWithin as PointWithin
+from hybrid_tamp.geometry.agreement import ShapeFeature as ShapeFeature
 from hybrid_tamp.geometry.features import across as across
 from hybrid_tamp.geometry.features import rolling_likelihood as rolling_likelihood
 from hybrid_tamp.geometry.features import rolling_radius as rolling_radius
@@ -11,6 +18,8 @@ from hybrid_tamp.geometry.features import roundest_axis as roundest_axis
 from hybrid_tamp.geometry.features import silhouette as silhouette
 from hybrid_tamp.geometry.features import tumbling_likelihood as tumbling_likelihood
 from hybrid_tamp.geometry.meshes import MeshShape as MeshShape
+from hybrid_tamp.geometry.roundness import AxisOfRotation as AxisOfRotation
+from hybrid_tamp.geometry.roundness import RadiusOfRotation as RadiusOfRotation
 from hybrid_tamp.geometry.shapes import Box as Box
 from hybrid_tamp.geometry.shapes import BoxPart as BoxPart
 from hybrid_tamp.geometry.shapes import Compound as Compound

@@ -10,8 +10,11 @@ from hybrid_tamp.authoring import (
     Box,
     CapabilityClass,
     Cylinder,
+    CylinderSize,
+    HalfExtents,
     PlaceClass,
     Shape,
+    ShapeFeature,
     State,
     Token,
     Vector3,
@@ -56,6 +59,8 @@ def friction_property() -> Any:
 class BoxShaped:
     """Mixin for a class whose tokens are boxes by default. The property `half_extents` gives the size of the box."""
 
+    of_shape: ClassVar[Mapping[str, ShapeFeature]] = {"half_extents": HalfExtents()}
+
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:
         """Return the box with the half extents in `properties`."""
@@ -63,18 +68,8 @@ class BoxShaped:
 
 
 def find_box_fault(token: Token, other_shape: str) -> str | None:
-    """Return an error message if a token's shape is not a box with the token's half extents, otherwise None.
-
-    Args:
-        token: the token to check.
-        other_shape: error message for a shape that is not a box.
-    """
-    halves = token["half_extents"]
-    if not isinstance(token.shape, Box):
-        return other_shape
-    if any(abs(one - other) > 0.01 * one for one, other in zip(halves, token.shape.half_extents, strict=True)):
-        return f"half_extents must equal {token.shape.half_extents} m, as in the token's shape; got {halves} m"
-    return None
+    """Return the error message `other_shape` if a token's shape is not a box, otherwise None."""
+    return None if isinstance(token.shape, Box) else other_shape
 
 
 class StaticEndEffector(CapabilityClass):
@@ -84,6 +79,11 @@ class StaticEndEffector(CapabilityClass):
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (
         BasicAction("force", 3, "N", "maximal_force", "force in the world frame, in addition to gravity compensation"),
     )
+
+    of_shape: ClassVar[Mapping[str, ShapeFeature]] = {
+        "radius": CylinderSize("radius"),
+        "length": CylinderSize("length"),
+    }
 
     radius: float = positive("m", "radius of the cylindrical hand", 10)
     length: float = positive("m", "length of the cylindrical hand", 10)

@@ -1,11 +1,16 @@
 """Classes of hands, of tools, and of objects that hands push and strike with tools."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from hybrid_tamp.authoring import (
     BODY_STATE,
     AffordanceClass,
     BasicAction,
+    MomentsOfInertia,
+    PointOnSurface,
+    PointWithin,
+    ShapeFeature,
     Token,
     VaryingProperty,
     Vector3,
@@ -64,6 +69,11 @@ class Graspable(AffordanceClass):
     """
 
     name: ClassVar[str] = "GRASPABLE"
+    of_shape: ClassVar[Mapping[str, ShapeFeature]] = {
+        "inertia": MomentsOfInertia(),
+        "handle_from": PointWithin(),
+        "handle_to": PointWithin(),
+    }
 
     mass: float = mass_property()
     friction: float = friction_property()
@@ -89,6 +99,10 @@ class Striker(Graspable):
     """Tools that strike with a point of their head (paper, Fig. 5, red)."""
 
     name: ClassVar[str] = "STRIKER"
+    of_shape: ClassVar[Mapping[str, ShapeFeature]] = {
+        **Graspable.of_shape,
+        "impact_point": PointOnSurface(),
+    }
 
     impact_point: Vector3 = quantity("m", "striking point, in the body frame; a strike moves this point along -z")
 
@@ -97,6 +111,10 @@ class Pusher(Graspable):
     """Tools that push with a point of their head (paper, Fig. 5, green)."""
 
     name: ClassVar[str] = "PUSHER"
+    of_shape: ClassVar[Mapping[str, ShapeFeature]] = {
+        **Graspable.of_shape,
+        "pushing_point": PointOnSurface(),
+    }
 
     pushing_point: Vector3 = quantity("m", "pushing point, in the body frame; a push moves this point along +z")
 

@@ -130,7 +130,7 @@ def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
     size = one.reach + other.reach
     corners = [furthest(np.array([1.0, 0.0, 0.0]))]
     for _ in range(_MOST_STEPS):
-        corners, nearest = _nearest_to_zero(corners)
+        corners, nearest = nearest_to_zero(corners)
         if len(corners) == 4 or float(nearest @ nearest) < (1e-9 * size) ** 2:
             return True
         corner = furthest(-nearest)
@@ -141,7 +141,7 @@ def _share_a_point(one: ConvexBody, other: ConvexBody) -> bool:
     return False
 
 
-def _nearest_to_zero(corners: list[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
+def nearest_to_zero(corners: list[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
     """Return the corners of the smallest face that contains the simplex's nearest point to zero, and that point."""
     best: tuple[list[FloatArray], FloatArray] = (corners[:1], corners[0])
     for count in range(1, len(corners) + 1):

@@ -12,6 +12,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
+from hybrid_tamp.geometry.agreement import ShapeFeature
 from hybrid_tamp.geometry.shapes import Shape
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
@@ -97,6 +98,8 @@ class ObjectClass(BaseModel):
         name: name of the class in task files, e.g. ``"STATIC END-EFFECTOR"``.
         varying: varying properties of every member.
         basic_actions: actions that the robot commands directly. Only capability classes have basic actions.
+        of_shape: maps each property that describes the shape of the token to the feature that it must equal. A task
+            file in which property and shape disagree is refused with both figures.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -104,6 +107,7 @@ class ObjectClass(BaseModel):
     name: ClassVar[str]
     varying: ClassVar[tuple[VaryingProperty, ...]] = BODY_STATE
     basic_actions: ClassVar[tuple[BasicAction, ...]] = ()
+    of_shape: ClassVar[Mapping[str, ShapeFeature]] = {}
 
     @classmethod
     def default_shape(cls, properties: Mapping[str, Any]) -> Shape | None:

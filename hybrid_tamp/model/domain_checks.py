@@ -56,6 +56,9 @@ def _classes(domain: Declarations) -> Iterator[Issue]:
                     repr(action.limit),
                     tuple(sorted(object_class.model_fields)),
                 )
+        for name in sorted(set(object_class.of_shape) - set(object_class.model_fields)):
+            wanted = "of_shape must map properties of its class"
+            yield Issue(f"{object_class.name}.of_shape", wanted, repr(name), tuple(sorted(object_class.model_fields)))
     things = [object_class for object_class in domain.classes if not is_place(object_class)]
     for index, one in enumerate(things):
         for other in things[index + 1 :]:

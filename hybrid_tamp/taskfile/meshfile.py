@@ -10,6 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.geometry.common_volume import MOST_SHARED, find_overlap
+from hybrid_tamp.geometry.convex import placed
+from hybrid_tamp.geometry.gaps import MOST_APART, find_gap
 from hybrid_tamp.geometry.meshes import Hull, MeshShape
 from hybrid_tamp.geometry.shapes import MeshFile
 from hybrid_tamp.motion.arrays import FloatArray
@@ -85,7 +88,8 @@ def read_mesh(path: Path, written: MeshFile) -> MeshShape:
 
     Raises:
         InputError: the file is missing, not OBJ, empty, too large or in the wrong unit. Or an object is degenerate,
-            not watertight, not in one piece or not convex. Or the axes are far from the principal axes.
+            not watertight, not in one piece or not convex. Or objects overlap or lie apart. Or the axes are far from
+            the principal axes.
     """
     source = str(path)
     if path.suffix.lower() != ".obj":
@@ -114,11 +118,28 @@ def _read_text(path: Path, source: str, scale: float, text: str) -> MeshShape:
         raise InputError([Issue(source, wanted, f"{size:.4g} m", remedy=remedy)])
     solids = [_solid(vertices * scale, surface, size, source) for surface in surfaces]
     shape = MeshShape.of(path, scale, digest_of(text), solids)
+    _check_solids(shape, [surface.name for surface in surfaces], size, source)
     if shape.skew > MOST_SKEW:
         wanted = f"the products of inertia of a mesh must be at most {MOST_SKEW:g} times its largest moment of inertia"
         remedy = "rotate the mesh in its file to its principal axes and adapt the pose"
         raise InputError([Issue(source, wanted, f"{shape.skew:.3g}", remedy=remedy)])
     return shape
+
+
+def _check_solids(shape: MeshShape, names: list[str], size: float, source: str) -> None:
+    """Raise `InputError` if objects of the mesh overlap or lie apart. A body is one piece, and has no volume twice."""
+    overlap = find_overlap(shape.parts)
+    if overlap is not None:
+        pair = f"{names[overlap.one]!r} and {names[overlap.other]!r}"
+        wanted = f"objects {pair} of the mesh must not share more than {MOST_SHARED:.0%} of the smaller volume"
+        came = f"a common volume of {overlap.volume:.3g} m^3 of {overlap.smaller:.3g} m^3"
+        remedy = "cut one of the two objects, because the common volume would count twice"
+        raise InputError([Issue(source, wanted, came, remedy=remedy)])
+    gap = find_gap(placed(shape, np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0])), MOST_APART * size)
+    if gap is not None:
+        wanted = f"the objects of the mesh must touch, with gaps of at most {MOST_APART * size:.3g} m"
+        came = f"a gap of {gap.width:.3g} m between {names[gap.one]!r} and {names[gap.other]!r}"
+        raise InputError([Issue(source, wanted, came, remedy="join the objects, or use a token for each piece")])
 
 
 def digest_of(text: str) -> str:

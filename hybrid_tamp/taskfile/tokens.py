@@ -11,6 +11,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from hybrid_tamp.geometry.shapes import LARGEST_ANGLE, MeshFile, Shape, WrittenShape
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
+from hybrid_tamp.model.agreement import find_disagreements, find_shape_fault
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.token import PropertyConflictError, Token, union_of
@@ -161,9 +162,23 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
     if not has_shape:
         return None
     _check_angles(token, properties, union, base, faults)
-    for complaint in dict.fromkeys(_complaints(token)):
+    complaints = dict.fromkeys(_complaints(token))
+    for complaint in complaints:
         faults.at(path, f"token {shown(token.name)} is inconsistent: {complaint}", key=True, sound=True)
+    if not complaints:
+        _check_shape(token, path, faults)
     return token
+
+
+def _check_shape(token: Token, path: KeyPath, faults: Faults) -> None:
+    """Record a fault if the shape cannot be the shape of a rigid body, and for each property that disagrees with it."""
+    fault = find_shape_fault(token)
+    if fault is not None:
+        faults.at((*path, "shape"), f"the shape of token {shown(token.name)} {fault.wanted}", fault.came)
+        return
+    for name, each in find_disagreements(token):
+        here = (*path, "properties", name)
+        faults.at(here, f"{subject(here)} {each.wanted}", each.came)
 
 
 def _check_angles(

@@ -196,3 +196,63 @@ def test_tokens_with_the_same_file_share_one_shape_until_the_file_changes(tmp_pa
     assert read(path, 0.5) is not first
     path.write_text(obj_text([cuboid((0.1, 0.2, 0.4))]))
     assert read(path).corners[1] == pytest.approx([0.05, 0.1, 0.2])
+
+
+WEDGE = Hull(
+    np.array([(x, y, z) for z in (0.0, 1.0) for x, y in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))]),
+    np.array([(0, 2, 1), (3, 4, 5), (0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5)]),
+)
+EDGES = (0.4, 0.2, 0.2)
+
+
+def moved(solid: Hull, *offset: float) -> Hull:
+    return solid.moved(np.array(offset))
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        [cuboid(EDGES), cuboid(EDGES, (0.4, 0.0, 0.0))],
+        [cuboid(EDGES), cuboid(EDGES, (0.4002, 0.0, 0.0))],
+        [cuboid(EDGES), cuboid(EDGES, (0.3999, 0.0, 0.0))],
+        [cuboid(EDGES), cuboid(EDGES, (0.4, 0.2, 0.0)), cuboid(EDGES, (0.0, 0.2, 0.0)), cuboid(EDGES, (0.4, 0.0, 0.0))],
+        [moved(WEDGE, -1.0, -1.0, 0.0), Hull(np.array([0.0, 0.0, 1.0]) - WEDGE.vertices, WEDGE.triangles)],
+    ],
+    ids=["a common face", "a gap of rounding", "an overlap of rounding", "four quarters", "wedges with a common edge"],
+)
+def test_parts_that_touch(tmp_path: Path, parts: list[Hull]) -> None:
+    assert read(written(tmp_path / "b.obj", *parts)).parts
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        (
+            [cuboid(EDGES), cuboid((0.2, 0.2, 0.2), (0.2, 0.0, 0.0))],
+            ("0.008 m^3 of 0.008 m^3", "'part-1' and 'part-2'"),
+        ),
+        ([cuboid(EDGES), cuboid(EDGES)], ("0.016 m^3 of 0.016 m^3",)),
+        ([cuboid(EDGES), cuboid(EDGES, (0.35, 0.0, 0.0))], ("0.002 m^3 of 0.016 m^3", "more than 1%")),
+        ([moved(WEDGE, 0.0, 0.0, 0.0), cuboid((1.0, 1.0, 1.0), (0.25, 0.25, 0.0))], ("0.125 m^3 of 0.5 m^3",)),
+        ([cuboid((0.4, 0.4, 0.0001)), cuboid((0.4, 0.4, 0.0001))], ("1.6e-05 m^3 of 1.6e-05 m^3",)),
+        (
+            [cuboid(EDGES), cuboid(EDGES, (0.41, 0.0, 0.0))],
+            ("a gap of 0.01 m between 'part-1' and 'part-2'", "0.00081 m"),
+        ),
+        (
+            [
+                cuboid(EDGES),
+                cuboid(EDGES, (0.4, 0.0, 0.0)),
+                cuboid(EDGES, (0.0, 0.3, 0.0)),
+                cuboid(EDGES, (0.4, 0.3, 0.0)),
+            ],
+            ("a gap of 0.1 m between 'part-1' and 'part-3'",),
+        ),
+        ([cuboid(EDGES), cuboid(EDGES, (0.43, 0.24, 0.0))], ("a gap of 0.05 m",)),
+    ],
+)
+def test_parts_that_overlap_or_lie_apart(tmp_path: Path, parts: list[Hull], words: tuple[str, ...]) -> None:
+    path = written(tmp_path / "b.obj", *parts)
+    with pytest.raises(InputError) as caught:
+        read(path)
+    assert all(word in str(caught.value) for word in ("b.obj", *words)), str(caught.value)

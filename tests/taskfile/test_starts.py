@@ -157,9 +157,9 @@ tokens:
     shape:
       kind: compound
       parts:
-        - {kind: box, half_extents: [0.1, 0.01, 0.01], position: [-0.3, 0, 0]}
-        - {kind: sphere, radius: 0.05, position: [-0.2, 0, 0]}
-    pose: {position: [0.3, 0, 0.1], rpy: [0, 0, 3.141592653589793]}
+        - {kind: box, half_extents: [0.1, 0.01, 0.01], position: [-0.05, 0, 0]}
+        - {kind: sphere, radius: 0.05, position: [0.05, 0, 0]}
+    pose: {position: [0.55, 0, 0.1], rpy: [0, 0, 3.141592653589793]}
   thing:
     classes: [THING]
     properties: {mass: 1}

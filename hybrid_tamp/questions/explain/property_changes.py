@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import AfterValidator, ValidationError
 
+from hybrid_tamp.model.agreement import find_disagreements
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.change import SetFactor, SetProperty
 from hybrid_tamp.model.predicate import Atom
@@ -140,4 +141,6 @@ def _with(task: Task, token: Token, key: str, component: int | None, value: floa
     with authored(f"the function consistent of a class of {token.name}", {"token": made}):
         if any(member.consistent(made) for member in made.classes):
             return None
+    if any(find_disagreements(made)):
+        return None
     return replace(made, classes=token.classes)
