@@ -10,8 +10,6 @@ from contextlib import contextmanager
 import numpy as np
 import pybullet
 
-from hybrid_tamp.geometry.meshes import MeshShape
-from hybrid_tamp.geometry.shapes import Compound
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.block import FLOOR
 from hybrid_tamp.model.commands import CommandLayout
@@ -25,6 +23,7 @@ from hybrid_tamp.physics.bullet.contact_windows import ContactWindows
 from hybrid_tamp.physics.bullet.engine import SUBSTEPS, Client, create_body, prepare_world
 from hybrid_tamp.physics.bullet.hands import Drive, Fingers
 from hybrid_tamp.physics.bullet.impacts import Impacts
+from hybrid_tamp.physics.bullet.solids import is_compound
 from hybrid_tamp.physics.protocol import ContactForce, Pair
 from hybrid_tamp.physics.scene import make_bodies
 
@@ -60,6 +59,7 @@ class BulletBackend(Client):
         self._commands = CommandLayout.of(task)
         floor = prepare_world(self._client, self._gravity)
         self._handles = {body.token: create_body(self._client, body) for body in scene}
+        self._has_compounds = any(is_compound(body.shape, rolls=not body.driven) for body in scene)
         for token, handle in self._handles.items():
             self._place(handle, token, state)
         self._names = {handle: token for token, handle in self._handles.items()} | {floor: FLOOR}
@@ -119,10 +119,10 @@ class BulletBackend(Client):
     def snapshot(self) -> Iterator[Callable[[], None]]:
         """Save the current state. The context provides a function that restores the saved state bit for bit.
 
-        Bullet cannot restore the contacts of compound shapes exactly. If the scene contains a compound, the function
-        resets the scene and repeats all commands since the reset.
+        Bullet cannot restore the contacts of compounds exactly. If the scene contains a compound, the function resets
+        the scene and repeats all commands since the reset. Without commands, a reset is exact for every scene.
         """
-        if any(isinstance(token.shape, Compound | MeshShape) for token in self._task.assigned):
+        if self._has_compounds or not self._rows:
             start, rows, kept = self._start, tuple(self._rows), (self._windows.copy(), self._within)
             yield lambda: self._repeat(start, rows, *kept)
             return
