@@ -38,7 +38,7 @@ def execute(
     Raises:
         LimitReached: the deadline passes.
         InputError: the backend cannot simulate the task.
-        DomainError: a policy commands an unknown action, or a token outside the slots of its block.
+        DomainError: a policy reads a token outside its roles, or its commands are faulty (see `check_commands`).
     """
     run = Run(task, plan, backend, observer, deadline)
     run.advance(progress=progress)
@@ -67,7 +67,7 @@ def execute_variants(
     Raises:
         LimitReached: the deadline passes.
         InputError: the backend cannot simulate the task.
-        DomainError: a policy commands an unknown action, or a token outside the slots of its block.
+        DomainError: a policy reads a token outside its roles, or its commands are faulty (see `check_commands`).
     """
     trunk = Run(task, plans[0], backend, deadline=deadline)
     trunk.advance(before=_find_changed(plans), until=until)

@@ -5,17 +5,18 @@ from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 
-from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.commands import CommandError, CommandLayout
+from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.model.contacts import Contact
 from hybrid_tamp.model.control import Commands, Parameters
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.recording import AtomMargin
+from hybrid_tamp.model.shapes import check_commands, sizes_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.view import View
 from hybrid_tamp.motion.arrays import FloatArray
 
 
@@ -67,14 +68,17 @@ class Running:
         self._task = task
         self._held = frozenset(instance.slots.values())
         self._binding = task.bind(instance.roles)
+        self._view = View(self._binding, state.layout)
+        self._sizes = sizes_of({slot: task.token_by_name[token] for slot, token in instance.slots.items()})
         self._exits = self.block.measured_exits
         # Conditions with fewer arguments come first, because their margins are computed faster.
         self._in_turn = tuple(sorted(self._exits, key=lambda literal: len(literal.arguments)))
-        self.hyperparameters = self._choose_hyperparameters(state)
+        seen = self._view.of(state)
+        self.hyperparameters = self._choose_hyperparameters(seen)
         arrays = {name: np.asarray(value) for name, value in self.hyperparameters.items()}
         maker, self._maker_name = self.block.policy, f"{self.block.name}.policy"
         with authored(self._maker_name, self._binding):
-            self._policy = None if maker is None else maker(self._binding, state, Parameters(arrays))
+            self._policy = None if maker is None else maker(self._binding, seen, Parameters(arrays))
 
     def __repr__(self) -> str:
         return f"Running({self.instance.name!r})"
@@ -139,16 +143,14 @@ class Running:
         """Return the commands of the policy at a time [s] and in a state of shape ``(n,)``.
 
         Raises:
-            DomainError: the policy commands a token outside the slots of its block.
+            DomainError: a command has the wrong shape, or no token in a slot of the block has the action.
         """
         if self._policy is None:
             return {}
+        seen = self._view.of(state)
         with authored(self._maker_name, self._binding):
-            commands = self._policy(np.float64(time - self.begin), state)
-        if not self._held.issuperset(token for token, _ in commands):
-            strange = [f"{action} on {token}" for token, action in commands if token not in self._held]
-            wanted = "a policy must command only the tokens in its block's slots"
-            raise DomainError([Issue(f"{self.block.name}.policy", wanted, ", ".join(strange))])
+            commands = self._policy(np.float64(time - self.begin), seen)
+        check_commands(self._maker_name, self._binding, commands, self._sizes, seen)
         return commands
 
     def check_finite(self, commands: Commands) -> None:
@@ -188,17 +190,13 @@ def command_instances(layout: CommandLayout, running: Collection[Running], time:
     """Return the commands of all policies at a time [s] in a state of shape ``(n,)``, as a row of shape ``(m,)``.
 
     Raises:
-        DomainError: a policy commands an unknown action, or a token outside the slots of its block.
+        DomainError: a command has the wrong shape, or no token in a slot of the block has the action.
         RunError: a command is not finite.
     """
     commands: Commands = {}
     for each in running:
         commands.update(each.command(time, state))
-    try:
-        row = layout.row(commands)
-    except CommandError as error:
-        blocks = ", ".join(sorted({each.block.name for each in running}))
-        raise DomainError([Issue(f"policy of {blocks}", str(error))]) from error
+    row = layout.row(commands)
     if not np.isfinite(row).all():
         for each in running:
             each.check_finite(commands)

@@ -17,9 +17,9 @@ from hybrid_tamp.model.facts import fact_margin
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Literal
-from hybrid_tamp.model.state import State, StateLayout
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.view import View
 from hybrid_tamp.motion.arrays import FloatArray
 
 IntArray = NDArray[np.int64]
@@ -51,14 +51,14 @@ class InstanceModel:
         self.instance = instance
         self.block: Block = task.domain.block_by_name[instance.block]
         self.binding = task.bind(instance.roles)
-        tokens = {value.name: value for value in self.binding.values() if isinstance(value, Token)}
-        layout, full = StateLayout.of(tokens.values()), task.state.layout.slices
-        places = [range(*full[token, name].indices(task.state.layout.size)) for token, name, _ in layout.entries]
-        self.columns = np.array([index for place in places for index in place], dtype=np.intp)
+        view = View(self.binding, task.state.layout)
+        self.columns = view.columns
         slots = set(instance.slots.values())
-        self.held = np.array([token in slots for token, _, size in layout.entries for _ in range(size)], dtype=bool)
-        self._layout = layout
-        self._initial = State(layout, task.state.values[self.columns])
+        self._layout = view.layout
+        self.held = np.array(
+            [token in slots for token, _, size in self._layout.entries for _ in range(size)], dtype=bool
+        )
+        self._initial = view.of(task.state)
         self.longest = floor(self.block.duration.maximum / CONTROL_PERIOD + 1e-6)
         self.shortest = self.block.duration.minimum - 1e-6
 

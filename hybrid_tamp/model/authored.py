@@ -10,7 +10,7 @@ from pathlib import Path
 from types import TracebackType
 
 from hybrid_tamp.errors import DomainError, HybridTampError, Issue, did_you_mean
-from hybrid_tamp.model.token import Token, UnknownProperty
+from hybrid_tamp.model.token import Token, UnknownProperty, UnknownToken
 
 _LIBRARY = Path(__file__).parent.parent
 _PACKAGES = frozenset(("numpy", "scipy", "pydantic"))
@@ -72,6 +72,8 @@ def _foreign(file: Path) -> bool:
 
 
 def _advise(error: Exception, values: Mapping[str, Token | str]) -> str:
+    if isinstance(error, UnknownToken) and values:
+        return "the function may read only the tokens of its roles"
     key = error.args[0] if isinstance(error, KeyError) and error.args else None
     if isinstance(error, UnknownProperty) or not isinstance(key, str) or not values:
         return ""

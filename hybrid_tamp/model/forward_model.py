@@ -13,6 +13,7 @@ from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.shapes import check_commands, check_shape, sizes_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.view import View
 from hybrid_tamp.motion.arrays import FloatArray
 
 BoolArray = NDArray[np.bool_]
@@ -27,10 +28,12 @@ class ForwardModel:
     def __init__(self, block: Block, binding: Binding, start: State, parameters: Parameters) -> None:
         """Create the policy and the continuous system from the state at the start of the instance."""
         self._names, self._binding = (f"{block.name}.policy", f"{block.name}.system"), binding
+        self._view = View(binding, start.layout)
+        seen = self._view.of(start)
         with authored(self._names[0], binding):
-            self._policy = None if block.policy is None else block.policy(binding, start, parameters)
+            self._policy = None if block.policy is None else block.policy(binding, seen, parameters)
         with authored(self._names[1], binding):
-            self._system = block.system(binding, start)
+            self._system = block.system(binding, seen)
         held = {slot.name: token for slot in block.slots if isinstance(token := binding[slot.name], Token)}
         self._limits = _limits(held.values())
         self._sizes = sizes_of(held)
@@ -49,9 +52,10 @@ class ForwardModel:
         Raises:
             DomainError: the policy or the system raised an exception, or returned a result of the wrong shape.
         """
+        seen = self._view.of(state)
         with authored(self._names[0], self._binding):
-            commands = {} if self._policy is None else self._policy(elapsed, state)
-        check_commands(self._names[0], self._binding, commands, self._sizes, state)
+            commands = {} if self._policy is None else self._policy(elapsed, seen)
+        check_commands(self._names[0], self._binding, commands, self._sizes, seen)
         finite = np.ones(state.values.shape[:-1], dtype=bool)
         for key, command in commands.items():
             square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
@@ -61,12 +65,12 @@ class ForwardModel:
                 finite &= sound
                 commands[key] = _limited(np.where(sound[..., None], command, 0.0), limit)
         with authored(self._names[1], self._binding):
-            after = self._system(state, commands, dt)
-        check_shape(self._names[1], self._binding, after.values, state.values.shape)
+            after = self._system(seen, commands, dt)
+        check_shape(self._names[1], self._binding, after.values, seen.values.shape)
         if not isfinite(np.add.reduce(after.values, axis=None)):
             finite &= np.isfinite(after.values).all(axis=-1)
-            after = State(after.layout, np.where(finite[..., None], after.values, state.values))
-        return after, commands, finite
+            after = State(after.layout, np.where(finite[..., None], after.values, seen.values))
+        return self._view.update(state, after), commands, finite
 
 
 def roll_out(

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hybrid_tamp.model.token import Token, UnknownProperty
+from hybrid_tamp.model.token import Token, UnknownProperty, UnknownToken
 from hybrid_tamp.motion.arrays import FloatArray
 
 
@@ -79,6 +79,9 @@ class State:
             return self.values[..., self.layout.slices[owner, name]]
         except KeyError:
             known = [varying for each, varying, _ in self.layout.entries if each == owner]
+            if not known:
+                owners = dict.fromkeys(each for each, _, _ in self.layout.entries)
+                raise UnknownToken(owner, name, owners) from None
             raise UnknownProperty(owner, name, known) from None
 
     def replace(self, changes: Mapping[tuple[str, str], ArrayLike]) -> "State":

@@ -42,6 +42,15 @@ class UnknownProperty(KeyError):
         return self._message
 
 
+class UnknownToken(UnknownProperty):
+    """Error for a token that a state does not contain, e.g. because the block of a policy does not use the token."""
+
+    def __init__(self, token: str, name: object, available: Iterable[str]) -> None:
+        super().__init__(token, name, ())
+        known = ", ".join(available) or "no token"
+        self._message = f"{token} has no property {name!r} in this state, which contains only {known}"
+
+
 def _declarations(object_class: type[ObjectClass]) -> dict[str, dict[str, str]]:
     """Return the content of each declaration of a class. Classes that share a declaration must agree on its content."""
     found = {f"property {name!r}": _describe(field) for name, field in object_class.model_fields.items()}

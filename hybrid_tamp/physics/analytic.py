@@ -14,17 +14,23 @@ from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.view import View
 from hybrid_tamp.physics.protocol import ContactForce, Resource
 
 IntArray = NDArray[np.intp]
 
 
 class _Moving(NamedTuple):
-    """The continuous system of an instance, its binding, and the indices of its tokens' values in the state."""
+    """The continuous system of an instance, with the part of the state and of the commands that the system sees.
+
+    `tokens` are the tokens in slots. `mine` are the indices of their values in the state.
+    """
 
     name: str
     binding: Binding
     system: ContinuousSystem
+    view: View
+    tokens: frozenset[str]
     mine: IntArray
 
 
@@ -58,11 +64,12 @@ class AnalyticBackend(Resource):
         filled = self._commands.commands(self._commands.checked(commands))
         before = self._state
         values = before.values.copy()
-        for name, binding, system, mine in self._moving.values():
+        for name, binding, system, view, tokens, mine in self._moving.values():
+            commands = {key: command for key, command in filled.items() if key[0] in tokens}
             with authored(name, binding):
-                after = system(before, filled, self.timestep)
+                after = system(view.of(before), commands, self.timestep)
             # Only the values of tokens in the slots are used, even if the system changes other values.
-            values[mine] = after.values[mine]
+            values[mine] = view.update(before, after).values[mine]
         self._state = State(before.layout, values)
         return self._state
 
@@ -84,7 +91,7 @@ class AnalyticBackend(Resource):
         """Do nothing, because this backend has no resources to release."""
 
     def _begin(self, instance: BlockInstance) -> _Moving:
-        held = set(instance.slots.values())
+        held = frozenset(instance.slots.values())
         mine = [
             index
             for (token, _), columns in self._state.layout.slices.items()
@@ -93,7 +100,7 @@ class AnalyticBackend(Resource):
         ]
         block = self._task.domain.block_by_name[instance.block]
         binding = self._task.bind(instance.roles)
-        name = f"{block.name}.system"
+        name, view = f"{block.name}.system", View(binding, self._state.layout)
         with authored(name, binding):
-            system = block.system(binding, self._state)
-        return _Moving(name, binding, system, np.array(mine, dtype=np.intp))
+            system = block.system(binding, view.of(self._state))
+        return _Moving(name, binding, system, view, held, np.array(mine, dtype=np.intp))
