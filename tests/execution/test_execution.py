@@ -310,7 +310,10 @@ def test_commands_are_cut_to_their_limit_once_for_all_and_it_is_said(toys: Any, 
     ("policy", "said"),
     [
         (commanding(np.zeros(2)), r"MOVING.policy, force of pusher: the result must have the shape \(3,\)"),
-        (commanding(np.zeros(3), action="torque"), "only actions of the tokens in its block's slots; got torque of pusher; the actions are force of pusher"),
+        (
+            commanding(np.zeros(3), action="torque"),
+            "only actions of the tokens in its block's slots; got torque of pusher; the actions are force of pusher",
+        ),
         (commanding(np.zeros(3), token="spot"), "only actions of the tokens in its block's slots; got force of spot"),
     ],
 )
