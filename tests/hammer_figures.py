@@ -29,8 +29,9 @@ import hybrid_tamp
 from hybrid_tamp.midlevel.action_by_action import optimise_apart
 from hybrid_tamp.midlevel.objective import Evaluator, Objective, RollOut
 from hybrid_tamp.midlevel.optimiser import Budget, Optimum
+from hybrid_tamp.midlevel.predictions import Rollout
 from hybrid_tamp.midlevel.registry import find_optimiser
-from hybrid_tamp.midlevel.rollout import Rollout, Rollouts
+from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from hammer_figures import GRASP, LOCATIONS, Scan, figure_plan, figure_task
 
-from hybrid_tamp.midlevel.rollout import Rollout
+from hybrid_tamp.midlevel.predictions import Rollout
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hybrid_tamp.midlevel.objective import Objective
-from hybrid_tamp.midlevel.rollout import Rollout
+from hybrid_tamp.midlevel.predictions import Rollout
 from hybrid_tamp.midlevel.scores import SAME
 from hybrid_tamp.midlevel.screening import Screening
 from hybrid_tamp.model.refined import MeasureKey

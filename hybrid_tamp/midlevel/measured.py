@@ -6,7 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from hybrid_tamp.midlevel.rollout import Condition, Key, Rollout
+from hybrid_tamp.midlevel.predictions import Condition, Interval, Key, Rollout
 from hybrid_tamp.model.facts import fact_margin
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
@@ -39,7 +39,9 @@ def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout
     ]
     value = np.asarray(np.sum(weights, axis=0) + np.zeros(1))
     failed = {recording.failure.instance: np.array([True])} if recording.failure else {}
-    intervals = {i.name: (np.array([i.start]), np.array([i.end])) for i in recording.instances}
+    intervals = {
+        i.name: Interval(*(np.array([time]) for time in (i.start, i.active.end, i.end))) for i in recording.instances
+    }
     final = State(recording.layout, recording.states[-1:])
     return Rollout(tuple(conditions), figures, value, final, intervals, failed)
 
@@ -50,14 +52,14 @@ def merge_rollouts(runs: Sequence[Rollout]) -> Rollout:
     longest = max(runs, key=lambda run: len(run.conditions))
     conditions = [replace(c, margin=_concatenate(margins, (c.where, c.atom, c.throughout))) for c in longest.conditions]
     figures = {key: _concatenate([run.figures for run in runs], key) for key in _keys(run.figures for run in runs)}
-    begun, ended = ([{n: at[side] for n, at in run.intervals.items()} for run in runs] for side in (0, 1))
+    times = [[{name: at[side] for name, at in run.intervals.items()} for run in runs] for side in range(3)]
     failed = [{name: where.astype(float) for name, where in run.failed.items()} for run in runs]
     return Rollout(
         conditions=tuple(conditions),
         figures=figures,
         value=np.concatenate([run.value for run in runs]),
         final=State(runs[0].final.layout, np.concatenate([run.final.values for run in runs])),
-        intervals={name: (_concatenate(begun, name), _concatenate(ended, name)) for name in _keys(begun)},
+        intervals={name: Interval(*(_concatenate(each, name) for each in times)) for name in _keys(times[0])},
         failed={name: _concatenate(failed, name) == 1.0 for name in _keys(failed)},
     )
 

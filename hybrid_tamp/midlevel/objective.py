@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from hybrid_tamp.midlevel.rollout import Chosen, Condition, Key, Rollout
+from hybrid_tamp.midlevel.predictions import Chosen, Condition, Key, Rollout
 from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.search_space import SearchSpace, Variable
 from hybrid_tamp.model.authored import authored

@@ -13,92 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.midlevel.population import IntArray, Stretch
+from hybrid_tamp.midlevel.predictions import Chosen, Condition, Interval, Key, Rollout
 from hybrid_tamp.midlevel.simulation import Simulation
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
-from hybrid_tamp.model.predicate import Atom, Literal, Predicate
+from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
-from hybrid_tamp.model.refined import GOAL, Shortfall
+from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
-Key = tuple[str, str]
-"""Pair of (instance, hyperparameter) or (instance, measure)."""
-
-Chosen = Mapping[Key, FloatArray]
-"""Maps each pair of (instance, hyperparameter) to the values of all candidates. Shape ``(n,)``."""
-
 _SETTLING = 0.5
 """Minimum time from the last start of an instance to the measurement of the goal, in seconds, as in a real run."""
-
-
-@dataclass(frozen=True, eq=False)
-class Condition:
-    """One condition with its margins for all candidates.
-
-    Attributes:
-        where: name of the instance to which the condition belongs, or `GOAL` for a goal atom.
-        atom: the ground condition.
-        predicate: predicate of the condition. A margin of ``-predicate.scale`` is a violation of 1.
-        margin: signed margins, in the unit of the predicate. Not finite for failed rollouts. Shape ``(n,)``.
-        throughout: whether the condition is an invariant. Its margin is then the least margin until the exit.
-    """
-
-    where: str
-    atom: Atom
-    predicate: Predicate
-    margin: FloatArray
-    throughout: bool = False
-
-    @property
-    def violation(self) -> FloatArray:
-        """Violation of the condition, as a multiple of the predicate's scale. Shape ``(n,)``."""
-        return np.asarray(np.maximum(0.0, -self.margin) / self.predicate.scale)
-
-    def at(self, candidate: int) -> Shortfall:
-        """Return the shortfall of a candidate that violates the condition."""
-        return Shortfall(self.where, self.atom, self.predicate.unit, float(self.margin[candidate]))
-
-
-@dataclass(frozen=True, eq=False)
-class Rollout:
-    """The predicted outcome of a population.
-
-    Attributes:
-        conditions: entry and exit conditions of all instances in order, followed by the goal atoms.
-        figures: maps each pair of (instance, performance measure) to the figures of all candidates. Shape ``(n,)``.
-        value: value J, which is the weighted sum of the performance measures. Shape ``(n,)``.
-        final: final states. Shape ``(n, layout.size)``.
-        intervals: maps each instance to a pair of (start time, end time) in seconds, each of shape ``(n,)``.
-        failed: maps each instance to a mask of the candidates that failed in it, because a value was not finite.
-    """
-
-    conditions: tuple[Condition, ...]
-    figures: Mapping[Key, FloatArray]
-    value: FloatArray
-    final: State
-    intervals: Mapping[str, tuple[FloatArray, FloatArray]]
-    failed: Mapping[str, NDArray[np.bool_]]
-
-    @property
-    def violation(self) -> FloatArray:
-        """Violation V, the sum over all conditions. Infinite for failed rollouts. Shape ``(n,)``."""
-        total = np.sum([condition.violation for condition in self.conditions], axis=0) + np.zeros(len(self.value))
-        for where in self.failed.values():
-            total = np.where(where, np.inf, total)
-        return np.where(np.isfinite(total), total, np.inf)
-
-    def worst(self, candidate: int = 0) -> Condition | None:
-        """Return the first violated condition of a candidate, in plan order, or None if all conditions hold."""
-        return next((c for c in self.conditions if not c.margin[candidate] >= 0), None)
-
-    def value_of(self, task: Task, instance: BlockInstance) -> FloatArray:
-        """Return the weighted sum of the performance measures of one instance. Shape ``(n,)``."""
-        measures = task.domain.block_by_name[instance.block].performance
-        terms = [m.weight * self.figures[instance.name, m.name] / m.scale for m in measures]
-        return np.asarray(np.sum(terms, axis=0) + np.zeros(len(self.value)))
 
 
 class Rollouts:
@@ -152,7 +80,7 @@ class _Chain:
     chosen: Chosen
     count: int
     conditions: list[Condition] = field(default_factory=list)
-    intervals: dict[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
+    intervals: dict[str, Interval] = field(default_factory=dict)
     figures: dict[Key, FloatArray] = field(default_factory=dict)
     failed: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
 
@@ -192,7 +120,7 @@ class _Chain:
         for name in event.ending:
             self._end(name, time)
         self.begin(event.starting, time)
-        self.last = time
+        self.last = np.maximum(self.last, time)
         return time
 
     def _changes(self, name: str, tokens: set[str]) -> bool:
@@ -222,7 +150,8 @@ class _Chain:
         assert running.stretch is not None, "an instance must reach its exit before it ends"
         until = time - running.begun
         self._place(simulation, simulation.hold(running.start, running.chosen, running.stretch, until))
-        self.intervals[name] = (np.asarray(running.begun * CONTROL_PERIOD), np.asarray(time * CONTROL_PERIOD))
+        times = (running.begun, running.begun + running.stretch.steps, time)
+        self.intervals[name] = Interval(*(np.asarray(steps * CONTROL_PERIOD) for steps in times))
 
     def _place(self, simulation: Simulation, rows: FloatArray) -> None:
         self.now[:, simulation.columns[simulation.held]] = rows[:, simulation.held]

@@ -1,7 +1,7 @@
 """Summary of a search as a refined plan. The best candidates of the search are rolled out over the whole plan."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,9 +9,14 @@ import numpy as np
 from hybrid_tamp.midlevel.objective import Objective
 from hybrid_tamp.midlevel.physics_refinement import RefinedInPhysics
 from hybrid_tamp.midlevel.plan_search import Searched
-from hybrid_tamp.midlevel.rollout import Rollout
+from hybrid_tamp.midlevel.predictions import Interval, Rollout
+from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.refined import Performance, RefinedPlan, Tuned, Value
+from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
+
+_DIGITS = 6
+"""Number of decimal places of times [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,10 +105,10 @@ def _summarise(
     """Return the refined plan with the best candidate, without the fields that only a search determines."""
     rollout, chosen = candidates.rollout, candidates.chosen
     values = dict(zip(objective.keys, candidates.point.tolist(), strict=True))
-    short = rollout.worst(chosen)
+    plan, short = objective.plan.set_hyperparameters(values), rollout.worst(chosen)
     margins = {(c.where, c.atom): float(c.margin[chosen]) for c in rollout.conditions if not c.throughout}
     return RefinedPlan(
-        plan=objective.plan.set_hyperparameters(values),
+        plan=plan if short is not None else _retime(objective.task, plan, rollout.intervals, chosen),
         hyperparameters=tuned,
         performance=tuple(_expect_performance(objective, candidates)),
         best=candidates.value(chosen),
@@ -117,6 +122,15 @@ def _summarise(
         stopped="",
         history=(),
     )
+
+
+def _retime(task: Task, plan: TaskPlan, intervals: Mapping[str, Interval], candidate: int) -> TaskPlan:
+    """Return a plan with the times that the rollout of one candidate predicts."""
+    times: dict[str, tuple[float, float | None, float]] = {}
+    for instance in plan.instances:
+        start, reached, end = (round(float(time[candidate]), _DIGITS) for time in intervals[instance.name])
+        times[instance.name] = (start, reached if task.domain.block_by_name[instance.block].hold else None, end)
+    return plan.retime(times)
 
 
 def _tune(objective: Objective, point: FloatArray, statuses: dict[str, str]) -> Iterator[Tuned]:

@@ -131,6 +131,16 @@ class TaskPlan(Tabular):
         )
         return replace(self, instances=tuple(instances))
 
+    def retime(self, times: Mapping[str, tuple[float, float | None, float]]) -> "TaskPlan":
+        """Return the plan with new times. `times` maps each instance to its start, `reached` and end [s]."""
+        moved = [
+            replace(each, start=start, reached=reached, end=end)
+            for each in self.instances
+            for start, reached, end in [times[each.name]]
+        ]
+        moved.sort(key=lambda each: (each.start, each.end, each.name))
+        return replace(self, instances=tuple(moved), makespan=max(each.end for each in moved))
+
     @cached_property
     def instants(self) -> tuple[float, ...]:
         """Instants of reassignment, including the start and the end of the plan, in ascending order [s]."""

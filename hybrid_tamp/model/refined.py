@@ -127,7 +127,8 @@ class RefinedPlan:
     """A task plan with optimised hyperparameters.
 
     Attributes:
-        plan: plan with a value for every hyperparameter of every instance.
+        plan: plan with a value for every hyperparameter of every instance. If all conditions hold, its times are those
+            of the rollout.
         hyperparameters: all hyperparameters, in the order of the plan.
         performance: expected performance measures.
         best: V and J of the plan in the forward models.

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from hybrid_tamp.midlevel.measured import measure_run, merge_rollouts
-from hybrid_tamp.midlevel.rollout import Chosen, Rollout
+from hybrid_tamp.midlevel.predictions import Chosen, Rollout
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.task import Task

@@ -73,8 +73,8 @@ def test_a_single_rollout_is_the_executors_run(task: Task) -> None:
     assert run.success
     np.testing.assert_allclose(rollout.final.values[0], run.states[-1], atol=1e-12)
     for instance in run.instances:
-        begin, end = rollout.intervals[instance.name]
-        assert (begin[0], end[0]) == pytest.approx((instance.start, instance.end))
+        begin, reached, end = rollout.intervals[instance.name]
+        assert (begin[0], reached[0], end[0]) == pytest.approx((instance.start, instance.active.end, instance.end))
     assert rollout.violation[0] == 0.0
     assert rollout.worst() is None
 
@@ -156,8 +156,8 @@ def test_hands_that_hold_while_others_come_are_as_in_the_executor() -> None:
     assert run.success
     assert rollout.violation[0] == 0.0
     for instance in run.instances:
-        begin, end = rollout.intervals[instance.name]
-        assert (begin[0], end[0]) == pytest.approx((instance.start, instance.end))
+        begin, reached, end = rollout.intervals[instance.name]
+        assert (begin[0], reached[0], end[0]) == pytest.approx((instance.start, instance.active.end, instance.end))
     # Hands reach for the predicted pose of a tipped box. While the hands approach, the box settles by less than this
     # value.
     np.testing.assert_allclose(rollout.final.values[0], run.states[-1], atol=1e-3)
