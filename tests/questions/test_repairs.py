@@ -79,7 +79,7 @@ def test_what_is_known_when_the_time_is_over_is_told() -> None:
     assert late.explanation is not None
     assert late.explanation.reasons
     with pytest.raises(
-        LimitReached, match=r"time limit of 0 s during the search .*planner has proven that no plan exists"
+        LimitReached, match=r"time limit of 0 s.* ended the search .*planner has proven that no plan exists"
     ):
         late.required()
 

@@ -178,7 +178,10 @@ def test_a_goal_may_leave_a_choice() -> None:
     [
         ("at_face: [hand, «'*', left]", ("no token can replace '*'", "add a token of class TUMBLABLE")),
         ("inside: [drum, «'*', near]", ()),
-        ("inside: ['*', near]\n  - inside: [drum, far]", ("all goal atoms must be true at the same time", "got no such choice")),
+        (
+            "inside: ['*', near]\n  - inside: [drum, far]",
+            ("all goal atoms must be true at the same time", "got no such choice"),
+        ),
     ],
 )
 def test_a_choice_of_nothing_is_refused(goal: str, words: tuple[str, ...]) -> None:

@@ -52,7 +52,7 @@ def explain_outcome(outcome: PlanOutcome, trials: int, most: int, deadline: Dead
     outcome, stopped = replace(outcome, explanation=explanation), explanation.stopped
     if stopped is None:
         return outcome
-    detail = f"{stopped} during the search for changes that would help. {explanation.message}"
+    detail = f"{stopped}. The limit ended the search for changes that would help. {explanation.message}"
     return replace(outcome, failure=PlanningFailure(stopped.limit, detail))
 
 
