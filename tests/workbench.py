@@ -64,7 +64,7 @@ class Hand(CapabilityClass):
 
 
 class Clumsy(CapabilityClass):
-    """Declares a torque and a grip without the properties that they need."""
+    """A hand with a torque and a grip, but without the properties that these actions need."""
 
     name: ClassVar[str] = "CLUMSY"
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (BasicAction("torque", 3, "N m"), BasicAction("grip", 1, "N"))

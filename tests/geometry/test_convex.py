@@ -125,7 +125,7 @@ def test_pybullet_finds_the_same_pairs_and_no_longer_way_out() -> None:
 
 
 def grid(count: int, size: float) -> Shape:
-    """Return a cube of `count` cubed boxes, whose edge is `size`."""
+    """Return a cube that consists of ``count ** 3`` boxes with edges of the length `size`."""
     half = size / count / 2
     places = [(-size / 2 + half + 2 * half * np.array(cell)).tolist() for cell in np.ndindex(count, count, count)]
     boxes = [BoxPart(kind="box", half_extents=(half, half, half), position=tuple(place)) for place in places]
