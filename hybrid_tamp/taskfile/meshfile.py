@@ -127,12 +127,12 @@ def _read_text(path: Path, source: str, scale: float, text: str) -> MeshShape:
 
 
 def _check_solids(shape: MeshShape, names: list[str], size: float, source: str) -> None:
-    """Raise `InputError` if objects of the mesh overlap or lie apart. A body is one piece, and has no volume twice."""
+    """Raise `InputError` if objects of the mesh overlap or lie apart. No volume may count twice."""
     overlap = find_overlap(shape.parts)
     if overlap is not None:
         pair = f"{names[overlap.one]!r} and {names[overlap.other]!r}"
         wanted = f"objects {pair} of the mesh must not share more than {MOST_SHARED:.0%} of the smaller volume"
-        came = f"a common volume of {overlap.volume:.3g} m^3 of {overlap.smaller:.3g} m^3"
+        came = f"a common volume of {overlap.volume:.3g} m^3, where the smaller object has {overlap.smaller:.3g} m^3"
         remedy = "cut one of the two objects, because the common volume would count twice"
         raise InputError([Issue(source, wanted, came, remedy=remedy)])
     gap = find_gap(placed(shape, np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0])), MOST_APART * size)
