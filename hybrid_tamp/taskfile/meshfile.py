@@ -132,7 +132,7 @@ def _check_solids(shape: MeshShape, names: list[str], size: float, source: str) 
     if overlap is not None:
         pair = f"{names[overlap.one]!r} and {names[overlap.other]!r}"
         wanted = f"objects {pair} of the mesh must not share more than {MOST_SHARED:.0%} of the smaller volume"
-        came = f"a common volume of {overlap.volume:.3g} m^3, where the smaller object has {overlap.smaller:.3g} m^3"
+        came = f"{overlap.volume:.3g} m^3 of {overlap.smaller:.3g} m^3 in the smaller object"
         remedy = "cut one of the two objects, because the common volume would count twice"
         raise InputError([Issue(source, wanted, came, remedy=remedy)])
     gap = find_gap(placed(shape, np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0])), MOST_APART * size)

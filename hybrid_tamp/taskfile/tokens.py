@@ -171,7 +171,7 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
 
 
 def _check_shape(token: Token, path: KeyPath, faults: Faults) -> None:
-    """Record a fault if the shape cannot be the shape of a rigid body, and for each property that disagrees with it."""
+    """Record a fault if the shape is not a rigid body, and for each property that disagrees with the shape."""
     fault = find_shape_fault(token)
     if fault is not None:
         faults.at((*path, "shape"), f"the shape of token {shown(token.name)} {fault.wanted}", fault.came)
