@@ -23,7 +23,7 @@ def everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
 
 
 def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Turn a static predicate's margin for one state into a margin for batches, which loops over the states."""
+    """Turn a static predicate's margin for one state into a margin that loops over the states of a batch."""
 
     def batched(state: State, *values: Value, **factor: float) -> FloatArray:
         rows = state.values.reshape(-1, state.values.shape[-1])

@@ -20,7 +20,7 @@ def to_body(state: State, token: Token, vectors: FloatArray) -> FloatArray:
 
 
 def depth_in_workspace(hand: Token, position: FloatArray) -> FloatArray:
-    """Return the depth ``(...)`` [m] of positions ``(..., 3)`` in a hand's workspace, which is negative outside."""
+    """Return the depth ``(...)`` [m] of positions ``(..., 3)`` in a hand's workspace. It is negative outside."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
     return np.asarray(np.minimum(position - lower, upper - position).min(axis=-1))
 
