@@ -57,6 +57,7 @@ from hybrid_tamp.model.control import Hyperparameters as Hyperparameters
 from hybrid_tamp.model.control import Parameters as Parameters
 from hybrid_tamp.model.control import Policy as Policy
 from hybrid_tamp.model.control import PolicyMaker as PolicyMaker
+from hybrid_tamp.model.disc import Disc as Disc
 from hybrid_tamp.model.domain import Domain as Domain
 from hybrid_tamp.model.grasp import CAPTURE as CAPTURE
 from hybrid_tamp.model.grasp import FINGER_SPEED as FINGER_SPEED
@@ -80,6 +81,7 @@ from hybrid_tamp.model.predicate import SymbolSort as SymbolSort
 from hybrid_tamp.model.predicate import Value as Value
 from hybrid_tamp.model.recording import Recording as Recording
 from hybrid_tamp.model.state import State as State
+from hybrid_tamp.model.support import find_floating as find_floating
 from hybrid_tamp.model.task import Task as Task
 from hybrid_tamp.model.token import Token as Token
 from hybrid_tamp.model.trial import Carry as Carry

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, ClassVar
 
+import numpy as np
 from pydantic import AfterValidator
 
 from hybrid_tamp.authoring import (
@@ -18,11 +19,18 @@ from hybrid_tamp.authoring import (
     State,
     Token,
     Vector3,
+    find_floating,
     quantity,
+    rotate,
     without_rounding,
 )
 
-from .vectors import depth_in_workspace
+from .vectors import UP, depth_in_workspace
+
+_MOST_RAISED = 0.01
+"""Largest distance of a region from the floor [m]."""
+_MOST_TILTED = np.radians(3.0)
+"""Largest angle between the axis of a region and the vertical [rad]."""
 
 
 def _all_positive(vector: Vector3) -> Vector3:
@@ -112,9 +120,31 @@ class StaticEndEffector(CapabilityClass):
         return None if depth >= 0 else f"the hand must start within its workspace, but it is {-depth:.4g} m outside"
 
 
+class Grounded:
+    """Mixin for a class whose members rest on the floor or on another body at the start."""
+
+    @staticmethod
+    def consistent_start(token: Token, state: State, tokens: Iterable[Token]) -> str | None:
+        """Return an error message if the body starts in the air, otherwise None."""
+        return find_floating(token, state, tokens)
+
+
 class Region(PlaceClass):
     """A disc on the floor that can be the destination of an object."""
 
     name: ClassVar[str] = "REGION"
 
     radius: float = positive("m", "radius of the disc; an object is inside if its centre is above the disc", 100)
+
+    @staticmethod
+    def consistent_start(token: Token, state: State, tokens: Iterable[Token]) -> str | None:
+        """Return an error message if the disc is not on the floor or not level, otherwise None."""
+        height = float(state[token, "position"][2])
+        if abs(height) > _MOST_RAISED:
+            limit = f"at z = 0 within {_MOST_RAISED:g} m, because blocks move objects over the floor only"
+            return f"a REGION is a disc on the floor, {limit}; it is at z = {height:g} m"
+        tilt = np.arccos(np.clip(rotate(state[token, "orientation"], UP)[2], -1.0, 1.0))
+        if tilt > _MOST_TILTED:
+            limit = f"{np.degrees(_MOST_TILTED):.0f} degrees"
+            return f"a REGION must be level within {limit}; it is tilted by {np.degrees(tilt):.3g} degrees"
+        return None

@@ -5,13 +5,31 @@ from functools import partial
 
 import numpy as np
 
-from hybrid_tamp.authoring import TOKEN, FloatArray, Kind, ObjectClass, Parameter, Predicate, State, Token, Value
+from hybrid_tamp.authoring import (
+    TOKEN,
+    Box,
+    Cylinder,
+    Disc,
+    FloatArray,
+    Kind,
+    ObjectClass,
+    Parameter,
+    Predicate,
+    Sphere,
+    State,
+    Token,
+    Value,
+    points_of,
+)
 
 from .classes import Region, StaticEndEffector
 from .vectors import depth_in_workspace
 
 REST_SPEED = 0.02
 """Largest speed at which a token counts as at rest [m/s]."""
+
+_RISE = 0.02
+"""Largest change of the height of a box, cylinder or sphere that is pushed or rolled, relative to the height."""
 
 length_predicate = partial(Predicate, unit="m", scale=0.01)
 """Makes a predicate with a margin in metres."""
@@ -70,6 +88,18 @@ def depth_in_region(state: State, thing: Token, region: Token) -> FloatArray:
     return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
 
 
+def _disc(state: State, thing: Token, region: Token) -> Disc:
+    """Return the disc of an object's centre above a region. Blocks that bring objects to regions keep the height."""
+    x, y, _ = (float(part) for part in state[region, "position"])
+    height = float(state[thing, "position"][2])
+    if isinstance(thing.shape, Box | Cylinder | Sphere):
+        lowest, highest = (1.0 - _RISE) * height, (1.0 + _RISE) * height
+    else:
+        # Other bodies may lie on another side, and rise while they roll over an edge.
+        lowest, highest = 0.0, float(np.linalg.norm(points_of(thing.solid), axis=-1).max())
+    return Disc((x, y), float(region["radius"]), lowest, highest)
+
+
 def inside(movable: type[ObjectClass]) -> Predicate:
     """Return the predicate `inside` for objects of a class. An object is inside at most one region at a time."""
     return length_predicate(
@@ -79,6 +109,7 @@ def inside(movable: type[ObjectClass]) -> Predicate:
         reads={"object": ("position",), "region": ("position",)},
         kind=Kind.FUNCTIONAL,
         value_of="region",
+        confines=_disc,
         description="{object} is inside {region}",
         denial="{object} is not inside {region}",
     )

@@ -25,6 +25,7 @@ from hybrid_tamp.authoring import (
 from ..common.classes import (
     BoxShaped,
     Extents,
+    Grounded,
     find_box_fault,
     friction_property,
     mass_property,
@@ -34,7 +35,7 @@ from ..common.classes import (
 from .standing import start_complaint
 
 
-class Rollable(AffordanceClass):
+class Rollable(Grounded, AffordanceClass):
     """Objects that can be rolled about an axis (paper, Sec. II-A)."""
 
     name: ClassVar[str] = "ROLLABLE"

@@ -21,6 +21,7 @@ from hybrid_tamp.authoring import (
 from ..common.classes import (
     BoxShaped,
     Extents,
+    Grounded,
     StaticEndEffector,
     find_box_fault,
     friction_property,
@@ -61,7 +62,7 @@ class DexterousHand(StaticEndEffector):
         return StaticEndEffector.consistent(token)
 
 
-class Graspable(AffordanceClass):
+class Graspable(Grounded, AffordanceClass):
     """Tools with a handle that a hand can grasp (paper, Fig. 5, blue).
 
     The origin of the body frame is the centre of mass. The x axis points along the handle towards the head. The tool
@@ -119,7 +120,7 @@ class Pusher(Graspable):
     pushing_point: Vector3 = quantity("m", "pushing point, in the body frame; a push moves this point along +z")
 
 
-class _Boxes(BoxShaped):
+class _Boxes(Grounded, BoxShaped):
     @staticmethod
     def consistent(token: Token) -> str | None:
         """Return an error message if the shape is not a box with the half extents, otherwise None."""

@@ -6,6 +6,7 @@ distance between complex objects in three-dimensional space").
 
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Protocol
 
 import numpy as np
 
@@ -35,7 +36,47 @@ class Gap:
     width: float
 
 
-def distance_between(one: ConvexBody, other: ConvexBody) -> float:
+class Convex(Protocol):
+    """A convex body with support points. See `ConvexBody` for the members."""
+
+    @property
+    def position(self) -> FloatArray: ...  # noqa: D102 described in ConvexBody
+
+    @property
+    def reach(self) -> float: ...  # noqa: D102 described in ConvexBody
+
+    def support(self, direction: FloatArray) -> FloatArray: ...  # noqa: D102 described in ConvexBody
+
+
+@dataclass(frozen=True, eq=False)
+class Swept:
+    """The space that a convex body sweeps while it falls.
+
+    Attributes:
+        body: the body before the fall.
+        fall: height of the fall [m].
+    """
+
+    body: ConvexBody
+    fall: float
+
+    @property
+    def position(self) -> FloatArray:
+        """Position of the body before the fall [m], shape ``(3,)``."""
+        return self.body.position
+
+    @property
+    def reach(self) -> float:
+        """Radius of a ball around `position` that contains the space [m]."""
+        return self.body.reach + self.fall
+
+    def support(self, direction: FloatArray) -> FloatArray:
+        """Return the furthest point of the space along a non-zero vector [m], shape ``(3,)``."""
+        down = np.array([0.0, 0.0, self.fall if direction[2] < 0 else 0.0])
+        return np.asarray(self.body.support(direction) - down)
+
+
+def distance_between(one: Convex, other: Convex) -> float:
     """Return the distance between two convex bodies [m], which is zero if they have a common point."""
 
     def furthest(direction: FloatArray) -> FloatArray:
@@ -47,7 +88,7 @@ def distance_between(one: ConvexBody, other: ConvexBody) -> float:
     for _ in range(_MOST_STEPS):
         corners, nearest = nearest_to_zero(corners)
         length = float(np.linalg.norm(nearest))
-        if len(corners) == 4 or length < _PRECISION * size:
+        if length < _PRECISION * size:
             return 0.0
         corner = furthest(-nearest)
         # No point of the difference of both bodies is nearer to zero than its furthest point towards zero.

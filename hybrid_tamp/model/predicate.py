@@ -12,6 +12,7 @@ import numpy as np
 
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.disc import Disc
 from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.margins import SafetyFactor, evaluate_margin
 from hybrid_tamp.model.relation import Membership, order_rows, row_faults
@@ -22,10 +23,8 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 ANY = "*"
 """Wildcard argument. In a negative literal, the wildcard matches every value."""
-
 Value = Token | str
 """Value of a predicate's argument: a token or a symbol."""
-
 Binding = Mapping[str, Value]
 """Maps each role (slot or target) of an instance to its token or symbol."""
 
@@ -71,6 +70,7 @@ class Predicate:
         at_start: whether the predicate by definition describes the initial state, so that no block changes its atoms.
         bound: function ``bound(state, radius, *values)`` that returns an upper bound of the margin over all horizontal
             displacements of the tokens by at most `radius` [m], which can be infinite.
+        confines: function ``confines(state, *values)`` that returns the `Disc` of the first value's centre.
         description: sentence with parameters in braces, e.g. ``"{object} is within {region}"``.
         denial: sentence for a predicate that does not hold, e.g. ``"{object} is not within {region}"``.
 
@@ -95,6 +95,7 @@ class Predicate:
     competence: bool = False
     at_start: bool = False
     bound: Callable[..., FloatArray] | None = None
+    confines: Callable[..., Disc] | None = None
 
     def __post_init__(self) -> None:
         faults = list(self._faults())

@@ -10,6 +10,7 @@ from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.bindings import enumerate_bindings, names_of
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.choice import ground_goals
+from hybrid_tamp.model.crowding import Crowding, find_crowding
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Atom, Literal, SymbolSort, Value
 from hybrid_tamp.model.state import State
@@ -203,6 +204,10 @@ class Task:
             for argument, parameter in zip(atom.arguments, parameters, strict=True)
         }
         return tuple(Atom(atom.predicate, names_of(bound)) for bound in enumerate_bindings(choices))
+
+    def crowding(self) -> Crowding | None:
+        """Return a place that is too small for two bodies that the ground goal puts there, or None."""
+        return find_crowding(self.domain, self.token_by_name, self.state, self.goal)
 
     def alternatives(self) -> tuple["Task", ...]:
         """Return one task for each ground goal of this task, the nearest goal first.

@@ -50,7 +50,8 @@ def find_plan(task: Task, planner: Planner, deadline: Deadline | None = None, *,
         LimitReached: If a time or memory limit was reached before any plan was found.
     """
     deadline = deadline or Deadline.after(task.limits.time)
-    alternatives = task.alternatives()
+    # A goal that crowds a place is impossible. A task file without another goal is refused.
+    alternatives = [each for each in task.alternatives() if each.crowding() is None] or list(task.alternatives())
     if len(alternatives) == 1:
         result = _plan(Search(alternatives[0], planner, deadline), relax)
         return _plan_whereabouts(alternatives[0], planner, deadline, result)

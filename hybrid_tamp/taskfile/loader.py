@@ -107,7 +107,14 @@ def _checked(task: Task, data: dict[str, Any], faults: Faults) -> Task:
     check_bindings(task, data, faults)
     with faults.collecting(("goal",)):
         # Raises InputError if a wildcard of the goal has no value, or if the wildcards have too many combinations.
-        task.alternatives()
+        alternatives = task.alternatives()
+    faults.raise_if_any()
+    crowdings = [each.crowding() for each in alternatives]
+    if crowdings and crowdings[0] is not None and None not in crowdings:
+        arguments = crowdings[0].atom.arguments
+        index = next((i for i, item in enumerate(data["goal"]) if tuple(*item.values()) == arguments), 0)
+        wanted = "the goal must leave enough room for each body" + (", for at least one choice" * (len(crowdings) > 1))
+        faults.at(("goal", index), wanted, crowdings[0].text)
     faults.raise_if_any()
     return task
 

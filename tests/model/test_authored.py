@@ -118,7 +118,18 @@ def test_the_error_survives_the_way_between_processes() -> None:
 
 
 FUNCTIONS = {"policy", "system", "outcome", "expected", "taught", "metrics", "estimate", "align", "share"}
-FUNCTIONS |= {"end", "peak", "rate", "consistent", "consistent_start", "features", "within", "initial_value", "bound"}
+FUNCTIONS |= {
+    "end",
+    "peak",
+    "rate",
+    "consistent",
+    "consistent_start",
+    "features",
+    "within",
+    "initial_value",
+    "bound",
+    "confines",
+}
 """Names under which the library calls functions of a domain."""
 RECEIVERS = {"block", "duration", "domain", "recipe", "predicate", "measure", "member", "object_class", "own", "h"}
 
