@@ -310,11 +310,8 @@ def test_commands_are_cut_to_their_limit_once_for_all_and_it_is_said(toys: Any, 
     ("policy", "said"),
     [
         (commanding(np.zeros(2)), r"MOVING.policy, force of pusher: the result must have the shape \(3,\)"),
-        (
-            commanding(np.zeros(3), action="torque"),
-            "only actions of the tokens in its block's slots; got torque of pusher; the actions are force of pusher",
-        ),
-        (commanding(np.zeros(3), token="spot"), "only actions of the tokens in its block's slots; got force of spot"),
+        (commanding(np.zeros(3), action="torque"), "an action of a token in a slot of the block; got torque of pusher"),
+        (commanding(np.zeros(3), token="spot"), "an action of a token in a slot of the block; got force of spot"),
     ],
 )
 def test_policy_that_commands_what_it_may_not_is_the_domains_fault(toys: Any, policy: Any, said: str) -> None:
