@@ -61,8 +61,10 @@ from hybrid_tamp.model.disc import Disc as Disc
 from hybrid_tamp.model.domain import Domain as Domain
 from hybrid_tamp.model.grasp import CAPTURE as CAPTURE
 from hybrid_tamp.model.grasp import FINGER_SPEED as FINGER_SPEED
-from hybrid_tamp.model.grasp import GRIP_FRICTION as GRIP_FRICTION
+from hybrid_tamp.model.grasp import HANDLE_FRICTION as HANDLE_FRICTION
+from hybrid_tamp.model.grasp import PAD_FRICTION as PAD_FRICTION
 from hybrid_tamp.model.grasp import aperture_property as aperture_property
+from hybrid_tamp.model.grasp import grip_limits as grip_limits
 from hybrid_tamp.model.kind import Kind as Kind
 from hybrid_tamp.model.margins import SafetyFactor as SafetyFactor
 from hybrid_tamp.model.margins import without_rounding as without_rounding
@@ -90,6 +92,7 @@ from hybrid_tamp.model.trial import TrialRecipe as TrialRecipe
 from hybrid_tamp.motion.arrays import FloatArray as FloatArray
 from hybrid_tamp.motion.constants import GRAVITY as GRAVITY
 from hybrid_tamp.motion.dmp import DMP as DMP
+from hybrid_tamp.motion.limit_surface import load_ratio as load_ratio
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk as minimum_jerk
 from hybrid_tamp.motion.poses import angle_about as angle_about
 from hybrid_tamp.motion.poses import cross as cross

@@ -7,6 +7,8 @@ head. The distance of the hand from the centre of mass is a = g - x(handle_to), 
     torque   = F (a + x(pushing point)), F = mu m_block 9.81, over the distance d = x - 0.1
     omega    = sqrt(2 tau phi / I), I = I_c + I_w + m (a + R)^2 + m_hand R^2
     v_tip    = omega (lambda + R), v_hand = omega R
+    recoil   = P/M - P off (a m/M) / J, P = v_tip / (1/M + off^2/J), the speed of the hand after the blow, with
+               M = m + m_hand, J = I_c + I_w + m m_hand a^2/M, off = lambda - a m/M
     J        = contact - 4 torque^2 d [push] + 0.2 v_tip^2 + weight v_hand [strike]
 
 where R is the distance of the hand from the elbow. If several grasps have the same value, the grasp nearest to the
@@ -166,8 +168,13 @@ def scores_of(task: Task, rollout: Rollout, blocks: Sequence[str], hand_weight: 
     return Scores(rollout.violation, value)
 
 
-def closed_form(task: Task, kind: str, x: float, grasps: FloatArray, radius: float = 0.0) -> FloatArray:
-    """Return the values J of grasps ``(n,)`` [m] by the equations in the docstring of the module."""
+def closed_form(
+    task: Task, kind: str, x: float, grasps: FloatArray, radius: float = 0.0, recoil: bool = False
+) -> FloatArray:
+    """Return the values J of grasps ``(n,)`` [m] by the equations in the docstring of the module.
+
+    If `recoil` is true, the speed of the hand after the blow counts as well.
+    """
     hand, hammer, block = (task.token_by_name[name] for name in ("hand", "hammer", "block"))
     width, length = hand["contact_width"], hammer["handle_to"][0] - hammer["handle_from"][0]
     overlap = np.minimum(grasps + width / 2, length) - np.maximum(grasps - width / 2, 0.0)
@@ -181,13 +188,35 @@ def closed_form(task: Task, kind: str, x: float, grasps: FloatArray, radius: flo
         inertia = hammer["inertia"][1] + hand["wrist_inertia"] + hammer["mass"] * (away + radius) ** 2
         omega = np.sqrt(2 * hand["strike_torque"] * hand["strike_angle"] / (inertia + hand["mass"] * radius**2))
         tip = omega * (away + hammer["impact_point"][0] + radius)
-        value = value + measures["tip_speed_squared"] * tip**2 + measures["hand_speed"] * omega * radius
+        hand_speed = omega * radius
+        if recoil:
+            own = hammer["inertia"][1] + hand["wrist_inertia"]
+            hand_speed = np.maximum(hand_speed, np.abs(recoil_of(task, away, tip, own) - hand_speed))
+        value = value + measures["tip_speed_squared"] * tip**2 + measures["hand_speed"] * hand_speed
     return np.asarray(value)
 
 
-def closed_form_best(task: Task, kind: str, x: float, radius: float = 0.0) -> float:
+def recoil_of(task: Task, away: FloatArray, tip: FloatArray, own: float) -> FloatArray:
+    """Return the speed [m/s] with which a blow at a tip speed [m/s] throws back a hand at rest.
+
+    Args:
+        task: task with a hand and a hammer.
+        away: distance of the hand from the hammer's centre of mass ``(n,)`` [m].
+        tip: speed of the impact point ``(n,)`` [m/s].
+        own: moments of inertia of hammer and wrist together [kg m^2].
+    """
+    hand, hammer = task.token_by_name["hand"], task.token_by_name["hammer"]
+    mass = hammer["mass"] + hand["mass"]
+    behind = away * hammer["mass"] / mass
+    inertia = own + hammer["mass"] * hand["mass"] / mass * away**2
+    off = away + hammer["impact_point"][0] - behind
+    impulse = tip / (1 / mass + off**2 / inertia)
+    return np.asarray(np.abs(impulse * (1 / mass - off * behind / inertia)))
+
+
+def closed_form_best(task: Task, kind: str, x: float, radius: float = 0.0, recoil: bool = False) -> float:
     """Return the best grasp [m] by the closed form, to 0.01 mm."""
     hammer = task.token_by_name["hammer"]
     grasps = np.linspace(0.0, hammer["handle_to"][0] - hammer["handle_from"][0], 15001)
-    value = closed_form(task, kind, x, grasps, radius)
+    value = closed_form(task, kind, x, grasps, radius, recoil)
     return Scan(grasps, Scores(np.zeros(len(grasps)), value)).best

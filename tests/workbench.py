@@ -126,7 +126,7 @@ def held(grasp: float, turn: FloatArray, at: FloatArray = UP, aperture: float = 
     centre = at + rotate(turn, np.array([grasp, 0.0, 0.0]))
     given: dict[tuple[str, str], Any] = {("hammer", "position"): centre, ("hammer", "orientation"): turn}
     given |= {("hand", "position"): at, ("hand", "aperture"): aperture}
-    return scene(given | ({("block", "position"): (0.15, 0.0, 0.05)} if things else {}), **tokens)
+    return scene(given | ({("block", "position"): (0.15, 0.0, 0.05)} if "block" in things else {}), **tokens)
 
 
 def run(task: Task, seconds: float, policy: Policy) -> list[State]:

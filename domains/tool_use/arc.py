@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import Binding, FloatArray, Hyperparameters, State, Token, cross
+from hybrid_tamp.authoring import CONTROL_PERIOD, Binding, FloatArray, Hyperparameters, State, Token, cross
 
 from ..common.roles import get_tokens
 from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE
@@ -39,8 +39,14 @@ class Arc:
         self.swing: Swing = swing_of(hand, tool, hand_in_tool(start, hand, tool)[..., 0], self.radius)
         self.beginning = self.swing.wound_up(hand)
         self.way = self.hand_at(self.beginning) - start[hand, "position"]
-        self.winding = WINDING_UP + norm(self.way) / _WINDING_SPEED
+        shortest = (WINDING_UP + norm(self.way) / _WINDING_SPEED) / CONTROL_PERIOD
+        # The swing begins half a period after the wind-up ends, so rounding never decides in which period it begins.
+        self.winding = (np.ceil(shortest) - 0.5) * CONTROL_PERIOD
         self.latest = self.winding + _FOLLOWING_THROUGH * self.swing.duration(hand)
+
+    def period(self, elapsed: FloatArray) -> FloatArray:
+        """Return the number ``(...)`` of control periods since the beginning of the swing, negative before it."""
+        return np.asarray(np.floor((elapsed - self.winding) / CONTROL_PERIOD))
 
     def hand_at(self, angle: FloatArray) -> FloatArray:
         """Return the position ``(..., 3)`` [m] of the hand at a swing angle ``(...)`` [rad]."""

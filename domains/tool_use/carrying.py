@@ -35,7 +35,7 @@ from ..common.roles import BODY, get_token, get_tokens
 from ..common.timetable import Timetable
 from ..common.vectors import HORIZONTAL, UP
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
-from .feasibility import ABLE_TO_PUSH, ABLE_TO_STRIKE, HOME, PUSH_WITHIN_REACH, SQUARE_TO
+from .feasibility import ABLE_TO_PUSH, ABLE_TO_STRIKE, FIRM_ENOUGH, HOME, PUSH_WITHIN_REACH, SQUARE_TO
 from .geometry import (
     RAISED,
     foot,
@@ -127,7 +127,9 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
     held = HeldTool(*get_tokens(binding, "hand", "tool"))
 
     def system(state: State, commands: Commands, dt: float) -> State:
-        return state.replace(held.placed(state, *held.accelerated(state, commands, dt), dt))
+        after = held.accelerated(state, commands, dt)
+        changes = held.placed(state, *after, dt)
+        return state.replace(held.loosened(changes, state, held.grip_load(state, *after, dt)))
 
     return system
 
@@ -193,7 +195,7 @@ CARRYING = (
         _above,
         Striker,
         (_seen(Strikable),),
-        (ABLE_TO_STRIKE("hand", "tool", "object"), AT_REST("object")),
+        (ABLE_TO_STRIKE("hand", "tool", "object"), FIRM_ENOUGH("hand", "tool", "object"), AT_REST("object")),
         (IN_STRIKE_STANCE("hand", "tool", "object"), ~STANDS("tool")),
         "the hand raises the tool above the object that it will strike",
     ),

@@ -5,6 +5,8 @@ from typing import ClassVar
 
 from hybrid_tamp.authoring import (
     BODY_STATE,
+    HANDLE_FRICTION,
+    PAD_FRICTION,
     AffordanceClass,
     BasicAction,
     MomentsOfInertia,
@@ -26,6 +28,7 @@ from ..common.classes import (
     find_box_fault,
     friction_property,
     mass_property,
+    not_negative,
     positive,
 )
 
@@ -50,6 +53,7 @@ class DexterousHand(StaticEndEffector):
     maximal_aperture: float = positive("m", "largest gap between the fingers", 1, default=_OPEN)
     wrist_inertia: float = positive("kg m^2", "moment of inertia of the hand about its wrist", 1e3)
     contact_width: float = positive("m", "length of the hand's contact with a handle, along the handle", 1)
+    pad_friction: float = not_negative("1", "friction coefficient of the fingers' pads", 5, default=PAD_FRICTION)
     strike_torque: float = positive("N m", "torque of a strike, in addition to the torque that bears the tool", 1e6)
     strike_angle: float = positive("rad", "angle through which strike_torque drives a strike", 2.5)
 
@@ -82,6 +86,9 @@ class Graspable(Grounded, AffordanceClass):
     handle_from: Vector3 = quantity("m", "far end of the graspable segment, away from the head, in the body frame")
     handle_to: Vector3 = quantity("m", "near end of the graspable segment, next to the head, in the body frame")
     handle_width: float = positive("m", "width of the handle", 1)
+    handle_friction: float = not_negative(
+        "1", "friction coefficient of the handle; multiplied by the pads' coefficient", 5, default=HANDLE_FRICTION
+    )
 
     @staticmethod
     def consistent(token: Token) -> str | None:

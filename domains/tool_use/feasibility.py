@@ -4,7 +4,6 @@ import numpy as np
 
 from hybrid_tamp.authoring import (
     GRAVITY,
-    GRIP_FRICTION,
     FloatArray,
     Kind,
     Parameter,
@@ -12,6 +11,7 @@ from hybrid_tamp.authoring import (
     SafetyFactor,
     State,
     Token,
+    grip_limits,
 )
 
 from ..common.classes import Region
@@ -30,7 +30,8 @@ _HANDLE = ("handle_from", "handle_to")
 
 def _lift(hand: Token, tool: Token, factor: float) -> float:
     weight = factor * GRAVITY * tool["mass"]
-    return float(min(GRIP_FRICTION * hand["maximal_grip"], hand["maximal_force"]) - weight)
+    along = grip_limits(hand, tool, hand["maximal_grip"])[0]
+    return float(min(along, hand["maximal_force"]) - weight)
 
 
 def _width(hand: Token, tool: Token) -> float:
@@ -45,21 +46,28 @@ def resistance(thing: Token) -> float:
 def _push(hand: Token, tool: Token, thing: Token) -> float:
     """Return an upper bound of the force [N] with which a hand can push over all grasps, minus the force of the push.
 
-    The grip limits the force in each direction alone, as the joint of the physics backend does. So the weight of the
-    tool does not reduce the force of the push.
+    The tool pushes along the direction in which the fingers close. The grip bears the force by one finger, and the
+    moment of the force about the hand by a shift of the pads' pressure. The weight of the tool acts along the handle,
+    and friction bears the weight. So the weight does not reduce the force of the push.
     """
     force = resistance(thing)
-    most = min(hand["maximal_force"], GRIP_FRICTION * hand["maximal_grip"])
+    limits = grip_limits(hand, tool, hand["maximal_grip"])
+    most = min(hand["maximal_force"], limits[2])
     head = tool["pushing_point"][0]
     lever = max(head - tool["handle_to"][0], tool["handle_from"][0] - head, 0.0)
     if lever > 0:
-        most = min(most, hand["maximal_torque"] / lever)
+        most = min(most, min(hand["maximal_torque"], limits[4]) / lever)
     return float(most - force)
 
 
 def _strike(hand: Token, tool: Token, thing: Token) -> float:
     """Return an upper bound of the impulse [N s] of a strike, minus the impulse needed."""
     return largest_impulse(hand, tool) - float(thing["impulse_needed"])
+
+
+def _firm_strike(hand: Token, tool: Token, thing: Token) -> float:
+    """Return an upper bound of the impulse [N s] of a strike in which the grip holds, minus the impulse needed."""
+    return largest_impulse(hand, tool, gripped=True) - float(thing["impulse_needed"])
 
 
 def _depth(hand: Token, *places: FloatArray) -> FloatArray:
@@ -152,6 +160,17 @@ ABLE_TO_STRIKE = Predicate(
     description="{hand} can strike {object} hard enough with {tool}",
     denial="{hand} cannot strike {object} hard enough with {tool}",
 )
+FIRM_ENOUGH = Predicate(
+    "firm_enough",
+    (HAND, Parameter("tool", Striker), Parameter("object", Strikable)),
+    everywhere(_firm_strike),
+    unit="N s",
+    scale=0.1,
+    kind=Kind.STATIC,
+    competence=True,
+    description="{hand} grips {tool} firmly enough to strike {object} hard enough",
+    denial="{tool} slips in the grip of {hand} before it can strike {object} hard enough",
+)
 SQUARE_TO = Predicate(
     "square_to",
     (Parameter("object", Pushable), Parameter("region", Region)),
@@ -187,4 +206,4 @@ HOME = length_predicate(
     denial="{region} is not the initial place of {tool}",
 )
 GRASP_FACTS = (LIFTABLE, WIDE_ENOUGH, HANDLE_WITHIN_REACH)
-FEASIBLE = (*GRASP_FACTS, ABLE_TO_PUSH, ABLE_TO_STRIKE, SQUARE_TO, PUSH_WITHIN_REACH, HOME)
+FEASIBLE = (*GRASP_FACTS, ABLE_TO_PUSH, ABLE_TO_STRIKE, FIRM_ENOUGH, SQUARE_TO, PUSH_WITHIN_REACH, HOME)

@@ -8,6 +8,9 @@ F and T are the basic actions, and f is the force of the hand on the tool. The t
 and have the moment n. The body turns about the tool's y axis, so (x + r)'' = x'' + alpha x r - omega^2 r, and I is the
 moment of inertia about this axis. Turns about other axes are slow, so the same I is used for them. The hand's own
 weight is compensated.
+
+The grip must bear f and the torque on the tool. If they exceed the limit surface of the grip (`grip_limits`), the model
+does not compute how far the tool slides. The tool then counts as lost.
 """
 
 from dataclasses import dataclass
@@ -25,6 +28,8 @@ from hybrid_tamp.authoring import (
     State,
     Token,
     cross,
+    grip_limits,
+    load_ratio,
     quaternion_from_rotation_vector,
     quaternion_multiply,
     rotate,
@@ -32,8 +37,9 @@ from hybrid_tamp.authoring import (
 
 from ..common.roles import get_tokens
 from ..common.servos import DAMPING_RATIO, hand_system, turning_rate
-from ..common.vectors import UP
+from ..common.vectors import UP, to_body
 from .geometry import dot, hand_in_tool, off_handle
+from .impact import Mass
 
 _LIFT = GRAVITY * UP
 """Upward acceleration that compensates gravity [m/s^2]."""
@@ -54,10 +60,6 @@ class Load:
     point: FloatArray
 
 
-Whole = tuple[FloatArray, float, FloatArray]
-"""Centre of mass ``(..., 3)`` [m], mass [kg] and moment of inertia ``(...)`` [kg m^2] of a hand with its tool."""
-
-
 class HeldTool:
     """A rigid body that consists of a hand and its tool. All states have the same batch shape ``(...)``."""
 
@@ -67,6 +69,7 @@ class HeldTool:
         self._mass = self._hand_mass + self._tool_mass
         self._reduced = self._tool_mass * self._hand_mass / self._mass
         self._own_inertia = tool["inertia"][1] + hand["wrist_inertia"]
+        self._limits = grip_limits(hand, tool, hand["maximal_grip"])
 
     def wrench(self, state: State, acceleration: FloatArray, turning: FloatArray, load: Load | None = None) -> Commands:
         """Return the basic actions for given accelerations of the body (inverse dynamics).
@@ -124,6 +127,42 @@ class HeldTool:
         force = self._reduced * (pushed + cross(turning, arm) - dot(spin, spin)[..., None] * arm)
         return state[self.hand, "velocity"] + (commanded - force) * (dt / self._hand_mass), spin + turning * dt
 
+    def grip_load(
+        self, state: State, velocity: FloatArray, spin: FloatArray, dt: float, load: Load | None = None
+    ) -> FloatArray:
+        """Return the ratio ``(...)`` of the grip's load during a step to the limit surface of the grip.
+
+        The arguments are those of `placed`. The moment about the hand is that of a body that turns about its y axis.
+        """
+        hand, tool = self.hand, self.tool
+        arm = state[tool, "position"] - state[hand, "position"]
+        after = velocity + cross(spin, rotate(quaternion_from_rotation_vector(spin * dt), arm))
+        force = self._tool_mass * ((after - state[tool, "velocity"]) / dt + _LIFT)
+        torque = tool["inertia"][1] * (spin - state[tool, "angular_velocity"]) / dt
+        if load is not None:
+            force = force - load.force
+            torque = torque - cross(load.point - state[tool, "position"], load.force)
+        torque = torque + cross(arm, force)
+        wrench = [to_body(state, tool, each) for each in (force, torque)]
+        return load_ratio(np.concatenate(wrench, axis=-1), self._limits)
+
+    def loosened(
+        self, changes: dict[tuple[str, str], FloatArray], state: State, ratio: FloatArray
+    ) -> dict[tuple[str, str], FloatArray]:
+        """Return poses and velocities after a step, with the tool out of the fingers where the load is too large.
+
+        Args:
+            changes: poses and velocities after a step in which no tool slips.
+            state: state before the step.
+            ratio: load of the grip during the step (see `grip_load`).
+        """
+        lost = (ratio > 1.0) & (off_handle(state, self.hand, self.tool) <= CAPTURE)
+        if not lost.any():
+            return changes
+        key = (self.tool.name, "position")
+        out = 2.0 * CAPTURE * rotate(state[self.tool, "orientation"], UP)
+        return changes | {key: np.where(lost[..., None], changes[key] + out, changes[key])}
+
     def placed(
         self, state: State, velocity: FloatArray, spin: FloatArray, dt: float
     ) -> dict[tuple[str, str], FloatArray]:
@@ -146,8 +185,8 @@ class HeldTool:
             (tool.name, "angular_velocity"): spin,
         }
 
-    def whole(self, state: State) -> Whole:
-        """Return the centre of mass, the mass and the moment of inertia of the body."""
+    def whole(self, state: State) -> Mass:
+        """Return the mass of the hand with its tool."""
         arm = state[self.tool, "position"] - state[self.hand, "position"]
         inertia = self._own_inertia + self._reduced * dot(arm, arm)
         centre = state[self.hand, "position"] + arm * (self._tool_mass / self._mass)
@@ -193,31 +232,3 @@ def gripping_system(binding: Binding, start: State) -> ContinuousSystem:
         return arm(state, commands, dt).replace({(hand.name, "aperture"): np.where(closing, closed, opened)})
 
     return system
-
-
-def effective_mass(body: Whole, at: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return the effective mass ``(...)`` [kg] of a hand with its tool in an impact at a point along a unit direction.
-
-    An impulse P at distance l from the common centre of mass changes the speed of the point by P (1/M + l^2/I).
-    """
-    centre, mass, inertia = body
-    lever = cross(at - centre, direction)
-    return np.asarray(1.0 / (1.0 / mass + dot(lever, lever) / inertia))
-
-
-def knocked(
-    body: Whole, velocity: FloatArray, spin: FloatArray, place: FloatArray, at: FloatArray, impulse: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the velocity of the hand and the angular velocity of the body after an impact on the tool.
-
-    Args:
-        body: the hand with its tool.
-        velocity: velocity of the hand before the impact ``(..., 3)`` [m/s].
-        spin: angular velocity of the body before the impact ``(..., 3)`` [rad/s].
-        place: position of the hand ``(..., 3)`` [m].
-        at: point of impact ``(..., 3)`` [m].
-        impulse: impulse on the tool ``(..., 3)`` [N s].
-    """
-    centre, mass, inertia = body
-    turned = cross(at - centre, impulse) / inertia[..., None]
-    return velocity + impulse / mass + cross(turned, place - centre), spin + turned

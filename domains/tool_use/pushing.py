@@ -44,7 +44,8 @@ from .feasibility import (
     resistance,
 )
 from .geometry import dot, half_depth, heading, norm, point, side, tool_orientation, way
-from .holding import HeldTool, Load, effective_mass, knocked
+from .holding import HeldTool, Load
+from .impact import effective_mass, knocked
 from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
 
 _APPROACH = 0.8
@@ -170,7 +171,8 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
         impulse = np.where(touches, mass * (closing - common), 0.0)[..., None] * ahead
         velocity, spin = knocked(body, velocity, spin, state[hand, "position"], face, -impulse)
         slides = np.where(touches, common, alone)[..., None] * ahead
-        changes = held.placed(state, velocity, spin, dt)
+        ratio = held.grip_load(state, velocity, spin, dt, Load(-impulse / dt, face))
+        changes = held.loosened(held.placed(state, velocity, spin, dt), state, ratio)
         changes[thing.name, "velocity"] = slides
         changes[thing.name, "position"] = state[thing, "position"] + slides * dt
         return state.replace(changes)

@@ -1,14 +1,16 @@
 """The block STRIKING (paper, D8): a hammering movement in which the tool's impact point hits the top of an object.
 
-First the hand winds up, i.e. swings the tool back. Then a constant torque swings the hand and the tool about an elbow.
-The work of this torque determines the final speed. The tool coasts at the final speed until it hits the target. After
-the impact, the hand raises the tool slightly above the object.
+First the hand winds up, i.e. swings the tool back. Then a constant torque swings the hand and the tool about an elbow
+for a planned time. No feedback controls the speed of the swing. The impact knocks the hand and the tool back as one
+body, and the hand raises the tool slightly above the object.
+
+The property `impulse` of the struck object is the impulse within one control period (`impact`), in the forward model as
+in physics.
 """
 
 import numpy as np
 
 from hybrid_tamp.authoring import (
-    CONTROL_PERIOD,
     FLOOR,
     Binding,
     Block,
@@ -36,7 +38,7 @@ from ..common.timetable import Timetable
 from ..common.vectors import UP
 from .arc import WINDING_UP, Arc, in_plane, on_arc
 from .classes import DexterousHand, Strikable, Striker
-from .feasibility import ABLE_TO_STRIKE
+from .feasibility import ABLE_TO_STRIKE, FIRM_ENOUGH
 from .geometry import (
     LEVEL,
     butt,
@@ -51,7 +53,8 @@ from .geometry import (
     top,
     yaw,
 )
-from .holding import HeldTool, effective_mass, keeping, pose_tool
+from .holding import HeldTool, keeping, pose_tool
+from .impact import bounced, effective_mass, impulse_within_period, knocked
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
 from .swing import LARGEST_RADIUS
 
@@ -76,7 +79,6 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) 
 def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand, tool, thing = _roles(binding)
     held, arc = HeldTool(hand, tool), Arc(binding, start, parameters.hyperparameters)
-    drive = arc.swing.drive(hand)
     origin, from_angle, direction = start[hand, "position"].copy(), swing_angle(start, tool), yaw(start, tool)
     profile = straight_profile()
     turn = arc.beginning - from_angle
@@ -97,9 +99,10 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
         position, velocity, wound, rate = timetable(elapsed)
         before = keeping(state, hand, position, velocity)
         hit = ((state[thing, "impulse"][..., 0] > taken) | (elapsed > arc.latest))[..., None]
-        swinging = (elapsed > arc.winding)[..., None]
+        period = arc.period(elapsed)
+        swinging = (period >= 0)[..., None]
         spin = dot(state[tool, "angular_velocity"], arc.axis)
-        driven = np.minimum(drive, (arc.swing.rate - spin) / CONTROL_PERIOD)
+        driven = arc.swing.driven(hand, period)
         moving = np.where(swinging, on_arc(state, hand, tool, arc, spin, driven), before)
         moving = np.where(hit, keeping(state, hand, above, 0.0), moving)
         turning = np.where(swinging, in_plane(state, tool, arc.axis, driven), turning_rate(state, tool, wound, rate))
@@ -117,7 +120,7 @@ def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system in which the hand and the tool are one body. An inelastic impact on the object stops the body.
+    """Return the system in which the hand and the tool are one body. An inelastic impact on the object knocks it back.
 
     If the hand holds the tool near its head, the far end of the handle may hit the object or the floor first. This
     contact also ends the swing.
@@ -137,13 +140,17 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
         end = point(state, tool, back)
         barred = (np.abs(in_box(state, thing, end)) < halves).all(axis=-1) | (end[..., 2] < 0)
         share = np.where(barred, 0.0, share)[..., None]
+        body = held.whole(state)
         changes = held.placed(state, velocity * share, spin * share, dt)
-        stopped = hit | barred
-        if stopped.any():
-            for token in (hand, tool):
-                for name in ("velocity", "angular_velocity"):
-                    changes[token.name, name] = np.where(stopped[..., None], 0.0, changes[token.name, name])
-        impulse = effective_mass(held.whole(state), impact, UP) * np.where(hit, sinking, 0.0)
+        changes = held.loosened(changes, state, held.grip_load(state, velocity, spin, dt))
+        impulse = np.zeros_like(sinking)
+        if (hit | barred).any():
+            whole = (effective_mass(body, impact, UP) * sinking)[..., None] * UP
+            recoil = knocked(body, velocity, spin, state[hand, "position"], impact, whole)
+            changes |= bounced(changes, (hand, tool), hit, recoil)
+            changes |= bounced(changes, (hand, tool), barred, (np.zeros(3), np.zeros(3)))
+            within = impulse_within_period(hand, tool, state, body, impact, sinking, UP)
+            impulse = np.where(hit, within, 0.0)
         changes[thing.name, "impulse"] = np.maximum(state[thing, "impulse"], impulse[..., None])
         return state.replace(changes)
 
@@ -186,6 +193,7 @@ STRIKING = Block(
     anchor="hand",
     entry=(
         ABLE_TO_STRIKE("hand", "tool", "object"),
+        FIRM_ENOUGH("hand", "tool", "object"),
         HELD("tool", "hand"),
         IN_STRIKE_STANCE("hand", "tool", "object"),
         AT_REST("object"),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid_tamp.authoring import CONTROL_PERIOD, GRAVITY, FloatArray, Token
+from hybrid_tamp.authoring import CONTROL_PERIOD, GRAVITY, FloatArray, Token, grip_limits
 
 from .geometry import LEVEL
 
@@ -12,8 +12,16 @@ LARGEST_RADIUS = 0.3
 """Largest distance between the hand and the elbow [m]."""
 _CELLS = 256
 """Number of intervals into which `largest_impulse` divides each range."""
-_COASTING = 0.2
-"""Number of control periods in which the tool coasts at its final speed before the planned impact."""
+
+
+_PUSHED_ON = 1.1
+"""Factor of `largest_impulse` for the impulse of the hand's servo during the impact. PyBullet gave at most 1.07."""
+_COASTING = 0.15
+"""Number of control periods without torque before the planned impact, so that the whole torque has acted by then."""
+
+
+_Range = tuple[FloatArray, FloatArray]
+"""Lower and upper ends of intervals."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,29 +48,39 @@ class Swing:
         return np.asarray(self.rate * self.lever)
 
     def periods(self, hand: Token) -> FloatArray:
-        """Return the number of control periods, at least 1, in which roughly the strike torque accelerates the tool."""
-        exact = self.inertia * self.rate / (hand["strike_torque"] * CONTROL_PERIOD)
-        return np.asarray(np.maximum(np.round(exact), 1.0))
+        """Return the number of control periods, not rounded, in which the strike torque drives a swing from rest.
 
-    def drive(self, hand: Token) -> FloatArray:
-        """Return the constant angular acceleration [rad/s^2] with which the tool reaches its final speed."""
-        return np.asarray(self.rate / (self.periods(hand) * CONTROL_PERIOD))
+        A constant torque tau turns the inertia I through the angle phi in the time sqrt(2 phi I / tau).
+        """
+        seconds = np.sqrt(2.0 * hand["strike_angle"] * self.inertia / hand["strike_torque"])
+        return np.asarray(seconds / CONTROL_PERIOD)
 
-    def torque(self, hand: Token) -> FloatArray:
-        """Return the driving torque [N m] about the elbow, in addition to the torque that bears the tool."""
-        return np.asarray(self.inertia * self.drive(hand))
+    def driven(self, hand: Token, period: FloatArray | float) -> FloatArray:
+        """Return the angular acceleration ``(...)`` [rad/s^2] in a control period, counted from 0 at the beginning.
+
+        The strike torque acts in whole periods after a first period with the remaining torque. Then no torque acts.
+        With the remaining torque in the last period, the swing would begin further back, and the butt of the handle
+        would hit the object.
+        """
+        exact = self.periods(hand)
+        whole = np.floor(exact)
+        share = np.where(period <= 0, exact - whole, period <= whole)
+        return np.asarray(share * hand["strike_torque"] / self.inertia)
 
     def wound_up(self, hand: Token) -> FloatArray:
-        """Return the swing angle [rad] at which the swing begins.
+        """Return the swing angle [rad] at which the swing begins, so that its last period of torque ends at the target.
 
-        The speed changes once per control period, so n periods of acceleration turn the tool by (n + 1)/2 times the
-        angle of one period at full speed.
+        The speed changes once per control period. So a share r of a period and n whole periods turn the tool by
+        ``(n + 1) (r + n / 2)`` times the angle of one period at the speed that one period gives.
         """
-        return np.asarray(LEVEL - self.rate * CONTROL_PERIOD * ((self.periods(hand) + 1.0) / 2.0 + _COASTING))
+        exact = self.periods(hand)
+        whole = np.floor(exact)
+        turned = (whole + 1.0) * (exact - whole / 2.0) + exact * _COASTING
+        return np.asarray(LEVEL - turned * (hand["strike_torque"] / self.inertia) * CONTROL_PERIOD**2)
 
     def duration(self, hand: Token) -> FloatArray:
         """Return the time from the beginning of the swing to the impact [s]."""
-        return np.asarray((self.periods(hand) + _COASTING) * CONTROL_PERIOD)
+        return np.asarray((np.floor(self.periods(hand)) + 1.0 + _COASTING) * CONTROL_PERIOD)
 
 
 def swing_of(hand: Token, tool: Token, held_at: FloatArray, radius: FloatArray | float) -> Swing:
@@ -87,12 +105,18 @@ def swing_of(hand: Token, tool: Token, held_at: FloatArray, radius: FloatArray |
     return Swing(inertia, rate, np.asarray(lever), met * rate * lever, tool["mass"] * GRAVITY * away)
 
 
-def largest_impulse(hand: Token, tool: Token) -> float:
+def largest_impulse(hand: Token, tool: Token, *, gripped: bool = False) -> float:
     """Return an upper bound of the impulse [N s] over all grasps and radii with which the wrist can bear the tool.
 
     The ranges of the grasp and of the radius are divided into cells. In each cell, every factor of the impulse in
-    `swing_of` is replaced by its largest value. The bound exceeds the largest impulse by about 2 %. It does not limit
-    the driving torque of the wrist, because a hand that moves on an arc drives the tool by its force.
+    `swing_of` is replaced by its largest value. The servo of the hand pushes on during the impact, so the bound exceeds
+    the largest impulse by about 10 %. The bound does not limit the driving torque of the wrist, because a hand that
+    moves on an arc drives the tool by its force.
+
+    Args:
+        hand: the hand.
+        tool: the tool.
+        gripped: whether only swings count in which the tool does not slip in the grip before the impact.
     """
     ends = np.linspace(tool["handle_from"][0], tool["handle_to"][0], _CELLS + 1)[:, None]
     radii = np.linspace(0.0, LARGEST_RADIUS, _CELLS + 1)
@@ -100,8 +124,7 @@ def largest_impulse(hand: Token, tool: Token) -> float:
     aside = tool["handle_to"][2]
     whole = tool["mass"] + hand["mass"]
     own = tool["inertia"][1] + hand["wrist_inertia"]
-    arm = _smallest_square(low - far, high - near) + aside**2
-    inertia = own + tool["mass"] * arm + hand["mass"] * near**2
+    inertia = own + tool["mass"] * (_smallest_square(low - far, high - near) + aside**2) + hand["mass"] * near**2
     rate = np.sqrt(2.0 * hand["strike_torque"] * hand["strike_angle"] / inertia)
     lever = np.maximum(tool["impact_point"][0] - low + far, 0.0)
     away = np.maximum(low**2, high**2) + aside**2
@@ -110,7 +133,37 @@ def largest_impulse(hand: Token, tool: Token) -> float:
     off_centre = _smallest_square(tool["impact_point"][0] - high * share, tool["impact_point"][0] - low * share)
     met = 1.0 / (1.0 / whole + off_centre / free)
     weight_torque = tool["mass"] * GRAVITY * np.sqrt(_smallest_square(low, high) + aside**2)
-    return float(np.max(np.where(weight_torque <= hand["maximal_torque"], met * rate * lever, 0.0)))
+    borne = weight_torque <= hand["maximal_torque"]
+    if gripped:
+        borne = borne & (_least_grip_load(hand, tool, (low, high), (near, far)) <= 1.0)
+    return float(_PUSHED_ON * np.max(np.where(borne, met * rate * lever, 0.0)))
+
+
+def _least_grip_load(hand: Token, tool: Token, grasps: _Range, radii: _Range) -> FloatArray:
+    """Return a lower bound ``(...)`` of the grip's load just before the impact, as a ratio to the limits of the grip.
+
+    The grip bears the centrifugal force of the tool by friction along the handle. It bears the tool's share of the
+    driving torque by a shift of the pads' pressure. At the impact, the tool is level, and its weight helps to drive it.
+
+    Args:
+        hand: the hand.
+        tool: the tool.
+        grasps: ranges of the hand's position along the tool's x axis [m].
+        radii: ranges of the radius [m].
+    """
+    (low, high), (near, far) = grasps, radii
+    mass, aside = tool["mass"], abs(tool["handle_to"][2])
+    own = tool["inertia"][1] + hand["wrist_inertia"]
+    out = np.maximum(np.abs(near - low), np.abs(far - low))
+    out = np.maximum(out, np.maximum(np.abs(near - high), np.abs(far - high)))
+    slowest = hand["strike_torque"] / (own + mass * (out**2 + aside**2) + hand["mass"] * far**2)
+    fastest = hand["strike_torque"] / (own + hand["mass"] * near**2)
+    distance = np.maximum(near - high, 0.0)
+    pulled = mass * (2.0 * hand["strike_angle"] * slowest * distance - fastest * aside)
+    moment = slowest * (tool["inertia"][1] + mass * distance * np.maximum(-high, 0.0))
+    moment = moment - mass * GRAVITY * np.maximum(np.abs(low), np.abs(high))
+    limits = grip_limits(hand, tool, hand["maximal_grip"])
+    return np.asarray(np.maximum(pulled / limits[0], moment / limits[4]))
 
 
 def _smallest_square(low: FloatArray, high: FloatArray) -> FloatArray:

@@ -94,6 +94,15 @@ def _find_action_faults(token: Token, where: str) -> list[Issue]:
         if not varying.issuperset(changing):
             wanted = f"the basic action {action.name} requires the varying property {', '.join(changing)}"
             found.append(Issue(where, wanted))
+    names = {action.name for action in token.basic_actions}
+    if GRIP in names and TORQUE not in names:
+        # Without this action, the wrist would keep its orientation with an unlimited torque.
+        found.append(
+            Issue(where, f"a token with the basic action {GRIP} must have the basic action {TORQUE} of size 3")
+        )
+    for action in token.basic_actions:
+        if GRIP in names and action.name in (GRIP, TORQUE) and action.limit is None:
+            found.append(Issue(where, f"the basic action {action.name} of a hand that grips must have a limit"))
     if token.basic_actions and all(action.name != FORCE for action in token.basic_actions):
         found.append(Issue(where, f"a token with basic actions must have the basic action {FORCE} of size 3"))
     return found

@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from hybrid_tamp_domains.common.metrics import run_of
 from hybrid_tamp_domains.tool_use.classes import DexterousHand
 from random_tasks.hammer import Scene, hammer_task, random_hammer
 
@@ -18,14 +20,20 @@ from hybrid_tamp.taskfile.domains import find_task_file
 from hybrid_tamp.taskfile.loader import load_task
 
 
-def run(task: Task, **chosen: float) -> tuple[Recording, Mapping[str, float]]:
+def with_grip(task: Task, force: float) -> Task:
+    """Return the task with another grip force of the hand [N]."""
+    hand = Token.make("hand", [DexterousHand], task.tokens[0].properties | {"maximal_grip": force})
+    return task.replaced(tokens=(hand, *task.tokens[1:]))
+
+
+def run(task: Task, backend: str = "pybullet", **chosen: float) -> tuple[Recording, Mapping[str, float]]:
     """Plan and run a task with given values of some hyperparameters, and return the recording and the measures."""
     plan = hybrid_tamp.plan(task).required()
     instances = tuple(
         replace(i, hyperparameters={**i.hyperparameters, **{k: v for k, v in chosen.items() if k in i.hyperparameters}})
         for i in plan.instances
     )
-    with open_backend("pybullet") as physics:
+    with open_backend(backend) as physics:
         recording = execute(task, replace(plan, instances=instances), physics)
     assert task.domain.metrics is not None
     return recording, {".".join(key): value for key, value in task.domain.metrics(task, recording).items()}
@@ -64,13 +72,39 @@ def test_a_hand_that_swings_about_an_elbow_strikes_as_predicted() -> None:
     agrees(measured, "STRIKING-1.tip_speed", "m/s", 0.02)
 
 
-def test_a_grip_that_is_too_weak_slips_in_the_strike_and_the_run_says_so() -> None:
-    task = hammer_task("weak", Scene(start=(0.5, 0.0)), ("strike",))
-    weak = Token.make("hand", [DexterousHand], task.tokens[0].properties | {"maximal_grip": 20.0})
-    recording, measured = run(task.replaced(tokens=(weak, *task.tokens[1:])), grasp_location=0.1)
-    assert recording.failure is not None
-    assert recording.failure.instance == "STRIKING-1"
-    assert [margin.atom.text for margin in recording.failure.margins] == ["held(hammer, hand)"]
-    assert recording.failure.reason.startswith("hammer is not held by hand at ")
-    # The run ends as soon as the tool is lost.
-    assert measured["GRASPING-1.slip [m]"] > 0.01
+def test_a_strike_that_the_grip_cannot_bear_is_predicted_as_lost_and_is_slow_in_physics() -> None:
+    """A swing of the hand alone takes 3 N m and 75 N in the grip, and a grip of 20 N bears 1.2 N m and 20 N."""
+    task = with_grip(hammer_task("weak", Scene(start=(0.5, 0.0)), ("strike",)), 20.0)
+    predicted, _ = run(task, "analytic", grasp_location=0.1)
+    assert predicted.failure is not None
+    assert predicted.failure.instance == "STRIKING-1"
+    assert [margin.atom.text for margin in predicted.failure.margins] == ["held(hammer, hand)"]
+    assert predicted.failure.reason.startswith("hammer is not held by hand at ")
+    _, measured = run(task, grasp_location=0.1)
+    assert measured["STRIKING-1.tip_speed [m/s]"] < 0.75 * measured["STRIKING-1.tip_speed_predicted [m/s]"]
+    assert measured["GRASPING-1.slip [m]"] > 2e-3
+
+
+def test_a_grip_that_is_too_weak_for_every_swing_is_refused() -> None:
+    task = with_grip(hammer_task("weak", Scene(start=(0.5, 0.0)), ("strike",)), 10.0)
+    outcome = hybrid_tamp.plan(task)
+    assert outcome.plan is None
+    assert "slips in the grip of hand before it can strike block hard enough" in str(outcome.error)
+
+
+@pytest.mark.parametrize("grasp", [0.05, 0.12])
+@pytest.mark.parametrize("grip", [80.0, 200.0])
+def test_the_recoil_and_the_impulse_are_those_of_the_forward_model(grasp: float, grip: float) -> None:
+    task = with_grip(hammer_task("blow", Scene(start=(0.5, 0.0)), ("strike",)), grip)
+    figures = []
+    for backend in ("pybullet", "analytic"):
+        recording, _ = run(task, backend, grasp_location=grasp)
+        assert recording.success
+        strike = next(instance for instance in recording.instances if instance.block == "STRIKING")
+        end, states = recording.at(strike.end), run_of(recording, strike.start, strike.end)
+        figures.append((end["block", "impulse"][0], np.linalg.norm(states["hand", "velocity"], axis=-1).max()))
+    (impulse, recoil), (impulse_predicted, recoil_predicted) = figures
+    assert impulse == pytest.approx(impulse_predicted, rel=0.15)
+    # The grip yields during the blow, so the hand is thrown back less than a hand that is one body with the tool.
+    assert 0.4 * recoil_predicted < recoil < 1.1 * recoil_predicted
+    assert recoil > 0.1

@@ -21,6 +21,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.physics.bullet.contact_windows import ContactWindows
 from hybrid_tamp.physics.bullet.engine import SUBSTEPS, Client, create_body, prepare_world
+from hybrid_tamp.physics.bullet.grip import Side
 from hybrid_tamp.physics.bullet.hands import Drive, Fingers
 from hybrid_tamp.physics.bullet.impacts import Impacts
 from hybrid_tamp.physics.bullet.solids import is_compound
@@ -74,7 +75,8 @@ class BulletBackend(Client):
             for body in scene
             if body.driven
         ]
-        self._fingers = Fingers.make_all(task, self._client, self._handles, self._commands)
+        sides = {body.token: Side(self._handles[body.token], body) for body in scene}
+        self._fingers = Fingers.make_all(task, self._client, sides, self._commands, self._gravity)
         self._impacts = Impacts(task)
         self._state = State(state.layout, np.array(state.values, dtype=float))
         self._task, self._start = task, self._state
@@ -132,11 +134,9 @@ class BulletBackend(Client):
         held = [fingers.held for fingers in self._fingers]
 
         def restore() -> None:
-            for fingers in self._fingers:
-                fingers.let_go()
             pybullet.restoreState(saved, physicsClientId=self._client)
             for fingers, grasp in zip(self._fingers, held, strict=True):
-                fingers.hold(grasp)
+                fingers.held = grasp
             self._state, self._within, self._rows = state, within, list(rows)
             self._windows, self._impacts = windows.copy(), impacts.copy()
 
@@ -158,6 +158,8 @@ class BulletBackend(Client):
         for _ in range(SUBSTEPS):
             for drive in self._drives:
                 drive.apply()
+            for fingers in self._fingers:
+                fingers.apply()
             pybullet.stepSimulation(physicsClientId=self._client)
             sums = self._sum_contacts()
             self._impacts.record(sums)

@@ -1,12 +1,7 @@
-"""Simulated hands. Forces and torques move a hand, and two virtual fingers grip an object by friction.
-
-A joint with a limited force simulates a grasp and keeps the relative pose of the hand and the object. If the load
-exceeds the limit, the object slips. The joint is then replaced by a joint with the new relative pose, because the old
-joint would pull the object back.
-"""
+"""Simulated hands. Forces and torques move a hand, and two virtual fingers grip an object by friction (`grip`)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import pybullet
@@ -19,7 +14,6 @@ from hybrid_tamp.model.grasp import (
     CAPTURE,
     FINGER_SPEED,
     GRIP,
-    GRIP_FRICTION,
     can_be_gripped,
     grips,
 )
@@ -28,12 +22,8 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotate
+from hybrid_tamp.physics.bullet.grip import Contact, Grasp, Side
 from hybrid_tamp.physics.scene import FORCE, TORQUE, Body
-
-SLIP = 1e-3
-"""Displacement beyond which a grasp has slipped [m]."""
-TWIST = 0.02
-"""Rotation beyond which a grasp has slipped [rad]."""
 
 
 @dataclass
@@ -77,16 +67,6 @@ class Drive:
 
 
 @dataclass
-class Grasp:
-    """A gripped object, PyBullet's handle of the joint, and the pose of the hand in the object's frame."""
-
-    thing: Token
-    joint: int
-    position: FloatArray
-    orientation: FloatArray
-
-
-@dataclass
 class Fingers:
     """The fingers of one hand.
 
@@ -94,21 +74,26 @@ class Fingers:
         hand: hand that has the fingers.
         things: objects that the hand can grip.
         client: PyBullet's identifier of the client.
-        handles: maps each token to PyBullet's handle of its body.
-        grip: column of the grip force in a row of commands.
+        sides: maps each token to its body.
+        gravity: acceleration of free fall ``(3,)`` [m/s^2].
+        commands: layout of a row of commands.
         held: current grasp, or None.
     """
 
     hand: Token
     things: tuple[Token, ...]
     client: int
-    handles: Mapping[str, int]
-    grip: int
+    sides: Mapping[str, Side]
+    gravity: Sequence[float]
+    commands: CommandLayout
     held: Grasp | None = field(default=None, repr=False)
+    _contact: Contact | None = field(default=None, repr=False)
+    _force: list[float] = field(default_factory=list, repr=False)
+    _torque: list[float] = field(default_factory=list, repr=False)
 
     @classmethod
     def make_all(
-        cls, task: Task, client: int, handles: Mapping[str, int], commands: CommandLayout
+        cls, task: Task, client: int, sides: Mapping[str, Side], commands: CommandLayout, gravity: Sequence[float]
     ) -> "tuple[Fingers, ...]":
         """Make the fingers of every hand that can grip. Disable its collisions with the objects that it can grip."""
         things = tuple(token for token in task.assigned if can_be_gripped(token))
@@ -116,44 +101,46 @@ class Fingers:
         for hand in filter(grips, task.assigned):
             others = tuple(thing for thing in things if thing is not hand)
             for thing in others:
-                pair = (handles[hand.name], handles[thing.name])
+                pair = (sides[hand.name].handle, sides[thing.name].handle)
                 pybullet.setCollisionFilterPair(*pair, -1, -1, 0, physicsClientId=client)
-            found.append(cls(hand, others, client, handles, commands.slices[hand.name, GRIP].start))
+            found.append(cls(hand, others, client, sides, gravity, commands))
         return tuple(found)
 
     def advance(self, row: FloatArray, state: State) -> None:
-        """Move the fingers for one control period.
+        """Move the fingers for one control period, and set the commands of the period.
 
         Args:
             row: commands of all tokens. Shape ``(m,)``.
             state: state at the beginning of the period. Shape ``(n,)``. The aperture is updated in place.
         """
-        grip, aperture = float(row[self.grip]), state[self.hand, APERTURE]
+        (force,), self._force, self._torque = (
+            row[self.commands.slices[self.hand.name, action]].tolist() for action in (GRIP, FORCE, TORQUE)
+        )
+        aperture = state[self.hand, APERTURE]
         way = FINGER_SPEED * CONTROL_PERIOD
-        if self.held is not None and (grip <= 0 or self._has_slipped(self.held, state)):
-            # If the handle is still between the fingers, the code below grips the handle again.
-            self.let_go()
-        if grip <= 0:
+        if self.held is not None and (force <= 0 or self._measure_distance(state, self.held.thing) > CAPTURE):
+            self.held = None
+        if force <= 0:
             aperture[0] = min(aperture[0] + way, self.hand["maximal_aperture"])
-            return
-        if self.held is None:
+        elif self.held is None:
             narrower = max(aperture[0] - way, 0.0)
             thing = self._find_between(state, narrower, aperture[0])
             aperture[0] = narrower if thing is None else thing["handle_width"]
-            self.held = None if thing is None else self._grasp(thing, state)
-        if self.held is not None:
-            limit = GRIP_FRICTION * grip
-            pybullet.changeConstraint(self.held.joint, maxForce=limit, physicsClientId=self.client)
+            self.held = None if thing is None else Grasp(thing, *self._pose_in(thing, state))
+        self._contact = None if self.held is None else self._touch(self.held, force)
 
-    def let_go(self) -> None:
-        """Release the gripped object, if any."""
-        if self.held is not None:
-            pybullet.removeConstraint(self.held.joint, physicsClientId=self.client)
-            self.held = None
+    def apply(self) -> None:
+        """Apply the wrench between the fingers and the handle for one substep."""
+        if self._contact is not None:
+            self._contact.apply(self._force, self._torque)
+            self.held = self._contact.grasp
 
-    def hold(self, grasp: Grasp | None) -> None:
-        """Restore a grasp, if any, by a new joint with the same relative pose."""
-        self.held = grasp and replace(grasp, joint=self._create_joint(grasp.thing, grasp.position, grasp.orientation))
+    def _touch(self, grasp: Grasp, force: float) -> Contact:
+        if self._contact is not None and self._contact.holds_for(grasp, force):
+            self._contact.grasp = grasp
+            return self._contact
+        sides = self.sides[self.hand.name], self.sides[grasp.thing.name]
+        return Contact(self.hand, sides, grasp, force, self.gravity, self.client)
 
     def _find_between(self, state: State, narrower: float, wider: float) -> Token | None:
         """Return the nearest object that the fingers touch while they close from `wider` to `narrower` [m]."""
@@ -176,29 +163,3 @@ class Fingers:
         offset = state[self.hand, "position"] - state[thing, "position"]
         orientation = quaternion_multiply(thing_from_world, state[self.hand, "orientation"])
         return rotate(thing_from_world, offset), orientation
-
-    def _grasp(self, thing: Token, state: State) -> Grasp:
-        position, orientation = self._pose_in(thing, state)
-        return Grasp(thing, self._create_joint(thing, position, orientation), position, orientation)
-
-    def _create_joint(self, thing: Token, position: FloatArray, orientation: FloatArray) -> int:
-        joint: int = pybullet.createConstraint(
-            self.handles[self.hand.name],
-            -1,
-            self.handles[thing.name],
-            -1,
-            pybullet.JOINT_FIXED,
-            (0.0, 0.0, 0.0),
-            (0.0, 0.0, 0.0),
-            position.tolist(),
-            (0.0, 0.0, 0.0, 1.0),
-            orientation.tolist(),
-            physicsClientId=self.client,
-        )
-        return joint
-
-    def _has_slipped(self, grasp: Grasp, state: State) -> bool:
-        position, orientation = self._pose_in(grasp.thing, state)
-        # The inner product of two unit quaternions is the cosine of half the angle between them.
-        twisted = abs(orientation @ grasp.orientation) < np.cos(TWIST / 2)
-        return bool(twisted or np.linalg.norm(position - grasp.position) > SLIP)
