@@ -44,6 +44,7 @@
     (handle_within_reach ?hand - n-2-virtual-fingered-hand ?tool - graspable)
     (able_to_push ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
     (able_to_strike ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
+    (firm_enough ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
     (square_to ?object - token ?region - region)
     (push_within_reach ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token ?region - region)
     (home ?tool - graspable ?region - region)
@@ -313,6 +314,7 @@
       (claimed-striking-object ?hand)
       (able_to_strike ?hand ?tool ?object)
       (in-striking-object ?object ?hand)
+      (firm_enough ?hand ?tool ?object)
       (held ?tool ?hand)
       (in_strike_stance ?hand ?tool ?object)
       (readers ?tool none-reading)
@@ -536,6 +538,7 @@
       (held ?tool ?hand)
       (strikable ?object)
       (able_to_strike ?hand ?tool ?object)
+      (firm_enough ?hand ?tool ?object)
       (readers ?tool none-reading)
     )
     :effect (and
@@ -815,6 +818,7 @@
       (held ?tool ?hand)
       (strikable ?object)
       (able_to_strike ?hand ?tool ?object)
+      (firm_enough ?hand ?tool ?object)
       (readers ?tool none-reading)
     )
     :effect (and
@@ -1259,6 +1263,7 @@
       (held ?tool ?hand)
       (strikable ?object)
       (able_to_strike ?hand ?tool ?object)
+      (firm_enough ?hand ?tool ?object)
       (readers ?tool none-reading)
     )
     :effect (and

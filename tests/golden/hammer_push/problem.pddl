@@ -17,6 +17,7 @@
     (completed hammer)
     (completed hand)
     (empty hand)
+    (firm_enough hand hammer block)
     (handle_within_reach hand hammer)
     (held hammer no-hand-of-held)
     (home hammer rack)

@@ -24,6 +24,7 @@
     (completed paddle)
     (completed stick)
     (empty hand)
+    (firm_enough hand hammer block)
     (handle_within_reach hand hammer)
     (handle_within_reach hand paddle)
     (handle_within_reach hand stick)

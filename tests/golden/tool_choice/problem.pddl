@@ -21,6 +21,8 @@
     (completed hand)
     (completed mallet)
     (empty hand)
+    (firm_enough hand hammer block)
+    (firm_enough hand mallet block)
     (handle_within_reach hand hammer)
     (handle_within_reach hand mallet)
     (held hammer no-hand-of-held)
