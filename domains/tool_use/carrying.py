@@ -35,7 +35,15 @@ from ..common.roles import BODY, get_token, get_tokens
 from ..common.timetable import Timetable
 from ..common.vectors import HORIZONTAL, UP
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
-from .feasibility import ABLE_TO_PUSH, ABLE_TO_STRIKE, FIRM_ENOUGH, HOME, PUSH_WITHIN_REACH, SQUARE_TO
+from .feasibility import (
+    ABLE_TO_PUSH,
+    ABLE_TO_STRIKE,
+    FIRM_ENOUGH,
+    HOME,
+    PUSH_WITHIN_REACH,
+    SQUARE_TO,
+    STRIKE_WITHIN_REACH,
+)
 from .geometry import (
     RAISED,
     foot,
@@ -195,7 +203,12 @@ CARRYING = (
         _above,
         Striker,
         (_seen(Strikable),),
-        (ABLE_TO_STRIKE("hand", "tool", "object"), FIRM_ENOUGH("hand", "tool", "object"), AT_REST("object")),
+        (
+            ABLE_TO_STRIKE("hand", "tool", "object"),
+            FIRM_ENOUGH("hand", "tool", "object"),
+            STRIKE_WITHIN_REACH("hand", "tool", "object"),
+            AT_REST("object"),
+        ),
         (IN_STRIKE_STANCE("hand", "tool", "object"), ~STANDS("tool")),
         "the hand raises the tool above the object that it will strike",
     ),

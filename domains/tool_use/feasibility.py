@@ -19,7 +19,7 @@ from ..common.predicates import depth_in_region, everywhere, length_predicate
 from ..common.roles import POSE
 from ..common.vectors import HORIZONTAL, UP, depth_in_workspace, largest_depth, to_body
 from .classes import Pushable, Pusher, Strikable, Striker
-from .geometry import foot, half_depth, point, way
+from .geometry import STANDOFF, foot, half_depth, point, top, way
 from .predicates import HAND, OPEN, TOOL
 from .swing import largest_impulse
 
@@ -80,11 +80,25 @@ def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
 
 
 def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
-    """Return the smallest depth [m], over all grasps, of the hand in its workspace at the end of a push."""
+    """Return the smallest depth [m], over all grasps, of the hand in its workspace at both ends of a push."""
     ahead, _ = way(state, thing, region)
-    back = half_depth(state, thing, ahead) + tool["pushing_point"][2]
-    place = (state[region, "position"] - ahead * back[..., None]) * HORIZONTAL
-    return _depth(hand, *(place + UP * (foot(tool) - tool[end][0]) for end in _HANDLE))
+    back = (half_depth(state, thing, ahead) + tool["pushing_point"][2])[..., None]
+    start = state[thing, "position"] - ahead * (back + STANDOFF)
+    ends = (start * HORIZONTAL, (state[region, "position"] - ahead * back) * HORIZONTAL)
+    return _depth(hand, *(place + UP * (foot(tool) - tool[end][0]) for place in ends for end in _HANDLE))
+
+
+def _reach_of_strike(state: State, hand: Token, tool: Token, thing: Token) -> FloatArray:
+    """Return an upper bound of the depth [m] of the hand at the impact, over all grasps and headings."""
+    return _largest_reach_of_strike(state, 0.0, hand, tool, thing)
+
+
+def _largest_reach_of_strike(state: State, radius: float, hand: Token, tool: Token, thing: Token) -> FloatArray:
+    """Return `_reach_of_strike` for an object that is displaced by at most `radius` [m]."""
+    tip_x, _, tip_z = tool["impact_point"]
+    lever = max(abs(tool[end][0] - tip_x) for end in _HANDLE)
+    above = top(state, thing) + UP * (tool["handle_to"][2] - tip_z)
+    return largest_depth(hand, above, radius + lever)
 
 
 def _squareness(state: State, thing: Token, region: Token) -> FloatArray:
@@ -107,7 +121,10 @@ def _largest_reach_of_push(
     """Return an upper bound of `_reach_of_push` for all directions of the push."""
     back = float(np.linalg.norm(thing["half_extents"])) + tool["pushing_point"][2]
     places = (state[region, "position"] * HORIZONTAL + UP * (foot(tool) - tool[end][0]) for end in _HANDLE)
-    return np.asarray(np.min([largest_depth(hand, place, back) for place in places], axis=0))
+    starts = (state[thing, "position"] * HORIZONTAL + UP * (foot(tool) - tool[end][0]) for end in _HANDLE)
+    ends = [largest_depth(hand, place, back) for place in places]
+    ends += [largest_depth(hand, place, radius + back + STANDOFF) for place in starts]
+    return np.asarray(np.min(ends, axis=0))
 
 
 LIFTABLE = Predicate(
@@ -171,6 +188,17 @@ FIRM_ENOUGH = Predicate(
     description="{hand} grips {tool} firmly enough to strike {object} hard enough",
     denial="{tool} slips in the grip of {hand} before it can strike {object} hard enough",
 )
+STRIKE_WITHIN_REACH = length_predicate(
+    "strike_within_reach",
+    (HAND, Parameter("tool", Striker), Parameter("object", Strikable)),
+    _reach_of_strike,
+    reads={"object": POSE},
+    kind=Kind.STATIC,
+    competence=True,
+    bound=_largest_reach_of_strike,
+    description="{hand} can strike {object} with {tool} without leaving the workspace of the hand",
+    denial="{hand} cannot strike {object} with {tool} without leaving the workspace of the hand",
+)
 SQUARE_TO = Predicate(
     "square_to",
     (Parameter("object", Pushable), Parameter("region", Region)),
@@ -206,4 +234,13 @@ HOME = length_predicate(
     denial="{region} is not the initial place of {tool}",
 )
 GRASP_FACTS = (LIFTABLE, WIDE_ENOUGH, HANDLE_WITHIN_REACH)
-FEASIBLE = (*GRASP_FACTS, ABLE_TO_PUSH, ABLE_TO_STRIKE, FIRM_ENOUGH, SQUARE_TO, PUSH_WITHIN_REACH, HOME)
+FEASIBLE = (
+    *GRASP_FACTS,
+    ABLE_TO_PUSH,
+    ABLE_TO_STRIKE,
+    FIRM_ENOUGH,
+    STRIKE_WITHIN_REACH,
+    SQUARE_TO,
+    PUSH_WITHIN_REACH,
+    HOME,
+)

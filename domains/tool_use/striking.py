@@ -38,7 +38,7 @@ from ..common.timetable import Timetable
 from ..common.vectors import UP
 from .arc import WINDING_UP, Arc, in_plane, on_arc
 from .classes import DexterousHand, Strikable, Striker
-from .feasibility import ABLE_TO_STRIKE, FIRM_ENOUGH
+from .feasibility import ABLE_TO_STRIKE, FIRM_ENOUGH, STRIKE_WITHIN_REACH
 from .geometry import (
     LEVEL,
     butt,
@@ -194,6 +194,7 @@ STRIKING = Block(
     entry=(
         ABLE_TO_STRIKE("hand", "tool", "object"),
         FIRM_ENOUGH("hand", "tool", "object"),
+        STRIKE_WITHIN_REACH("hand", "tool", "object"),
         HELD("tool", "hand"),
         IN_STRIKE_STANCE("hand", "tool", "object"),
         AT_REST("object"),
