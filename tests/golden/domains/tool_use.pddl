@@ -45,6 +45,7 @@
     (able_to_push ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
     (able_to_strike ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
     (firm_enough ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
+    (strike_within_reach ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
     (square_to ?object - token ?region - region)
     (push_within_reach ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token ?region - region)
     (home ?tool - graspable ?region - region)
@@ -315,6 +316,7 @@
       (able_to_strike ?hand ?tool ?object)
       (in-striking-object ?object ?hand)
       (firm_enough ?hand ?tool ?object)
+      (strike_within_reach ?hand ?tool ?object)
       (held ?tool ?hand)
       (in_strike_stance ?hand ?tool ?object)
       (readers ?tool none-reading)
@@ -539,6 +541,7 @@
       (strikable ?object)
       (able_to_strike ?hand ?tool ?object)
       (firm_enough ?hand ?tool ?object)
+      (strike_within_reach ?hand ?tool ?object)
       (readers ?tool none-reading)
     )
     :effect (and
@@ -819,6 +822,7 @@
       (strikable ?object)
       (able_to_strike ?hand ?tool ?object)
       (firm_enough ?hand ?tool ?object)
+      (strike_within_reach ?hand ?tool ?object)
       (readers ?tool none-reading)
     )
     :effect (and
@@ -1264,6 +1268,7 @@
       (strikable ?object)
       (able_to_strike ?hand ?tool ?object)
       (firm_enough ?hand ?tool ?object)
+      (strike_within_reach ?hand ?tool ?object)
       (readers ?tool none-reading)
     )
     :effect (and

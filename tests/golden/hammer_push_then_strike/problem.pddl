@@ -43,6 +43,7 @@
     (square_to block rack)
     (stands hammer)
     (strikable block)
+    (strike_within_reach hand hammer block)
     (striker hammer)
     (unclaimed block)
     (unclaimed hammer)

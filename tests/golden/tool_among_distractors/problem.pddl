@@ -66,6 +66,7 @@
     (stands paddle)
     (stands stick)
     (strikable block)
+    (strike_within_reach hand hammer block)
     (striker hammer)
     (unclaimed block)
     (unclaimed brick)

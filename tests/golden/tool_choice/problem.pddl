@@ -55,6 +55,8 @@
     (stands hammer)
     (stands mallet)
     (strikable block)
+    (strike_within_reach hand hammer block)
+    (strike_within_reach hand mallet block)
     (striker hammer)
     (striker mallet)
     (unclaimed block)
