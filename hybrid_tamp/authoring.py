@@ -17,6 +17,7 @@ from hybrid_tamp.geometry.features import rolling_radius as rolling_radius
 from hybrid_tamp.geometry.features import roundest_axis as roundest_axis
 from hybrid_tamp.geometry.features import silhouette as silhouette
 from hybrid_tamp.geometry.features import tumbling_likelihood as tumbling_likelihood
+from hybrid_tamp.geometry.hollows import HollowDepths as HollowDepths
 from hybrid_tamp.geometry.meshes import MeshShape as MeshShape
 from hybrid_tamp.geometry.roundness import AxisOfRotation as AxisOfRotation
 from hybrid_tamp.geometry.roundness import RadiusOfRotation as RadiusOfRotation

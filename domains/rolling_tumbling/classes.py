@@ -10,6 +10,7 @@ from hybrid_tamp.authoring import (
     AxisOfRotation,
     Box,
     Direction,
+    HollowDepths,
     MeshShape,
     RadiusOfRotation,
     Shape,
@@ -73,6 +74,7 @@ class Tumblable(BoxShaped, AffordanceClass):
     """Objects that several hands can tumble from face to face (paper, Sec. III-A)."""
 
     name: ClassVar[str] = "TUMBLABLE"
+    of_shape: ClassVar[Mapping[str, ShapeFeature]] = {**BoxShaped.of_shape, "hollow": HollowDepths()}
 
     half_extents: Extents = quantity("m", "half of each edge length along x, y and z")
     hollow: Annotated[Vector3, AfterValidator(_none_negative)] = quantity(

@@ -297,3 +297,20 @@ def test_files_that_are_refused(name: str, old: str, new: str, words: tuple[str,
     with pytest.raises(InputError) as caught:
         load_task_text(text.replace(old, new), name)
     assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("shape", "hollow", "said"),
+    [
+        (Box(kind="box", half_extents=(0.1, 0.2, 0.3)), (0.0, 0.0, 0.0), ""),
+        (Box(kind="box", half_extents=(0.1, 0.2, 0.3)), (0.0, 0.0, 0.02), "the shape, [0, 0, 0] m, within 3%"),
+        (mesh("p5.obj"), (0.024, 0.0, 0.024), ""),
+        (mesh("p5.obj"), (0.05, 0.0, 0.024), "got [0.05, 0, 0.024] m"),
+        (mesh("p5.obj"), (0.024, 0.02, 0.024), "must be at most the depths of the hollows"),
+    ],
+)
+def test_the_depth_of_hollows(shape: Shape, hollow: Vector3, said: str) -> None:
+    halves = (0.1, 0.2, 0.3) if isinstance(shape, Box) else tuple(map(float, shape.corners[1]))
+    found = faults(Tumblable, {"half_extents": halves, "hollow": hollow, "mass": 5.0, "friction": 0.5}, shape)
+    assert set(found) == ({"hollow"} if said else set())
+    assert said in found.get("hollow", "")
