@@ -70,6 +70,20 @@ class Clumsy(CapabilityClass):
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (BasicAction("torque", 3, "N m"), BasicAction("grip", 1, "N"))
 
 
+class Stiff(CapabilityClass):
+    """A hand with a grip, but without a wrist that turns."""
+
+    name: ClassVar[str] = "STIFF"
+    varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, aperture_property(OPENED))
+    basic_actions: ClassVar[tuple[BasicAction, ...]] = (
+        BasicAction("force", 3, "N"),
+        BasicAction("grip", 1, "N", "maximal_grip"),
+    )
+    mass: float = quantity("kg", "mass")
+    maximal_grip: float = quantity("N", "largest grip", default=200.0)
+    maximal_aperture: float = quantity("m", "largest gap", default=OPENED)
+
+
 class Tool(AffordanceClass):
     """A tool with a handle."""
 
@@ -92,8 +106,8 @@ class Thing(AffordanceClass):
 
 DOMAIN = Domain(
     name="bench",
-    classes=(Hand, Clumsy, Tool, Thing),
-    disjoint=((Hand, Clumsy),),
+    classes=(Hand, Clumsy, Stiff, Tool, Thing),
+    disjoint=((Hand, Clumsy, Stiff),),
     predicates=(),
     blocks=(Block("RESTING", (Slot("token", TOKEN),), "token", Duration(0.1, 60.0, lambda *_: 0.1), hold=True),),
     network=ReassignmentNetwork([("RESTING.token", "RESTING.token")]),

@@ -135,9 +135,8 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
     held = HeldTool(*get_tokens(binding, "hand", "tool"))
 
     def system(state: State, commands: Commands, dt: float) -> State:
-        after = held.accelerated(state, commands, dt)
-        changes = held.placed(state, *after, dt)
-        return state.replace(held.loosened(changes, state, held.grip_load(state, *after, dt)))
+        changes = held.placed(state, *held.accelerated(state, commands, dt), dt)
+        return state.replace(held.loosened(changes, state, held.grip_load(state, changes, dt)))
 
     return system
 

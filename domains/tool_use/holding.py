@@ -30,6 +30,7 @@ from hybrid_tamp.authoring import (
     cross,
     grip_limits,
     load_ratio,
+    quaternion_conjugate,
     quaternion_from_rotation_vector,
     quaternion_multiply,
     rotate,
@@ -37,9 +38,9 @@ from hybrid_tamp.authoring import (
 
 from ..common.roles import get_tokens
 from ..common.servos import DAMPING_RATIO, hand_system, turning_rate
-from ..common.vectors import UP, to_body
+from ..common.vectors import UP
 from .geometry import dot, hand_in_tool, off_handle
-from .impact import Mass
+from .impact import Changes, Mass
 
 _LIFT = GRAVITY * UP
 """Upward acceleration that compensates gravity [m/s^2]."""
@@ -127,28 +128,28 @@ class HeldTool:
         force = self._reduced * (pushed + cross(turning, arm) - dot(spin, spin)[..., None] * arm)
         return state[self.hand, "velocity"] + (commanded - force) * (dt / self._hand_mass), spin + turning * dt
 
-    def grip_load(
-        self, state: State, velocity: FloatArray, spin: FloatArray, dt: float, load: Load | None = None
-    ) -> FloatArray:
+    def grip_load(self, state: State, changes: Changes, dt: float, load: Load | None = None) -> FloatArray:
         """Return the ratio ``(...)`` of the grip's load during a step to the limit surface of the grip.
 
-        The arguments are those of `placed`. The moment about the hand is that of a body that turns about its y axis.
+        Args:
+            state: state before the step.
+            changes: poses and velocities after the step (see `placed`).
+            dt: duration of the step [s].
+            load: additional force on the tool, or None.
         """
         hand, tool = self.hand, self.tool
         arm = state[tool, "position"] - state[hand, "position"]
-        after = velocity + cross(spin, rotate(quaternion_from_rotation_vector(spin * dt), arm))
-        force = self._tool_mass * ((after - state[tool, "velocity"]) / dt + _LIFT)
-        torque = tool["inertia"][1] * (spin - state[tool, "angular_velocity"]) / dt
+        spinning = changes[tool.name, "angular_velocity"] - state[tool, "angular_velocity"]
+        force = self._tool_mass * ((changes[tool.name, "velocity"] - state[tool, "velocity"]) / dt + _LIFT)
+        torque = tool["inertia"][1] * spinning / dt
         if load is not None:
             force = force - load.force
             torque = torque - cross(load.point - state[tool, "position"], load.force)
-        torque = torque + cross(arm, force)
-        wrench = [to_body(state, tool, each) for each in (force, torque)]
-        return load_ratio(np.concatenate(wrench, axis=-1), self._limits)
+        wrench = np.stack([force, torque + cross(arm, force)], axis=-2)
+        seen = rotate(quaternion_conjugate(state[tool, "orientation"])[..., None, :], wrench)
+        return load_ratio(seen.reshape(*seen.shape[:-2], 6), self._limits)
 
-    def loosened(
-        self, changes: dict[tuple[str, str], FloatArray], state: State, ratio: FloatArray
-    ) -> dict[tuple[str, str], FloatArray]:
+    def loosened(self, changes: Changes, state: State, ratio: FloatArray) -> Changes:
         """Return poses and velocities after a step, with the tool out of the fingers where the load is too large.
 
         Args:
@@ -156,16 +157,15 @@ class HeldTool:
             state: state before the step.
             ratio: load of the grip during the step (see `grip_load`).
         """
-        lost = (ratio > 1.0) & (off_handle(state, self.hand, self.tool) <= CAPTURE)
-        if not lost.any():
+        over = ratio > 1.0
+        if not over.any():
             return changes
+        lost = over & (off_handle(state, self.hand, self.tool) <= CAPTURE)
         key = (self.tool.name, "position")
         out = 2.0 * CAPTURE * rotate(state[self.tool, "orientation"], UP)
         return changes | {key: np.where(lost[..., None], changes[key] + out, changes[key])}
 
-    def placed(
-        self, state: State, velocity: FloatArray, spin: FloatArray, dt: float
-    ) -> dict[tuple[str, str], FloatArray]:
+    def placed(self, state: State, velocity: FloatArray, spin: FloatArray, dt: float) -> Changes:
         """Return the poses and velocities of hand and tool after a step (semi-implicit Euler with exact rotation).
 
         `velocity` [m/s] of the hand and `spin` [rad/s] of the body, each ``(..., 3)``, are the values after the step.

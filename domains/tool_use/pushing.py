@@ -171,8 +171,8 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
         impulse = np.where(touches, mass * (closing - common), 0.0)[..., None] * ahead
         velocity, spin = knocked(body, velocity, spin, state[hand, "position"], face, -impulse)
         slides = np.where(touches, common, alone)[..., None] * ahead
-        ratio = held.grip_load(state, velocity, spin, dt, Load(-impulse / dt, face))
-        changes = held.loosened(held.placed(state, velocity, spin, dt), state, ratio)
+        changes = held.placed(state, velocity, spin, dt)
+        changes = held.loosened(changes, state, held.grip_load(state, changes, dt, Load(-impulse / dt, face)))
         changes[thing.name, "velocity"] = slides
         changes[thing.name, "position"] = state[thing, "position"] + slides * dt
         return state.replace(changes)

@@ -142,7 +142,9 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
         share = np.where(barred, 0.0, share)[..., None]
         body = held.whole(state)
         changes = held.placed(state, velocity * share, spin * share, dt)
-        changes = held.loosened(changes, state, held.grip_load(state, velocity, spin, dt))
+        # During the impact, the grip yields by a few millimetres only.
+        ratio = np.where(hit | barred, 0.0, held.grip_load(state, changes, dt))
+        changes = held.loosened(changes, state, ratio)
         impulse = np.zeros_like(sinking)
         if (hit | barred).any():
             whole = (effective_mass(body, impact, UP) * sinking)[..., None] * UP

@@ -148,6 +148,21 @@ def test_no_strike_exceeds_the_bound_of_able_to_strike(wrist: float, torque: flo
     assert bound > 1.2 * swing.impulse[:, 0][borne[:, 0]].max()
 
 
+@pytest.mark.parametrize("grip", [11.0, 13.0, 20.0, 60.0])
+def test_no_strike_that_a_grip_bears_exceeds_the_bound_of_firm_enough(grip: float) -> None:
+    """The grip bears the centrifugal force by friction, and the tool's share of the torque by the pads' pressure."""
+    hand = Token.make("hand", list(HAND.classes), {**HAND.properties, "maximal_grip": grip})
+    grasp, radius = np.linspace(0.0, 0.15, 301)[:, None], np.linspace(0.0, LARGEST_RADIUS, 301)
+    swing = swing_of(hand, HAMMER, -grasp, radius)
+    pull = 0.6 * swing.rate**2 * (radius + grasp)
+    moment = 4.0 / swing.inertia * (0.00199 + 0.6 * (radius + grasp) * grasp) - 0.6 * 9.81 * grasp
+    held = (pull <= grip) & (moment <= 0.06 * grip)
+    most = np.max(swing.impulse[held], initial=0.0)
+    bound = largest_impulse(hand, HAMMER, gripped=True)
+    assert most <= bound <= largest_impulse(hand, HAMMER)
+    assert bound <= 1.2 * most or not held.any()
+
+
 def test_a_strike_about_an_elbow_is_stronger_than_able_to_strike_allowed_for_grasps_alone() -> None:
     """With a strike torque of 0.05 N m, no grasp alone gives 0.4 N s, but a swing about an elbow does."""
     hand = Token.make("hand", list(HAND.classes), {**HAND.properties, "maximal_torque": 0.09, "strike_torque": 0.05})

@@ -17,6 +17,7 @@ from workbench import (
     WRIST,
     Clumsy,
     Hand,
+    Stiff,
     Thing,
     ball,
     block,
@@ -203,6 +204,16 @@ def test_what_an_action_needs_is_asked_for() -> None:
     said = str(refused.value)
     for words in ("wrist_inertia", "maximal_aperture", "varying property aperture", "basic action force of size 3"):
         assert words in said
+    for action in ("torque", "grip"):
+        assert f"the basic action {action} of a hand that grips must have a limit" in said
+
+
+def test_a_hand_that_grips_must_have_a_wrist_with_a_bounded_torque() -> None:
+    """A hand without the basic action `torque` keeps its orientation, whatever the torque of its load."""
+    task = scene({}, stiff=ball("stiff", Stiff, mass=1.0))
+    wanted = "a token with the basic action grip must have the basic action torque of size 3"
+    with BulletBackend() as backend, pytest.raises(InputError, match=wanted):
+        backend.reset(task, task.state)
 
 
 def test_torque_and_grip_have_limits() -> None:
