@@ -18,7 +18,7 @@ from .classes import Liftable
 from .lifting import BEARING, MODES
 from .metrics import CONTROLLED, metrics
 from .places import PLACE, place_at
-from .predicates import AT_PLACE, FITS, ON_SIDE, PREDICATES, STANDS, UPRIGHT, WITHIN_REACH
+from .predicates import AT_PLACE, FITS, ON_SIDE, OUTSIDE, PREDICATES, STANDS, UPRIGHT, WITHIN_REACH
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
@@ -53,7 +53,8 @@ _BESIDE = ReachGoal(
         FITS("hand", "object", "place"),
     ),
     arrived=(AT_PLACE("hand", "object", "place"),),
-    lasting=(STANDS("object"),),
+    # The reach has a fixed shape, which passes through large boxes.
+    lasting=(STANDS("object"), OUTSIDE("hand", "object")),
 )
 _BLOCKS = (reaching(_BESIDE, "place"), *BEARING, RESTING)
 

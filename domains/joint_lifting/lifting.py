@@ -45,7 +45,10 @@ from .predicates import (
     CLEAR_OF,
     FEASIBLE,
     FITS,
+    GRIPPABLE,
+    HEAVY_ENOUGH,
     ON_SIDE,
+    OUTSIDE,
     RAISED,
     RAISED_HEIGHT,
     STANDS,
@@ -143,8 +146,8 @@ def _at(roles: Roles, state: State, way: FloatArray, gap: float) -> State:
 
 
 def _able(crew: str) -> tuple[Literal, ...]:
-    """Return the feasibility conditions of every hand in a crew."""
-    return tuple(
+    """Return the feasibility conditions of the object and of every hand in a crew."""
+    hands = (
         literal
         for slot, place in places_of(crew)
         for literal in (
@@ -155,6 +158,7 @@ def _able(crew: str) -> tuple[Literal, ...]:
             UPRIGHT(slot),
         )
     )
+    return (*hands, GRIPPABLE("object"), HEAVY_ENOUGH("object"))
 
 
 def _at_places(crew: str) -> tuple[Literal, ...]:
@@ -174,7 +178,7 @@ def _together(action: str, mode: str, duration: Duration, policy: Callable[..., 
         invariants=tuple(map(IN_WORKSPACE, slots)),
         writes={**{slot: MOTION for slot in slots}, "object": BODY},
         # A box moves straight up and down, so its feasibility facts do not change.
-        keeps=FEASIBLE,
+        keeps=(*FEASIBLE, OUTSIDE),
         allowed_contacts=(*((slot, "object") for slot in slots), ("object", FLOOR)),
         hyperparameters=(squeezing(crew),),
         duration=duration,

@@ -18,6 +18,10 @@ RESERVE = 1.5
 """Ratio of the squeeze to the smallest squeeze without slip. The reserve covers acceleration and unequal shares."""
 
 
+SMALLEST_SQUEEZE = 1.0
+"""Smallest squeeze of strong hands [N]. With a smaller squeeze, the errors of the hands would let a light box slip."""
+
+
 def friction(thing: Token) -> float:
     """Return the friction coefficient between a hand and an object: the product of their coefficients, as in Bullet."""
     return float(HAND_FRICTION * thing["friction"])
@@ -31,7 +35,7 @@ def load(thing: Token, crew: str) -> float:
 def squeeze_for(thing: Token, crew: str) -> float:
     """Return the squeeze [N] of strong hands in a crew that lifts an object, or infinity if the friction is zero."""
     coefficient = friction(thing)
-    return RESERVE * load(thing, crew) / coefficient if coefficient > 0.0 else np.inf
+    return max(RESERVE * load(thing, crew) / coefficient, SMALLEST_SQUEEZE) if coefficient > 0.0 else np.inf
 
 
 def bearable(hand: Token, thing: Token, factor: float) -> float:

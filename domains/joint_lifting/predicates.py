@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, SafetyFactor, State, Token, rotate
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, SafetyFactor, State, Token, rotate
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import everywhere, length_predicate, near
 from ..common.roles import POSE
 from ..common.vectors import UP
 from .classes import Liftable
-from .load import RESERVE, bearable, load
+from .load import RESERVE, bearable, friction, load
 from .places import (
     ABOVE_CENTRE,
     CREW,
@@ -33,7 +33,13 @@ LOWEST_LIFT = 0.11
 PLACE_TOLERANCE = 0.03
 """Largest distance at which a hand counts as at its place [m]. The tolerance covers the standby gap and slip."""
 _CLEAR = 0.005
+_PRESSED = 0.005
+"""Largest depth [m] to which a hand that bears a box presses into its face."""
 _UPRIGHT = np.sin(np.radians(3.0))
+_SKEW = float(np.tan(np.radians(0.5)))
+"""Ratio of the force along a face to the squeeze, if a hand presses askew by half a degree."""
+_LEAST_WEIGHT = 0.004
+"""Smallest weight [N] of a box that hands lift without tilting it. A lighter box follows the errors of the hands."""
 _MIDDLE = 0.02
 """Largest distance [m] from the plane between front and back at which a hand may use either half of the box."""
 _TOUCHING = 0.03
@@ -53,6 +59,14 @@ def _footing(state: State, thing: Token) -> FloatArray:
 def _clearance(state: State, hand: Token, thing: Token) -> FloatArray:
     nearer = np.maximum(gap_at(state, hand, thing, "left"), gap_at(state, hand, thing, "right"))
     return np.asarray(nearer - _CLEAR)
+
+
+def _gap(state: State, hand: Token, thing: Token) -> FloatArray:
+    """Return the largest gap ``(...)`` [m] between an upright hand and a box along one of the axes of the box."""
+    half = np.array([hand["radius"], hand["radius"], hand["length"] / 2.0])
+    return np.asarray(
+        (np.abs(offset_in_box(state, hand, thing)) - np.asarray(thing["half_extents"]) - half).max(axis=-1)
+    )
 
 
 def _uprightness(state: State, hand: Token) -> FloatArray:
@@ -91,6 +105,14 @@ def _room(hand: Token, thing: Token, place: str) -> float:
     _, half_y, half_z = thing["half_extents"]
     wide = half_y - _ABREAST if SPOTS[place][1] else 2.0 * half_y
     return float(min(wide - 2.0 * hand["radius"], min(half_z - ABOVE_CENTRE, hand["length"]) - _TOUCHING))
+
+
+def _grip(thing: Token) -> float:
+    return friction(thing) - _SKEW
+
+
+def _weight(thing: Token) -> float:
+    return float(GRAVITY * thing["mass"]) - _LEAST_WEIGHT
 
 
 def _share(state: State, hand: Token, thing: Token, crew: str, factor: float) -> tuple[float, float]:
@@ -134,6 +156,14 @@ CLEAR_OF = length_predicate(
     kind=Kind.MAINTAINED,
     description="{hand} has released {object}",
     denial="{hand} has not released {object}",
+)
+OUTSIDE = length_predicate(
+    "outside",
+    (_HAND, _OBJECT),
+    _gap,
+    reads={"hand": ("position",), "object": POSE},
+    description="{hand} is outside {object}",
+    denial="{hand} passes through {object}",
 )
 UPRIGHT = Predicate(
     "upright",
@@ -194,5 +224,27 @@ BEARS = Predicate(
         RESERVE, "ratio of the squeeze to the smallest squeeze without slip; covers acceleration and unequal shares"
     ),
 )
-FEASIBLE = (UPRIGHT, ON_SIDE, WITHIN_REACH, FITS, BEARS)
-PREDICATES = (STANDS, RAISED, AT_PLACE, CLEAR_OF, *FEASIBLE)
+GRIPPABLE = Predicate(
+    "grippable",
+    (_OBJECT,),
+    everywhere(_grip),
+    unit="1",
+    scale=0.01,
+    kind=Kind.STATIC,
+    competence=True,
+    description="{object} is rough enough for hands that press slightly askew",
+    denial="{object} is too smooth: it slips out between hands that press slightly askew",
+)
+HEAVY_ENOUGH = Predicate(
+    "heavy_enough",
+    (_OBJECT,),
+    everywhere(_weight),
+    unit="N",
+    scale=0.01,
+    kind=Kind.STATIC,
+    competence=True,
+    description="{object} is heavy enough for hands that lift it",
+    denial="{object} is so light that hands would tilt it instead of lifting it",
+)
+FEASIBLE = (UPRIGHT, ON_SIDE, WITHIN_REACH, FITS, GRIPPABLE, HEAVY_ENOUGH, BEARS)
+PREDICATES = (STANDS, RAISED, AT_PLACE, CLEAR_OF, OUTSIDE, *FEASIBLE)

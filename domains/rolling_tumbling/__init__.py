@@ -1,6 +1,6 @@
 """Rolling and tumbling (paper, Sec. III-A, Figs. 2 and 3): hands move heavy objects in a controlled manner.
 
-Modules of rolling, in reading order: `classes`, `geometry`, `predicates`, `rolling` (D1).
+Modules of rolling, in reading order: `classes`, `geometry`, `predicates`, `resistance`, `rolling` (D1).
 Modules of tumbling, in reading order: `faces`, `tumbling_geometry`, `standing`, `tumbling_predicates`, `sliding`,
 `control_predicates`, `turning`, `tipping` (D2 to D4), `detours`, `reaching_around` (D5).
 `..common` provides RESTING (D6) and, for rolling, REACHING (D5). `probing_rolling` and `probing_tumbling` test whether
@@ -16,10 +16,11 @@ from ..common.resting import RESTING
 from .classes import Rollable, Tumblable
 from .control_predicates import CONTROL_PREDICATES
 from .metrics import CONTROLLED, metrics
-from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
 from .probing_rolling import TRY_ROLLING
 from .probing_tumbling import TRY_TUMBLING
 from .reaching_around import REACH_AWAY, REACH_BESIDE
+from .resistance import ROLLABLE_FACTS
 from .rolling import REACH_BEHIND, ROLLING
 from .tipping import TILTING, TIPPING
 from .tumbling_predicates import TUMBLING_PREDICATES
@@ -73,6 +74,8 @@ DOMAIN = Domain(
         LIES_ON_SIDE,
         ON_ROLLING_LINE,
         WITHIN_WORKSPACE,
+        OUTSIDE,
+        *ROLLABLE_FACTS,
         IN_WORKSPACE,
         *TUMBLING_PREDICATES,
         *CONTROL_PREDICATES,

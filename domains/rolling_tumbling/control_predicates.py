@@ -5,28 +5,38 @@ import numpy as np
 from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
 
 from ..common.classes import StaticEndEffector
-from ..common.predicates import length_predicate, one_by_one
+from ..common.predicates import everywhere, length_predicate, one_by_one
 from ..common.vectors import UP
 from .classes import Tumblable
 from .geometry import reach_of
 from .metrics import CONTROLLED
-from .sliding import friction_needed
-from .tumbling_geometry import GRIP, sections
+from .sliding import friction_needed, leaning_friction
+from .tumbling_geometry import GRIP, room_below, sections
 from .tumbling_predicates import strength_needed
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
+_LEAST_WEIGHT = 0.1
+"""Smallest weight [N] of a box that hands tumble. A lighter box follows the errors of the hands."""
 _FASTEST = CONTROLLED["touchdown [rad/s]"][1]
 
 
 def _grip(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the friction of a box minus the friction needed, if the box lies on its longer side.
+    """Return the friction of a box minus the friction needed, if the box lies on its longer side or leans on a hand.
 
     If the hand is too weak even for a rough box, STRONG_ENOUGH states this reason, and friction is not to blame.
     """
     short, long = sorted(sections(state, hand, thing))
     force = max(float(hand["maximal_force"]), strength_needed(state, hand, thing))
-    return np.asarray(thing["friction"] - friction_needed(GRAVITY * thing["mass"], long, GRIP * short, force))
+    turning = friction_needed(GRAVITY * thing["mass"], long, GRIP * short, force)
+    needed = max(turning, leaning_friction(short, long), leaning_friction(long, short))
+    return np.asarray(thing["friction"] - needed)
+
+
+def _size(state: State, hand: Token, thing: Token) -> FloatArray:
+    """Return the smaller room [m] for the hand below the box, for a box that leans over either of its sides."""
+    one, other = sections(state, hand, thing)
+    return np.asarray(min(room_below(hand, one, other), room_below(hand, other, one)))
 
 
 def _slowness(state: State, thing: Token) -> FloatArray:
@@ -50,6 +60,27 @@ ROUGH_ENOUGH = Predicate(
     description="the friction of {object} is large enough for {hand} and a second hand to tumble it without slipping",
     denial="{object} is too smooth: its edge slides on the floor when {hand} and a second hand tumble it",
 )
+LARGE_ENOUGH = length_predicate(
+    "large_enough",
+    (_HAND, _OBJECT),
+    one_by_one(_size),
+    reads={"object": ("orientation",)},
+    kind=Kind.STATIC,
+    competence=True,
+    description="{object} is large enough for {hand}, which fits between the floor and the leaning box",
+    denial="{object} is too small for {hand}, which does not fit between the floor and the leaning box",
+)
+HEAVY_ENOUGH = Predicate(
+    "heavy_enough",
+    (_OBJECT,),
+    everywhere(lambda thing: float(GRAVITY * thing["mass"]) - _LEAST_WEIGHT),
+    unit="N",
+    scale=0.1,
+    kind=Kind.STATIC,
+    competence=True,
+    description="{object} is heavy enough for hands that tumble it",
+    denial="{object} is so light that hands would throw it instead of tumbling it",
+)
 TURNS_SLOWLY = Predicate(
     "turns_slowly",
     (_OBJECT,),
@@ -68,4 +99,6 @@ CLEAR_OF_FLOOR = length_predicate(
     description="{hand} is clear of the floor",
     denial="{hand} is pressed onto the floor",
 )
-CONTROL_PREDICATES = (ROUGH_ENOUGH, TURNS_SLOWLY, CLEAR_OF_FLOOR)
+TUMBLABLE_FACTS = (ROUGH_ENOUGH, LARGE_ENOUGH, HEAVY_ENOUGH)
+"""Feasibility facts of a tumble that depend on the size and the material of the box."""
+CONTROL_PREDICATES = (*TUMBLABLE_FACTS, TURNS_SLOWLY, CLEAR_OF_FLOOR)

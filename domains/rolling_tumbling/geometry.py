@@ -11,6 +11,9 @@ STANDOFF = 0.03
 FLOOR_CLEARANCE = 0.01
 """Smallest gap between a hand and the floor [m]."""
 
+_POINTS = 5
+"""Number of points along the axis of a hand at which `gap_between` measures."""
+
 
 def axis(state: State, thing: Token) -> FloatArray:
     """Return an object's axis of rotation ``(..., 3)``, a unit vector."""
@@ -41,9 +44,38 @@ def reach_of(hand: Token, state: State, direction: FloatArray) -> FloatArray:
     return shape.radius * np.sqrt(np.maximum(0.0, 1.0 - along**2)) + shape.length / 2 * along
 
 
+def upright_part(hand: Token, state: State) -> FloatArray:
+    """Return the height ``(...)`` [m] of a hand's centre above the lower end of the hand's axis."""
+    shape = hand.shape
+    assert isinstance(shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
+    return np.asarray(shape.length / 2 * np.abs(rotate(state[hand, "orientation"], UP)[..., 2]))
+
+
 def touching(state: State, hand: Token, thing: Token, direction: FloatArray) -> FloatArray:
     """Return the distance ``(...)`` [m] between the centres of a hand and an object that touch each other."""
     return np.asarray(thing["radius_of_rotation"] + reach_of(hand, state, direction))
+
+
+def gap_between(state: State, hand: Token, thing: Token) -> FloatArray:
+    """Return the gap ``(...)`` [m] between an object and the largest capsule in a hand, negative if they overlap."""
+    shape = hand.shape
+    assert isinstance(shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
+    reach = max(shape.length / 2 - shape.radius, 0.0)
+    ends = np.linspace(-reach, reach, _POINTS)[:, None] * np.array([0.0, 0.0, 1.0])
+    along = axis(state, thing)[..., None, :]
+    points = (
+        rotate(state[hand, "orientation"][..., None, :], ends)
+        + (state[hand, "position"] - state[thing, "position"])[..., None, :]
+    )
+    if isinstance(thing.shape, Cylinder):
+        aside = dot(points, along)
+        across = np.linalg.norm(points - aside[..., None] * along, axis=-1) - thing["radius_of_rotation"]
+        beyond = np.abs(aside) - thing.shape.length / 2
+        outside = np.hypot(np.maximum(across, 0.0), np.maximum(beyond, 0.0))
+        distance = np.where((across > 0) | (beyond > 0), outside, np.maximum(across, beyond))
+    else:
+        distance = np.linalg.norm(points, axis=-1) - thing["radius_of_rotation"]
+    return np.asarray(distance.min(axis=-1) - shape.radius)
 
 
 def working_height(state: State, hand: Token, thing: Token) -> FloatArray:

@@ -9,13 +9,15 @@ from ..common.predicates import inside, length_predicate, near
 from ..common.roles import POSE
 from ..common.vectors import HORIZONTAL, depth_in_workspace, dot
 from .classes import Rollable
-from .geometry import axis, heading, standby, touching, working_height
+from .geometry import axis, gap_between, heading, standby, touching, working_height
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Rollable)
 _REGION = Parameter("region", Region)
 _TILT_TOLERANCE = np.sin(np.radians(3.0))
 _STANDBY_TOLERANCE = 0.025
+_PRESSED = 0.005
+"""Largest depth [m] to which a hand that pushes an object presses into it."""
 _DRIFT = 0.002
 """Largest drift off its line at which a rolling object still counts as on the line [m]."""
 
@@ -58,6 +60,14 @@ BEHIND = length_predicate(
     kind=Kind.MAINTAINED,
     description="{hand} is behind {object} as seen from {region}",
     denial="{hand} is not behind {object} as seen from {region}",
+)
+OUTSIDE = length_predicate(
+    "outside",
+    (_HAND, _OBJECT),
+    lambda state, hand, thing: gap_between(state, hand, thing) + _PRESSED,
+    reads={"hand": ("position", "orientation"), "object": POSE},
+    description="{hand} is outside {object}",
+    denial="{hand} passes through {object}",
 )
 LIES_ON_SIDE = Predicate(
     "lies_on_side",

@@ -36,9 +36,10 @@ from ..common.servos import hand_system, position_servo
 from ..common.timetable import round_up
 from ..common.vectors import HORIZONTAL
 from .classes import Tumblable
-from .control_predicates import CLEAR_OF_FLOOR, ROUGH_ENOUGH
+from .control_predicates import CLEAR_OF_FLOOR, HEAVY_ENOUGH, LARGE_ENOUGH, ROUGH_ENOUGH
 from .detours import Curve, corners_away, corners_to_face, curve_through, off_the_face
 from .faces import FACE, POSTURES
+from .predicates import OUTSIDE
 from .tumbling_geometry import above_floor, place_at
 from .tumbling_predicates import (
     ALIGNED,
@@ -150,6 +151,8 @@ def _reaching(
         exit=(*arrived, AT_REST("hand")),
         invariants=(IN_WORKSPACE("hand"), CLEAR_OF_FLOOR("hand"), *lasting),
         writes={"hand": MOTION},
+        # The curve is about a box, and boxes do not roll.
+        keeps=(OUTSIDE,),
         hyperparameters=(_SPEED,),
         duration=Duration(shortest, 15.0, partial(_expected, profile=profile)),
         hold=True,
@@ -174,6 +177,8 @@ REACH_BESIDE = _reaching(
         STRONG_ENOUGH("hand", "object"),
         ROUGH_ENOUGH("hand", "object"),
         LOW_ENOUGH("hand", "object"),
+        LARGE_ENOUGH("hand", "object"),
+        HEAVY_ENOUGH("object"),
     ),
     (AT_FACE("hand", "object", "face"),),
     (POSTURE("object", "posture"),),

@@ -37,14 +37,31 @@ from ..common.vectors import HORIZONTAL, UP, dot
 from .classes import Rollable
 from .control_predicates import CLEAR_OF_FLOOR, CONTROL_PREDICATES
 from .geometry import STANDOFF, standby, touching, way, working_height
-from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
+from .resistance import (
+    ABLE_TO_ROLL,
+    ROLLS,
+    ROLLS_STEADILY,
+    SMALLEST_DECELERATION,
+    STOPS,
+    TOUCHES_AXIS,
+    WIDE_ENOUGH,
+    slowing,
+    usual_deceleration,
+)
 from .tumbling_predicates import FEASIBLE_TUMBLING, POSTURE
 
 _APPROACH_GAIN = 4.0
 _APPROACH_SPEED = 0.15
 _SPEED_RATE = 200.0
 """Rate at which the hand's speed converges to the wanted speed [1/s]."""
-_FEASIBLE = (LIES_ON_SIDE("object"), ON_ROLLING_LINE("object", "region"), WITHIN_WORKSPACE("hand", "object", "region"))
+_FEASIBLE = (
+    LIES_ON_SIDE("object"),
+    ON_ROLLING_LINE("object", "region"),
+    WITHIN_WORKSPACE("hand", "object", "region"),
+    *(fact("hand", "object") for fact in (ROLLS_STEADILY, ABLE_TO_ROLL, TOUCHES_AXIS)),
+    *(fact("object") for fact in (ROLLS, STOPS, WIDE_ENOUGH)),
+)
 
 
 def _roles(binding: Binding) -> tuple[Token, ...]:
@@ -60,7 +77,8 @@ REACH_BEHIND = ReachGoal(
     position=_standby_position,
     entry=(*_FEASIBLE, AT_REST("object")),
     arrived=(BEHIND("hand", "object", "region"), IN_WORKSPACE("hand")),
-    lasting=(AT_REST("object"),),
+    # The reach has a fixed shape, which passes through large objects.
+    lasting=(AT_REST("object"), OUTSIDE("hand", "object")),
     # The reach ends above the floor, and passes over the object.
     keeps=(CLEAR_OF_FLOOR,),
 )
@@ -71,12 +89,16 @@ def _initial_distance(binding: Binding, state: State) -> FloatArray:
     return way(state, thing, region)[1]
 
 
+def _usual(binding: Binding, state: State) -> FloatArray:
+    return np.asarray(usual_deceleration(get_tokens(binding, "object")[0]))
+
+
 def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
     """Return the expected total duration [s] of the approach, the constant speed and the constant deceleration."""
-    speed, slowing = float(hyperparameters["speed"]), float(hyperparameters["deceleration"])
+    speed, braked = float(hyperparameters["speed"]), float(hyperparameters["deceleration"])
     distance = float(hyperparameters["distance"])
-    braking = min(distance, speed**2 / (2 * slowing))
-    return float((distance - braking) / speed + np.sqrt(2 * braking / slowing) + 0.5)
+    braking = min(distance, speed**2 / (2 * braked))
+    return float((distance - braking) / speed + np.sqrt(2 * braking / braked) + 0.5)
 
 
 def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
@@ -84,19 +106,22 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     direction, _ = way(start, thing, region)
     origin = start[thing, "position"].copy()
     chosen = parameters.hyperparameters
-    distance, speed, slowing = (np.asarray(chosen[name]) for name in ("distance", "speed", "deceleration"))
+    distance, speed, braked = (np.asarray(chosen[name]) for name in ("distance", "speed", "deceleration"))
     resistance = GRAVITY * thing["mass"] * thing["rolling_friction"] / thing["radius_of_rotation"]
+    braking = np.minimum(1.5 * thing["mass"] * braked, resistance)
     rate, servo = _SPEED_RATE * hand["mass"], position_servo(hand)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         centre = state[thing, "position"]
         remaining = distance - dot(centre - origin, direction)
-        wanted = np.minimum(speed, np.sqrt(2 * slowing * np.maximum(remaining, 0.0)))
+        wanted = np.minimum(speed, np.sqrt(2 * braked * np.maximum(remaining, 0.0)))
         gap = dot(centre - state[hand, "position"], direction) - touching(state, hand, thing, direction)
         closing = np.where(remaining > 0, np.clip(_APPROACH_GAIN * gap, 0.0, _APPROACH_SPEED), 0.0)
         velocity = dot(state[hand, "velocity"], direction)
         push = rate * (wanted + closing - velocity)
-        push = push + np.where((remaining > 0) & (gap < STANDOFF / 2), resistance, 0.0)
+        # While the object slows down, it needs a smaller force. Otherwise, a heavy object would lag behind the hand.
+        bearing = resistance - np.where(wanted < speed, braking, 0.0)
+        push = push + np.where((remaining > 0) & (gap < STANDOFF / 2), bearing, 0.0)
         # The hand controls its speed along the rolling direction, and its position perpendicular to that direction.
         beside = centre.copy()
         beside[..., 2] = working_height(state, hand, thing)
@@ -113,7 +138,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
     mass, radius = hand["mass"], thing["radius_of_rotation"]
     inertia = 1.5 * thing["mass"]  # m + I / R^2 of a solid cylinder
     whole = mass + inertia
-    slowing = thing["rolling_friction"] * GRAVITY / (1.5 * radius)
+    deceleration = slowing(thing)
 
     def system(state: State, commands: Commands, dt: float) -> State:
         direction, _ = way(state, thing, region)
@@ -124,7 +149,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
 
         hand_velocity = state[hand, "velocity"] + force_on(hand, state, commands) / mass * dt
         along = dot(hand_velocity, direction)
-        rolling = np.maximum(0.0, np.abs(moving) - slowing * dt)
+        rolling = np.maximum(0.0, np.abs(moving) - deceleration * dt)
         gap = dot(state[thing, "position"] - state[hand, "position"], direction) - pushed
         touches = (gap <= (along - rolling) * dt + 1e-6) & (along > rolling)
         common = np.maximum(0.0, (mass * along + inertia * rolling) / whole)
@@ -165,12 +190,12 @@ ROLLING = Block(
     writes={"hand": MOTION, "object": BODY},
     # Rolling keeps the axis level and the centre on its line, so the feasibility facts do not change.
     # Objects that tumble are boxes, which do not roll.
-    keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, POSTURE, *FEASIBLE_TUMBLING, *CONTROL_PREDICATES),
+    keeps=(LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, OUTSIDE, POSTURE, *FEASIBLE_TUMBLING, *CONTROL_PREDICATES),
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     hyperparameters=(
         Hyperparameter("distance", "m", 0.0, 10.0, _initial_distance, "distance that the object rolls"),
         Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(0.4), "largest speed"),
-        Hyperparameter("deceleration", "m/s^2", 0.05, 0.3, lambda b, s: np.asarray(0.15), "final deceleration"),
+        Hyperparameter("deceleration", "m/s^2", SMALLEST_DECELERATION, 0.3, _usual, "final deceleration"),
     ),
     duration=Duration(0.2, 40.0, _expected),
     policy=_policy,

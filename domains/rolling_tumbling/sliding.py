@@ -12,7 +12,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import GRAVITY, Token
 
-from .tumbling_geometry import GRIP, half_extent
+from .tumbling_geometry import GRIP, PAST_BALANCE, SAG, half_extent
 
 HAND_FRICTION = 0.5
 """Friction coefficient of a hand. Physics backends assume this value for tokens without the property `friction`."""
@@ -96,3 +96,20 @@ def squeeze_range(thing: Token, near: str, down: str, force: float) -> tuple[flo
     largest = max(turning if hand * force < weight / 2.0 else force, touching)
     needed = squeeze_needed(weight, width, height, friction)
     return min(max(STEADY * needed, SQUEEZE * weight), largest), min(needed, largest), largest
+
+
+def leaning_friction(height: float, width: float) -> float:
+    """Return the smallest friction with which the edge of a box does not slide while a single hand holds the box.
+
+    The box leans over a face past its point of balance, and may sink onto the hand a little. The hand presses on this
+    face with the force N. Its moment about the edge balances that of the weight. If the face is turned down by the
+    angle phi, the edge does not slide if N cos(phi) <= mu (W - N sin(phi)).
+
+    Args:
+        height: length of the face from the edge to its far end [m].
+        width: extent of the box along the normal of the face [m].
+    """
+    lean = PAST_BALANCE + SAG
+    press = float(np.hypot(height, width) / 2.0 * np.sin(lean) / (GRIP * height))
+    turned = np.arctan2(width, height) + lean
+    return float(press * np.cos(turned) / (1.0 - press * np.sin(turned)))

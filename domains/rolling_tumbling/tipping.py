@@ -44,9 +44,15 @@ from ..common.servos import hand_system
 from ..common.timetable import round_up
 from ..common.vectors import UP, dot
 from .classes import Tumblable
-from .control_predicates import CLEAR_OF_FLOOR, ROUGH_ENOUGH, TURNS_SLOWLY
+from .control_predicates import (
+    CLEAR_OF_FLOOR,
+    HEAVY_ENOUGH,
+    LARGE_ENOUGH,
+    ROUGH_ENOUGH,
+    TURNS_SLOWLY,
+)
 from .faces import FACE, POSTURES, faces_of
-from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
+from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
 from .sliding import squeeze_range
 from .standing import FLAT_TOLERANCE
 from .tumbling_geometry import edge_axis, edge_position, half_extent, nominal_tilt, normal
@@ -64,12 +70,18 @@ from .tumbling_predicates import (
 from .turning import CLOSING, Roles, after_turning, make_turning, turning_system, turning_time
 
 _LEAN_SQUEEZE = 25.0
+"""Largest default squeeze [N] of hands that tilt a box from one hand over to the other hand."""
+_LIGHT_SQUEEZE = 0.25
+"""Ratio of this squeeze to the weight of a light box, which a larger squeeze would throw when a hand lets go."""
 _SETTLING = 0.05
 _AT_FACES = (AT_FACE("first", "object", "near"), AT_FACE("second", "object", "far"))
-_ABLE = tuple(
-    feasible(hand, "object")
-    for hand in ("first", "second")
-    for feasible in (STRONG_ENOUGH, ROUGH_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
+_ABLE = (
+    *(
+        feasible(hand, "object")
+        for hand in ("first", "second")
+        for feasible in (STRONG_ENOUGH, ROUGH_ENOUGH, WITHIN_REACH, LOW_ENOUGH, LARGE_ENOUGH)
+    ),
+    HEAVY_ENOUGH("object"),
 )
 
 
@@ -92,7 +104,8 @@ def _opposed_range(binding: Binding) -> tuple[float, float]:
 
 
 def _light(binding: Binding, state: State) -> FloatArray:
-    return np.asarray(_LEAN_SQUEEZE)
+    (thing,) = get_tokens(binding, "object")
+    return np.asarray(min(_LEAN_SQUEEZE, _LIGHT_SQUEEZE * GRAVITY * thing["mass"]))
 
 
 def _hold(binding: Binding, start: State, parameters: Parameters) -> Policy:
@@ -145,7 +158,7 @@ def _tipping(
         ),
         writes={"first": MOTION, "second": MOTION, "object": BODY},
         # Boxes do not roll, so the facts of rolling do not change.
-        keeps=(INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE),
+        keeps=(INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE),
         ends={"object": ("near", "far", "before", "outcome")},
         allowed_contacts=(("first", "object"), ("second", "object"), ("object", FLOOR)),
         hyperparameters=(
@@ -206,6 +219,7 @@ TILTING = Block(
         TURNS_SLOWLY("object"),
     ),
     writes={"hand": MOTION},
+    keeps=(OUTSIDE,),
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),
     hold=True,

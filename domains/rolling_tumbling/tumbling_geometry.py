@@ -18,7 +18,7 @@ The value was found by experiment. With a smaller value, the tipping force is to
 lift the pivot edge.
 """
 _HIGHEST = 0.9
-_SAG = float(np.radians(3.0))
+SAG = float(np.radians(3.0))
 """Angle by which a leaning box may sink onto a hand [rad]."""
 STANDBY_GAP = 0.012
 """Gap between a face and a hand in its standby position [m]."""
@@ -94,12 +94,31 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
     halves = np.asarray(thing["half_extents"])
     below = side_below(state, hand, thing, face)
     extent = 2.0 * dot(np.abs(below), halves)
-    # Angle between the face and the floor if the box leans over the face. A hand at the face must not touch the floor,
-    # even if the weight of the box presses the hand down.
-    angle = np.arctan2(extent / 2.0, half_extent(thing, face)) - PAST_BALANCE - _SAG
-    clear = hand["radius"] * (1.0 + np.cos(angle)) / np.sin(angle) + FLOOR_CLEARANCE
+    clear = height_above_edge(hand, extent, 2.0 * half_extent(thing, face))
     height = np.clip(clear, GRIP * extent, _HIGHEST * extent)
     return np.asarray(NORMALS[face] * contact_distance(thing, face) + below * (extent / 2.0 - height)[..., None])
+
+
+def height_above_edge(hand: Token, extent: FloatArray | float, width: float) -> FloatArray:
+    """Return the smallest height ``(...)`` [m] above the edge at which a hand below a leaning box clears the floor.
+
+    Args:
+        hand: the hand, whose radius matters.
+        extent: height of the face ``(...)`` [m].
+        width: extent of the box along the face's normal [m].
+    """
+    # Angle between the face and the floor if the box leans over the face. A hand at the face must not touch the floor,
+    # even if the weight of the box presses the hand down.
+    angle = np.arctan2(extent, width) - PAST_BALANCE - SAG
+    return np.asarray(hand["radius"] * (1.0 + np.cos(angle)) / np.sin(angle) + FLOOR_CLEARANCE)
+
+
+def room_below(hand: Token, extent: float, width: float) -> float:
+    """Return the height [m] of the highest contact point of a face, minus the height at which a hand has room below.
+
+    Half of the clearance is enough: in physics, a hand with less than this touched the floor.
+    """
+    return float(_HIGHEST * extent - height_above_edge(hand, extent, width) + FLOOR_CLEARANCE / 2.0)
 
 
 def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:

@@ -1,0 +1,181 @@
+"""Laws of a roll with friction and rolling resistance, in closed form, and the predicates that state them.
+
+An object of mass m and radius R has the friction mu and the rolling friction rho. A hand pushes the object from behind
+with the force N at the height of its axis. The near side of the object moves up, so the hand presses this side down
+with the friction nu N. Rolling friction acts at both contacts: a backend multiplies rho by the friction of the other
+body, 1 for the floor and h for the hand. The moments about the axis balance if
+N R = nu N R + rho (m g + nu N) + h rho N. Without slip, the friction of the floor is N <= mu (m g + nu N). The smallest
+friction is thus mu = rho (1 + h mu)/(R (1 - nu)). A hand that pushes elsewhere may need less friction. Without any
+friction, all forces act towards the axis, so that nothing turns the object. An object that rolls alone slows down by
+rho g/(R + I/(m R)), where I is its moment of inertia.
+"""
+
+import numpy as np
+
+from hybrid_tamp.authoring import GRAVITY, Cylinder, FloatArray, Kind, MeshShape, Parameter, Predicate, State, Token
+
+from ..common.classes import StaticEndEffector
+from ..common.predicates import everywhere, length_predicate
+from ..common.vectors import UP
+from .classes import Rollable
+from .geometry import FLOOR_CLEARANCE, reach_of, upright_part
+
+_HAND = Parameter("hand", StaticEndEffector)
+_OBJECT = Parameter("object", Rollable)
+HAND_FRICTION = 0.5
+"""Friction coefficient of a hand. Physics backends assume this value for tokens without the property `friction`."""
+SMALLEST_DECELERATION = 0.01
+"""Smallest deceleration of a roll [m/s^2]."""
+_USUAL_DECELERATION = 0.15
+_RESERVE = 0.8
+"""Ratio of the hand's deceleration to that of an object which rolls alone, so that the object stays at the hand."""
+_STEEPEST = 0.65
+"""Largest sine of the inclination of a push. A steeper push presses the object down."""
+_FRICTIONLESS = 1e-6
+"""Friction below which an object counts as without friction."""
+_OFF_CENTRE = 0.002
+"""Largest distance [m] from the middle of an object at which a hand pushes."""
+
+
+def _grip(hand: Token, thing: Token) -> tuple[float, float, float]:
+    """Return the ratio rho/R, the friction mu and the friction nu of the hand."""
+    ratio = thing["rolling_friction"] / thing["radius_of_rotation"]
+    return float(ratio), float(thing["friction"]), HAND_FRICTION * float(thing["friction"])
+
+
+def _least_friction(thing: Token) -> float:
+    return float(thing["friction"]) - _FRICTIONLESS
+
+
+def _turning(hand: Token, thing: Token) -> float:
+    """Return the part of a push at the height of the axis that turns the object, negative if the hand stops it."""
+    ratio, _, at_hand = _grip(hand, thing)
+    return 1.0 - at_hand * (1.0 + ratio) - HAND_FRICTION * ratio
+
+
+def _steadiness(hand: Token, thing: Token) -> float:
+    """Return the friction minus the smallest friction with which a push at the height of the axis rolls the object."""
+    ratio, friction, at_hand = _grip(hand, thing)
+    turning = _turning(hand, thing)
+    # With a large friction, the hand stops the rotation, however hard it pushes.
+    return min(friction - ratio * (1.0 + at_hand) / (1.0 - at_hand), turning) if at_hand < 1.0 else turning
+
+
+def push_needed(hand: Token, thing: Token) -> float:
+    """Return the force [N] of a hand that rolls an object steadily, or infinity if the hand stops the rotation."""
+    ratio, _, at_hand = _grip(hand, thing)
+    turning = _turning(hand, thing)
+    weight = GRAVITY * float(thing["mass"])
+    return weight * ratio * float(np.hypot(1.0, at_hand)) / turning if turning > 0.0 else float("inf")
+
+
+def _strength(hand: Token, thing: Token) -> float:
+    needed = push_needed(hand, thing)
+    # If the hand stops the rotation, ROLLS_STEADILY states this reason, and strength is not to blame.
+    return float(hand["maximal_force"]) - needed if np.isfinite(needed) else 0.0
+
+
+def slowing(thing: Token) -> float:
+    """Return the deceleration [m/s^2] of a solid cylinder that rolls alone. A sphere slows down a little faster."""
+    return float(thing["rolling_friction"] * GRAVITY / (1.5 * thing["radius_of_rotation"]))
+
+
+def usual_deceleration(thing: Token) -> float:
+    """Return the default deceleration [m/s^2] of a hand, with which an object does not run away from the hand."""
+    return float(np.clip(_RESERVE * slowing(thing), SMALLEST_DECELERATION, _USUAL_DECELERATION))
+
+
+def _stopping(thing: Token) -> float:
+    """Return the rolling friction [m] minus the rolling friction with which the object follows the slowest hand."""
+    needed = SMALLEST_DECELERATION / _RESERVE * 1.5 * thing["radius_of_rotation"] / GRAVITY
+    return float(thing["rolling_friction"] - needed)
+
+
+def _width(thing: Token) -> float:
+    """Return the width [m] of an object along its axis, minus the width of the strip on which a hand pushes."""
+    along = np.asarray(thing["axis_of_rotation"])
+    if isinstance(thing.shape, Cylinder):
+        width = thing.shape.length
+    elif isinstance(thing.shape, MeshShape):
+        width = float(np.ptp(thing.shape.corners @ along))
+    else:
+        return float(thing["radius_of_rotation"])
+    return float(width - 2.0 * _OFF_CENTRE)
+
+
+def _overlap(state: State, hand: Token, thing: Token) -> FloatArray:
+    """Return the largest height of a push on an object, minus the height [m] at which the hand can touch the object.
+
+    A hand that cannot go lower touches a small object above its axis, where the normal of the contact is inclined.
+    """
+    half = reach_of(hand, state, np.broadcast_to(UP, state[hand, "position"].shape))
+    standing = upright_part(hand, state)
+    radius = float(thing["radius_of_rotation"])
+    lower_end = np.maximum(radius, half + FLOOR_CLEARANCE) - standing
+    # The lower end of an upright hand is an edge. A level hand touches with its round side.
+    round_part = np.maximum(half - standing, 0.0)
+    return np.asarray(radius + _STEEPEST * (radius + round_part) - lower_end)
+
+
+ROLLS = Predicate(
+    "rolls",
+    (_OBJECT,),
+    everywhere(_least_friction),
+    unit="1",
+    scale=0.1,
+    kind=Kind.STATIC,
+    description="{object} has friction, so that forces can turn it",
+    denial="{object} slides instead of rolling: without friction, no force turns it",
+)
+ROLLS_STEADILY = Predicate(
+    "rolls_steadily",
+    (_HAND, _OBJECT),
+    everywhere(_steadiness),
+    unit="1",
+    scale=0.1,
+    kind=Kind.STATIC,
+    competence=True,
+    description="{object} rolls without sliding when {hand} pushes it at the height of its axis",
+    denial="{object} slides instead of rolling when {hand} pushes it at the height of its axis",
+)
+ABLE_TO_ROLL = Predicate(
+    "able_to_roll",
+    (_HAND, _OBJECT),
+    everywhere(_strength),
+    unit="N",
+    scale=10.0,
+    kind=Kind.STATIC,
+    competence=True,
+    description="{hand} is strong enough to roll {object} against its rolling resistance",
+    denial="{hand} is too weak to roll {object} against its rolling resistance",
+)
+STOPS = length_predicate(
+    "stops",
+    (_OBJECT,),
+    everywhere(_stopping),
+    kind=Kind.STATIC,
+    competence=True,
+    description="the rolling friction of {object} is large enough to stop it while a hand slows down behind it",
+    denial="the rolling friction of {object} is too small to stop it while a hand slows down behind it",
+)
+WIDE_ENOUGH = length_predicate(
+    "wide_enough",
+    (_OBJECT,),
+    everywhere(_width),
+    kind=Kind.STATIC,
+    competence=True,
+    description="{object} is wide enough along its axis for the push of a hand",
+    denial="{object} is too thin along its axis: a push of a hand off its middle would turn it over",
+)
+TOUCHES_AXIS = length_predicate(
+    "touches_axis",
+    (_HAND, _OBJECT),
+    _overlap,
+    reads={"hand": ("orientation",)},
+    kind=Kind.STATIC,
+    competence=True,
+    description="{hand} touches {object} close enough to the height of its axis",
+    denial="{object} is too small for {hand}, which touches it too far above its axis",
+)
+ROLLABLE_FACTS = (ROLLS_STEADILY, ROLLS, ABLE_TO_ROLL, STOPS, WIDE_ENOUGH, TOUCHES_AXIS)
+"""Feasibility facts of a roll that depend on the sizes and the material of the object."""
