@@ -6,6 +6,7 @@
     hand - static-end-effector
   )
   (:init
+    (able_to_roll hand drum)
     (at_face drum no-object-of-at_face no-face-of-at_face)
     (at_face hand no-object-of-at_face no-face-of-at_face)
     (at_rest drum)
@@ -251,6 +252,7 @@
     (lowers top bottom over-top-left flat-left)
     (lowers top bottom over-top-right flat-right)
     (on_rolling_line drum goal)
+    (outside hand drum)
     (partner drum nobody)
     (partner hand nobody)
     (passes reaching-away-hand resting-token)
@@ -297,6 +299,9 @@
     (reads-0 drum nobody)
     (reads-0 hand nobody)
     (rollable drum)
+    (rolls drum)
+    (rolls_steadily hand drum)
+    (stops drum)
     (tips back front flat-bottom over-bottom-front)
     (tips back front flat-left over-left-front)
     (tips back front flat-right over-right-front)
@@ -321,6 +326,8 @@
     (tips top bottom flat-front over-front-bottom)
     (tips top bottom flat-left over-left-bottom)
     (tips top bottom flat-right over-right-bottom)
+    (touches_axis hand drum)
+    (wide_enough drum)
     (within_workspace hand drum goal)
   )
   (:goal
