@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from workbench import HAMMER, MASS, MOMENT, UP, WIDTH, WRIST, Tool, grasp_point, held
 
+from hybrid_tamp.geometry.shapes import Box
 from hybrid_tamp.model.grasp import grip_limits
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
@@ -97,6 +98,29 @@ def test_a_blow_slides_as_far_as_coulomb_says(speed: tuple[float, float, float])
     assert np.linalg.norm(grasp_point(state)) == pytest.approx(wanted, rel=0.03)
     assert np.linalg.norm(state["hand", "velocity"] - state["hammer", "velocity"]) < 1e-3
     assert state["hand", "velocity"] == pytest.approx(np.array(speed) * MASS / (MASS + 1.0), rel=1e-3)
+
+
+def test_a_sliding_grip_is_restored_bit_for_bit() -> None:
+    """A tool of one solid is restored by Bullet's own state, and a compound by a repetition of all commands."""
+    solid = Token.make("hammer", [Tool], {"mass": MASS}, Box(kind="box", half_extents=(0.1, 0.012, 0.012)))
+    task = held(0.08, TURN, hammer=solid)
+
+    def rows(backend: BulletBackend, first: int, count: int) -> list[bytes]:
+        found = []
+        for step in range(first, first + count):
+            force, torque = np.array([3.0, 1.0, 6.0 + 20 * np.sin(step)]), np.array([0.3, -0.6, 0.3 * np.cos(step)])
+            commands = {("hand", "force"): force, ("hand", "torque"): torque, ("hand", "grip"): np.array([6.0])}
+            found.append(backend.step(commands).values.tobytes())
+        return found
+
+    with BulletBackend() as backend:
+        backend.reset(task, task.state)
+        rows(backend, 0, 30)
+        assert abs(grasp_point(backend.step({("hand", "grip"): np.array([6.0])}))[1]) > 1e-3
+        with backend.snapshot() as go_back:
+            once = rows(backend, 30, 40)
+            go_back()
+            assert rows(backend, 30, 40) == once
 
 
 def test_a_grip_keeps_momentum_and_angular_momentum() -> None:
