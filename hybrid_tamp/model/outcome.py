@@ -1,12 +1,12 @@
 """Outcomes of planning: a plan and information about the planner, or the reason why there is no plan."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
 from hybrid_tamp.model.explanation import Explanation
-from hybrid_tamp.model.plan import BlockInstance, Step, TaskPlan
+from hybrid_tamp.model.plan import BlockInstance, Fewest, Step, TaskPlan
 from hybrid_tamp.model.planned_network import PlannedNetwork
 from hybrid_tamp.model.refined import RefinedPlan, Shortfall
 from hybrid_tamp.model.tables import Rows, Tabular
@@ -42,12 +42,19 @@ class PlannerFigures:
         seconds: total time of all attempts [s].
         way: description of how the plan was found.
         stages: maps each stage of planning to its time [s].
+        fewest: what is known about the plan's number of actions; null if there is no plan or the makespan is minimised.
     """
 
     name: str
     seconds: float
     way: str = ""
     stages: Mapping[str, float] = field(default_factory=dict)
+    fewest: Fewest | None = None
+
+    @property
+    def unproven(self) -> "PlannerFigures":
+        """The figures without a proof that the plan has the fewest actions."""
+        return self if self.fewest != "proven fewest" else replace(self, fewest="no shorter one found")
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,12 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Literal
 
 from hybrid_tamp.model.tables import Rows, Tabular
+
+Fewest = Literal["proven fewest", "no shorter one found", "first found"]
+"""What is known about a plan's number of actions. "No shorter one found" means that a counted search looked for one."""
 
 TIME_TOLERANCE = 1e-6
 """Largest difference between two times that are treated as the same instant [s]."""

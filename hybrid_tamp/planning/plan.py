@@ -145,7 +145,10 @@ def _extend(tailored: _TailoredNetwork, planned: SearchResult) -> SearchResult:
 
 
 def _outcome(tailored: _TailoredNetwork, planned: SearchResult) -> PlanOutcome:
-    figures = PlannerFigures(planned.answer.engine, tailored.elapsed, planned.way, stages=dict(tailored.stages))
+    stages, engine = dict(tailored.stages), planned.answer.engine
+    figures = PlannerFigures(engine, tailored.elapsed, planned.way, stages, planned.fewest)
+    if tailored.can_widen:
+        figures = figures.unproven  # Another object may allow a plan with fewer actions.
     outcome = PlanOutcome(tailored.task, figures, tailored.network)
     if planned.plan is not None:
         stopped = None if planned.stopped is None else PlanningFailure.of(planned.stopped)

@@ -50,7 +50,9 @@ def plan_and_refine(
     excluded: tuple[Exclusion, ...] = ()
     current = task
     while True:
-        outcome = replace(find_plan(current), excluded=excluded)
+        outcome = find_plan(current)
+        if excluded:
+            outcome = replace(outcome, excluded=excluded, planner=outcome.planner.unproven)
         if outcome.plan is None or outcome.failure is not None:
             return _give_up(outcome) if excluded and outcome.status != "limit" else outcome
         try:

@@ -148,6 +148,7 @@ KEYS: Mapping[type, Keys] = {
         "seconds",
         Key("way", default=""),
         Key("proven_shortest", sources.proven_shortest, default=False),
+        Key("fewest", default=None),
         Key("stages", default=dict),
     ),
     Step: ("index", "start", "end", Key("blocks", "instances")),

@@ -61,7 +61,9 @@ def allocations(step: Json, resting: str) -> list[str]:
 def plan_footer(document: Json) -> str:
     """Return one line with the length of a plan and the way in which the plan was found."""
     planner = document["planner"]
-    text = f"{len(document['actions'])} actions, {document['makespan']:.2f} s, planned in {planner['seconds']:.2f} s"
+    known = "" if planner.get("fewest") is None else f" ({planner['fewest']})"
+    text = f"{len(document['actions'])} actions{known}, {document['makespan']:.2f} s"
+    text += f", planned in {planner['seconds']:.2f} s"
     if document["objective"] == "makespan":
         text += f" ({planner['way']}; not proven the shortest in time)"
     return text

@@ -1,8 +1,8 @@
 """Search for the best lawful plan of a task with all strategies.
 
-Independent goals are planned separately. If this gives no plan, the engine plans the whole task at once. If the
-objective is the number of actions, the first lawful plan is returned. If the objective is the makespan, the goals are
-planned separately with different numbers of helpers. Then interchangeable tokens of the shortest plan are rebound until
+Independent goals are planned separately. If this gives no plan, the engine plans the whole task at once. To find the
+fewest actions, a small task is first planned at once, and few groups of goals are also planned in turn. For the
+makespan, goals are planned separately with different numbers of helpers, and interchangeable tokens are rebound until
 no rebinding shortens the plan. Counts limit these searches. The deadline of the command ends them, but shapes no plan.
 """
 
@@ -12,20 +12,24 @@ from dataclasses import replace
 
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.deadline import Deadline
+from hybrid_tamp.model.plan import Fewest
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
+from hybrid_tamp.symbolic.engines.registry import FIRST, SHORTENING
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
+from hybrid_tamp.symbolic.strategies.at_once import is_small, plan_at_once
+from hybrid_tamp.symbolic.strategies.fewest import judge_fewest, looks_for_fewest
 from hybrid_tamp.symbolic.strategies.goals_apart import plan_goals_apart
+from hybrid_tamp.symbolic.strategies.in_turn import plan_goals_in_turn
 from hybrid_tamp.symbolic.strategies.rebinding import rebind_tokens
 from hybrid_tamp.symbolic.strategies.search import Candidate, Planner, Search, SearchResult
 from hybrid_tamp.symbolic.whereabouts.relax import relax_task
 from hybrid_tamp.symbolic.whereabouts.situate import Excluded, Situation
 
-WHOLE = "the whole task at once"
 REBOUND = "interchangeable tokens rebound"
 REFUSED = "The plans that were found fail in their predicted states: "
 
-_DECOMPOSING = ("fast-downward", "symk", "enhsp", "pyperplan")
+_DECOMPOSING = (SHORTENING, FIRST, "symk", "enhsp", "pyperplan")
 """Engines that may plan goals separately. They stop if there is no plan, and do not guarantee the fewest actions."""
 
 
@@ -72,6 +76,8 @@ def _plan_whereabouts(task: Task, planner: Planner, deadline: Deadline, result: 
         LimitReached: If a limit was reached before any plan was found.
     """
     situation = Situation(task)
+    if situation.tracking.parameters and result.shorter_refused:
+        return _shorten(situation, planner, deadline, result)
     if result.status not in ("unsolvable", "plan_refused") or not situation.tracking.parameters:
         return result
     relaxed = Search(relax_task(task, situation.tracking), planner, deadline)
@@ -80,21 +86,38 @@ def _plan_whereabouts(task: Task, planner: Planner, deadline: Deadline, result: 
     optimistic = _situated_search(situation, planner, deadline, optimistic=True)
     if not _is_within_reach(optimistic):
         return _unsolvable(optimistic, task)
+    refusals: list[str] = []
+    with_nodes = _plan_with_nodes(situation, planner, deadline, refusals)
+    if with_nodes is not None:
+        return with_nodes
+    found = _plan(optimistic, relax=False)
+    return found if found.status in ("solved", "unsolvable") else _not_found(found, (*refusals, *optimistic.refusals))
+
+
+def _plan_with_nodes(
+    situation: Situation, planner: Planner, deadline: Deadline, refusals: list[str]
+) -> SearchResult | None:
+    """Plan with the facts at the expected ends of movements. Return None if there is no plan, and extend `refusals`."""
     excluded: set[Excluded] = set()
-    for _ in range(task.limits.refinements + 1):
+    for _ in range(situation.task.limits.refinements + 1):
         search = _situated_search(situation, planner, deadline, excluded=excluded)
         found = _plan(search, relax=True)
         if found.status == "solved":
             return found
         if not (more := situation.excluded(search.broken) - excluded):
+            refusals += search.refusals
             break
         excluded |= more
-    found = _plan(optimistic, relax=False)
-    return (
-        found
-        if found.status in ("solved", "unsolvable")
-        else _not_found(found, (*search.refusals, *optimistic.refusals))
-    )
+    return None
+
+
+def _shorten(situation: Situation, planner: Planner, deadline: Deadline, result: SearchResult) -> SearchResult:
+    """Return a plan with whereabouts if it has fewer actions than a plan without, or else the plan without."""
+    try:
+        found = _plan_with_nodes(situation, planner, deadline, [])
+    except LimitReached as reached:
+        return replace(result, stopped=reached)
+    return result if found is None else min(result, found, key=_cost)
 
 
 def _situated_search(
@@ -132,15 +155,19 @@ def _plan(search: Search, relax: bool) -> SearchResult:
     stopped: LimitReached | None = None
     if relax and not _is_within_reach(search):
         return _unsolvable(search, original)
+    fewest: Fewest | None = None
     try:
         answer, best = _search(search)
+        if best is not None and task.objective != "makespan":
+            fewest = judge_fewest(search, answer, best)
     except LimitReached as reached:
         if search.best is None:
             raise
         best, stopped = search.best, reached
     if best is not None:
         answer = PlannerAnswer("solved", best.plan.actions, search.elapsed, task.planner, validated=True)
-        return SearchResult(answer, best.plan, "", best.way, dict(search.stages), original, stopped)
+        refused = bool(search.broken) and looks_for_fewest(task)
+        return SearchResult(answer, best.plan, "", best.way, dict(search.stages), original, stopped, fewest, refused)
     assert answer is not None, "the engine was not asked for a plan of the whole task"
     refusal = search.refusals[-1] if search.refusals and answer.status == "solved" else ""
     answer = replace(answer, seconds=search.elapsed)
@@ -157,14 +184,18 @@ def _search(search: Search) -> tuple[PlannerAnswer | None, Candidate | None]:
     """Return the engine's answer for the whole task, or None if it was not asked, and the best plan, or None."""
     task, answer, best = search.task, None, None
     shortest = task.objective == "makespan"
+    if looks_for_fewest(task) and is_small(task):
+        answer, best = plan_at_once(search, task.planner)
+        if best is None or answer.fewest == "proven fewest":
+            return answer, best
     if task.planner in _DECOMPOSING:
-        best = plan_goals_apart(search, first_will_do=not shortest)
+        apart = plan_goals_apart(search, first_will_do=not shortest)
+        if apart is not None and looks_for_fewest(task):
+            apart = plan_goals_in_turn(search, apart)
+        if apart is not None and (best is None or len(apart.plan.actions) < len(best.plan.actions)):
+            best = apart
     if best is None:
-        with search.stage("compiling"):
-            problem = search.compilation.problem
-        with search.limits_of_request() as limits:
-            answer = search.planner.solve(problem, task.planner, limits)
-        best = search.judge_actions(WHOLE, answer.actions) if answer.status == "solved" else None
+        answer, best = plan_at_once(search, task.planner)
     if best is not None and shortest:
         best = _rebind(search, best)
     return answer, best
@@ -208,7 +239,10 @@ def _plan_alternatives(alternatives: Sequence[Task], planner: Planner, deadline:
     # The duration of a stage is summed over all alternatives.
     stages = {name: sum(result.stages.get(name, 0.0) for result in found) for name in chosen.stages}
     answer = replace(chosen.answer, seconds=time.monotonic() - began)
-    return replace(chosen, answer=answer, stages=stages, stopped=stopped)
+    fewest = chosen.fewest
+    if fewest == "proven fewest" and not all(each.fewest == fewest or each.status == "unsolvable" for each in found):
+        fewest = "no shorter one found"
+    return replace(chosen, answer=answer, stages=stages, stopped=stopped, fewest=fewest)
 
 
 def _cost(result: SearchResult) -> float:

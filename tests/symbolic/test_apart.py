@@ -22,11 +22,14 @@ from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess
-from hybrid_tamp.symbolic.find_plan import WHOLE, find_plan
+from hybrid_tamp.symbolic.engines.registry import FIRST
+from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.strategies.allocation import cheapest_matching
+from hybrid_tamp.symbolic.strategies.at_once import WHOLE
 from hybrid_tamp.symbolic.strategies.goals_apart import APART, plan_goals_apart
 from hybrid_tamp.symbolic.strategies.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
+from hybrid_tamp.symbolic.strategies.in_turn import IN_TURN
 from hybrid_tamp.symbolic.strategies.search import Search, SearchResult
 
 
@@ -87,7 +90,7 @@ def test_more_hands_make_one_box_quicker(planner: Counting) -> None:
 def test_drums_roll_apart_each_to_its_region(planner: Counting, tmp_path: Path) -> None:
     places = [(0.0, 0.6 * row) for row in range(3)]
     regions = [(0.7, 0.6 * row) for row in range(3)]
-    task = rolling_task(1, places, regions, [(0, 0), (1, 1), (2, 2)])
+    task = rolling_task(1, places, regions, [(0, 0), (1, 1), (2, 2)]).replaced(planner=FIRST)
     planned = find_plan(task, planner)
     assert planned.way.startswith(APART)
     assert accepted(tmp_path, task, planned)
@@ -104,7 +107,23 @@ def test_an_optimal_engine_is_asked_for_the_whole_task(planner: Counting) -> Non
     task = rolling_task(2, [(0, 0), (0, 0.6)], [(0.7, 0), (0.7, 0.6)], [(0, 0), (1, 1)])
     planned = find_plan(task.replaced(planner="symk-opt"), planner)
     assert planned.way == WHOLE
-    assert find_plan(task, planner).way.startswith(APART)
+    assert find_plan(task.replaced(planner=FIRST), planner).way.startswith(APART)
+
+
+def test_a_small_task_is_planned_at_once_to_find_the_fewest_actions(planner: Counting) -> None:
+    """Planned separately, one hand rests between two drums. Planned at once, it does not."""
+    task = rolling_task(1, [(0, 0), (0, 0.6)], [(0.7, 0), (0.7, 0.6)], [(0, 0), (1, 1)])
+    at_once, apart = find_plan(task, planner), find_plan(task.replaced(planner=FIRST), planner)
+    assert (at_once.way, at_once.fewest, apart.fewest) == (WHOLE, "proven fewest", "first found")
+    assert len(at_once.answer.actions) < len(apart.answer.actions)
+
+
+def test_few_groups_are_planned_in_turn_with_more_hands(planner: Counting, tmp_path: Path) -> None:
+    task = random_tumbling(7, 4, 2).replaced(objective="length")
+    planned = find_plan(task, planner)
+    assert (planned.way, planned.fewest) == (IN_TURN, "no shorter one found")
+    assert accepted(tmp_path, task, planned)
+    assert len(planned.answer.actions) < 34
 
 
 class Breaking:

@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal
 
 from hybrid_tamp.errors import InputError, Issue, LimitReached
-from hybrid_tamp.model.plan import PlannedAction
+from hybrid_tamp.model.plan import Fewest, PlannedAction
 from hybrid_tamp.symbolic.engines.registry import check_engine, unknown_engine
 from hybrid_tamp.symbolic.engines.worker_process import WorkerProcess
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
@@ -37,6 +37,7 @@ class PlannerAnswer:
         engine: Name of the engine.
         message: Details for the user, or an empty string.
         validated: Whether the validator of unified_planning accepted the actions.
+        fewest: What the engine knows about the number of actions, if the status is ``solved``.
     """
 
     status: Status
@@ -45,6 +46,7 @@ class PlannerAnswer:
     engine: str
     message: str = ""
     validated: bool = False
+    fewest: Fewest = "first found"
 
 
 class PlannerProcess:
@@ -109,4 +111,5 @@ def _read_answer(reply: dict[str, Any], engine: str, seconds: float) -> PlannerA
     if status == "limit":
         raise LimitReached(message, limit=reply["limit"])
     actions = tuple(PlannedAction(each["name"], tuple(each["arguments"])) for each in reply.get("actions", ()))
-    return PlannerAnswer(status, actions, seconds, engine, message, validated=status == "solved")
+    validated, fewest = status == "solved", reply.get("fewest", "first found")
+    return PlannerAnswer(status, actions, seconds, engine, message, validated, fewest)

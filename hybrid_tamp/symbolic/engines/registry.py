@@ -7,8 +7,8 @@ of unsolvable tasks. They are proven by mutexes of the translator, by relaxed re
 ==================== ============================================ ====================================
 engine               answer                                       status
 ==================== ============================================ ====================================
-fast-downward, -opt  UNSOLVABLE_PROVEN, exit code 11; before      unsolvable if the log has the proof
-                     release 1.0 UNSOLVABLE_INCOMPLETELY, exit    sentence, else not found
+fast-downward,       UNSOLVABLE_PROVEN, exit code 11; before      unsolvable if the log has the proof
+-first, -opt         release 1.0 UNSOLVABLE_INCOMPLETELY, exit    sentence, else not found
                      code 12
 symk, -opt           UNSOLVABLE_INCOMPLETELY, exit code 12        unsolvable if the lower bound on the
                                                                   cost is infinite, else not found
@@ -23,17 +23,22 @@ The searches behind these proofs are complete in the configuration of unified_pl
 greedy search, which prunes only states without a relaxed plan), ``astar(lmcut())``, unbounded bidirectional symbolic
 search, and greedy and weighted A* search with additive, maximum or landmark-cut heuristics. For other engines, the
 answer UNSOLVABLE_PROVEN is accepted as a proof.
+
+The engine ``fast-downward`` is ``fast-downward-first`` with a second search for shorter plans
+(`engines.counted_search`).
 """
 
 import os
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
 
 from hybrid_tamp.errors import InputError, Issue
+from hybrid_tamp.model.plan import Fewest
+from hybrid_tamp.symbolic.engines import counted_search
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,9 @@ class Engine:
         proofs: Sentences in the log that prove that there is no plan. With an empty sentence, any answer without a plan
             is a proof. If None, the answer UNSOLVABLE_PROVEN is a proof.
         settings: Maps attributes of the engine in unified_planning to their values for a request.
+        name: Name in unified_planning, if it differs from the engine's name.
+        optimal: Whether each plan of the engine has the fewest actions.
+        shortens: Whether the engine looks for shorter plans, with the log of `engines.counted_search`.
     """
 
     module: str
@@ -58,6 +66,15 @@ class Engine:
     sparse: bool = False
     proofs: tuple[str, ...] | None = None
     settings: Mapping[str, object] = field(default_factory=dict)
+    name: str = ""
+    optimal: bool = False
+    shortens: bool = False
+
+    def judge_length(self, log: str) -> Fewest:
+        """Return what is known about a plan's number of actions, given the log of the engine."""
+        if self.optimal or (self.shortens and counted_search.PROVEN in log):
+            return "proven fewest"
+        return "no shorter one found" if self.shortens else "first found"
 
     def proves(self, status: str, log: str) -> bool:
         """Return whether an answer with this status of unified_planning and this log proves that there is no plan."""
@@ -78,6 +95,17 @@ _FAST_DOWNWARD = Engine(
     sparse=True,
     proofs=("Task is provably unsolvable.", "Completely explored state space -- no solution!"),
     settings={"_fd_translate_options": _TRANSLATE},
+    name="fast-downward",
+)
+_SHORTENING = replace(
+    _FAST_DOWNWARD,
+    settings={
+        "_fd_translate_options": _TRANSLATE,
+        "_fd_alias": None,
+        "_fd_search_config": counted_search.SEARCH,
+        "_base_cmd": counted_search.make_command,
+    },
+    shortens=True,
 )
 # If there is no plan, the lower and upper bounds on the cost of a plan are both infinite.
 _SYMK = Engine(
@@ -89,16 +117,22 @@ _SYMK = Engine(
 _ENHSP = Engine("up_enhsp", java=True, faithful=False, sparse=True, proofs=("Problem unsolvable", "Unsolvable Problem"))
 _PYPERPLAN = Engine("up_pyperplan", sparse=True, proofs=("",))
 
+SHORTENING = "fast-downward"
+"""Engine that looks for shorter plans within a count."""
+FIRST = "fast-downward-first"
+"""The same engine without the search for shorter plans."""
+
 ENGINES: Mapping[str, Engine] = MappingProxyType(
     {
-        "fast-downward": _FAST_DOWNWARD,
-        "fast-downward-opt": _FAST_DOWNWARD,
+        SHORTENING: _SHORTENING,
+        FIRST: _FAST_DOWNWARD,
+        "fast-downward-opt": replace(_FAST_DOWNWARD, name="fast-downward-opt", optimal=True),
         "symk": _SYMK,
-        "symk-opt": _SYMK,
+        "symk-opt": replace(_SYMK, optimal=True),
         "enhsp": _ENHSP,
-        "enhsp-opt": _ENHSP,
+        "enhsp-opt": replace(_ENHSP, optimal=True),
         "pyperplan": _PYPERPLAN,
-        "pyperplan-opt": _PYPERPLAN,
+        "pyperplan-opt": replace(_PYPERPLAN, optimal=True),
         "aries": Engine("up_aries", faithful=False),
         "lpg": Engine("up_lpg", install="up-lpg"),
         "tamer": Engine("up_tamer", install="up-tamer"),

@@ -55,15 +55,16 @@ class Solver:
 
     def reply(self, source: PlanningProblem, name: str) -> Reply:
         """Solve a problem with an engine and return the reply."""
+        entry = _entry(name)
+        unified_name = entry.name or name
         try:
-            self._load(name)
+            self._load(unified_name)
         except LookupError as error:
             return {"status": "unknown", "message": str(error), "available": self._available()}
-        entry = _entry(name)
         possible = without_impossible(source)
         plain = None if entry.faithful else PlainProblem(possible)
         problem = unify(plain.problem if plain else possible, sparse=entry.sparse)
-        with self._factory.OneshotPlanner(name=name) as planner:
+        with self._factory.OneshotPlanner(name=unified_name) as planner:
             for attribute, value in entry.settings.items():
                 setattr(planner, attribute, value)
             given, compiled = simplify_for(planner, problem.problem)
@@ -78,7 +79,8 @@ class Solver:
             actions = tuple(map(plain.original, actions))
         # The problem is rebuilt because engines change its explicit initial values.
         fault = unify(source).fault(actions)
-        return {"status": "refused" if fault else "solved", "actions": actions, "message": fault}
+        status, fewest = "refused" if fault else "solved", entry.judge_length(_log(result))
+        return {"status": status, "actions": actions, "message": fault, "fewest": fewest}
 
     def _load(self, name: str) -> None:
         """Import an engine and register it with unified_planning. Raise LookupError if no such planner exists."""
@@ -106,10 +108,14 @@ def _entry(name: str) -> Engine:
     return ENGINES.get(name, Engine(""))
 
 
+def _log(result: Any) -> str:
+    return "\n".join(entry.message.strip() for entry in result.log_messages or ())
+
+
 def _without_plan(name: str, result: Any) -> Reply:
     """Return the reply for an engine's result without a plan."""
     status = result.status.name
-    log = "\n".join(entry.message.strip() for entry in result.log_messages or ())
+    log = _log(result)
     end = f"{name} ended with {status}"
     if status == "TIMEOUT":
         return {"status": "limit", "limit": "time", "message": end}

@@ -12,7 +12,7 @@ from typing import Protocol
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.law import check_law
-from hybrid_tamp.model.plan import BlockInstance, PlannedAction, TaskPlan
+from hybrid_tamp.model.plan import BlockInstance, Fewest, PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.symbolic.decode import NotAPlanError
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
@@ -53,6 +53,8 @@ class SearchResult:
         stages: Maps each stage to its duration [s].
         task: Task that was planned. If the goal leaves a choice, this is the chosen alternative.
         stopped: Limit that ended the search before its end, or None. The plan is then the best plan so far.
+        fewest: What is known about the number of actions, or None if there is no plan or if the makespan is minimised.
+        shorter_refused: Whether a plan with fewer actions was refused, because it fails in its predicted states.
     """
 
     answer: PlannerAnswer
@@ -62,6 +64,8 @@ class SearchResult:
     stages: Mapping[str, float] = field(default_factory=dict)
     task: Task | None = None
     stopped: LimitReached | None = None
+    fewest: Fewest | None = None
+    shorter_refused: bool = False
 
     @property
     def status(self) -> str:
