@@ -1,5 +1,6 @@
 """The verb ``run``."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,6 +24,9 @@ def run(
     backend: options.Backend = "pybullet",
     video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="video to write")] = None,
     force: options.Force = False,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="also run the plan with default hyperparameters, and compare the values")
+    ] = False,
     seed: options.Seed = None,
     time_limit: options.Time = None,
     memory_limit: options.Memory = None,
@@ -40,10 +44,9 @@ def run(
 
         limits = (time_limit, memory_limit)
         settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine, context.obj)
+        run_here = partial(run_task, task, output, settings, backend=backend, planner=process)
         with progress_bar() as tell:
-            result = run_task(
-                task, output, settings, backend=backend, video=video, force=force, planner=process, progress=tell
-            )
+            result = run_here(video=video, force=force, compare=compare, progress=tell)
     _show(result, as_json)
     if not as_json:
         typer.echo("\n".join([*([f"video: {video}"] if video else []), f"files: {output}"]))
@@ -69,7 +72,7 @@ def _judge(result: "RunResult", as_json: bool) -> None:
 
 def _show(result: "RunResult", as_json: bool) -> None:
     from hybrid_tamp.report.documents import document
-    from hybrid_tamp.report.refinement_tables import refinement_tables
+    from hybrid_tamp.report.refinement_tables import comparison_table, refinement_tables
     from hybrid_tamp.report.tables import plan_table, result_table
 
     shown, plan = document(result), document(result.outcome)
@@ -79,4 +82,5 @@ def _show(result: "RunResult", as_json: bool) -> None:
         lambda: plan_table(plan, result.task.domain.resting),
         lambda: refinement_tables(plan["refinement"], shown["performance"]) if plan["refinement"] else "",
         lambda: result_table(shown),
+        lambda: comparison_table(shown["comparison"]) if shown["comparison"] else "",
     )

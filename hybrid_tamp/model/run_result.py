@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from hybrid_tamp.model.conditions import Violation
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import AtomMargin, Recording
-from hybrid_tamp.model.refined import Performance
+from hybrid_tamp.model.refined import Performance, Value
 from hybrid_tamp.model.tables import Rows, Tabular, cell
 from hybrid_tamp.model.task import Task
 
@@ -48,6 +49,21 @@ class OutOfBounds:
 
 
 @dataclass(frozen=True)
+class Compared:
+    """The value of a plan with one choice of hyperparameters.
+
+    Attributes:
+        hyperparameters: ``optimised`` or ``defaults``.
+        predicted: V and J in the forward models.
+        measured: V and J in the physics of the run; null if the run failed.
+    """
+
+    hyperparameters: Literal["optimised", "defaults"]
+    predicted: Value
+    measured: Value | None
+
+
+@dataclass(frozen=True)
 class RunResult(Tabular):
     """The result of one run.
 
@@ -59,6 +75,7 @@ class RunResult(Tabular):
         versions: maps each software package on which the result depends to its version.
         performance: predicted and measured performance measures.
         law: violations of the law of assignment in the recording.
+        comparison: values with optimised hyperparameters and with the defaults. Empty if not requested.
     """
 
     outcome: PlanOutcome
@@ -68,6 +85,7 @@ class RunResult(Tabular):
     versions: Mapping[str, str]
     performance: tuple[Performance, ...]
     law: tuple[Violation, ...]
+    comparison: tuple[Compared, ...] = ()
 
     @property
     def task(self) -> Task:

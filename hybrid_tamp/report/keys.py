@@ -116,6 +116,7 @@ _RESULT: Keys = (
     *_of("recording", "failure"),
     "performance",
     Key("law", sources.breaches),
+    Key("comparison", default=list),
 )
 
 _IMITATION: Keys = (

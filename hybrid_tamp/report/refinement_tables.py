@@ -57,6 +57,30 @@ def values(entry: Json) -> Iterable[tuple[str, str, str]]:
             yield name, _value(other), _gain(entry["best"], other)
 
 
+def comparison(entries: Iterable[Json]) -> Iterable[tuple[str, str, str]]:
+    """Yield rows of (choice of hyperparameters, predicted value, measured value), and a row with the gains."""
+    found = list(entries)
+    for each in found:
+        measured = "a failed run" if each["measured"] is None else _value(each["measured"])
+        yield each["hyperparameters"], _value(each["predicted"]), measured
+    if len(found) > 1:
+        best, other = found[:2]
+        ran = best["measured"] is not None and other["measured"] is not None
+        yield (
+            "gain",
+            _gain(best["predicted"], other["predicted"]),
+            _gain(best["measured"], other["measured"]) if ran else "",
+        )
+
+
+def comparison_table(entries: Iterable[Json]) -> Table:
+    """Return a table of the values with optimised hyperparameters and with the defaults, in the same physics."""
+    table = _table("Value of the plan, in the forward models and in physics", "", ">predicted", ">measured")
+    for row in comparison(entries):
+        table.add_row(*map(Text, row))
+    return table
+
+
 def number(value: float | None) -> str:
     """Return a number as text, or a dash for None."""
     return "-" if value is None else f"{value:.4g}"

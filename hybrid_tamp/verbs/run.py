@@ -2,17 +2,13 @@
 
 import time
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import partial
-from math import isfinite
 from pathlib import Path
 
 from hybrid_tamp.execution.events import EventLog
-from hybrid_tamp.execution.execute import add_predictions, execute
+from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.execution.storage import save
-from hybrid_tamp.midlevel.measured import measure_run
 from hybrid_tamp.model.deadline import Deadline
-from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.run_result import RunResult
@@ -25,12 +21,11 @@ from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.folder import RunFolder
-from hybrid_tamp.report.measures import run_measures
 from hybrid_tamp.report.page import write_page
-from hybrid_tamp.report.versions import versions
 from hybrid_tamp.report.video import check_video, step_pictures, write_video
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.strategies.search import Planner
+from hybrid_tamp.verbs.judging import compare_runs, judge
 from hybrid_tamp.verbs.loading import Settings, load
 from hybrid_tamp.verbs.plan import TRIALS, save_plan
 
@@ -43,6 +38,7 @@ def run(
     backend: str = "pybullet",
     video: Path | None = None,
     force: bool = False,
+    compare: bool = False,
     planner: Planner | None = None,
     find_plan: FindPlan | None = None,
     progress: Progress | None = None,
@@ -57,6 +53,7 @@ def run(
         backend: name of the physics backend.
         video: file for a video. One picture per step is drawn even if no video is wanted.
         force: whether to replace the files of another run.
+        compare: whether to run the plan with default hyperparameters too, and to compare the values of both runs.
         planner: a running planner process; by default a new process is started.
         find_plan: function that returns a plan; by default the planner is called.
         progress: called with the completed fraction of the work and the name of the current activity.
@@ -79,15 +76,14 @@ def run(
         check_video(video)
         physics = stack.enter_context(open_backend(backend))
         planning = find_plan or partial(plan_task, planner=process, deadline=deadline)
-        outcome = plan_and_refine(task, planning, tell, backend, deadline=deadline)
-        if outcome.plan is None:
-            outcome = explain_outcome(blame_factors(outcome, process, deadline), TRIALS, 1, deadline)
+        outcome = _plan(task, planning, process, tell, backend, deadline)
         save_plan(outcome, target)
         write_page(target, task.domain.resting)  # shows the plan, or the reasons why there is no plan
         plan = outcome.required()
         with EventLog(target.path / "events.jsonl") as events:
-            recording = execute(task, plan, physics, partial(_tell_time, tell), events, deadline)
-    result = judge(outcome, recording, time.monotonic() - began)
+            recording = execute(task, plan, physics, partial(_tell, tell, "running"), events, deadline)
+        compared = compare_runs(outcome, recording, physics, deadline) if compare else ()
+    result = judge(outcome, recording, time.monotonic() - began, compared)
     save(result.recording, target.path / "recording.npz")
     target.write_json("result.json", document(result))
     try:
@@ -95,6 +91,16 @@ def run(
     finally:
         write_page(target, task.domain.resting)
     return result
+
+
+def _plan(
+    task: Task, find_plan: FindPlan, planner: Planner, tell: Progress, backend: str, deadline: Deadline
+) -> PlanOutcome:
+    """Return the plan with optimised hyperparameters, or the reasons why there is no plan."""
+    outcome = plan_and_refine(task, find_plan, tell, backend, deadline=deadline)
+    if outcome.plan is not None:
+        return outcome
+    return explain_outcome(blame_factors(outcome, planner, deadline), TRIALS, 1, deadline)
 
 
 def _draw(
@@ -108,41 +114,9 @@ def _draw(
     with open_renderer(task, recording) as renderer:
         step_pictures(folder.path, task, recording, renderer.picture, deadline)
         if video is not None:
-            drawn = partial(_tell_frames, tell)
+            drawn = partial(_tell, tell, "drawing")
             write_video(video, task, recording, renderer.picture, drawn, deadline)
 
 
-def _tell_time(tell: Progress, now: float, end: float) -> None:
-    tell(min(now / end, 1.0), "running")
-
-
-def _tell_frames(tell: Progress, done: int, of: int) -> None:
-    tell(done / of, "drawing")
-
-
-def judge(outcome: PlanOutcome, recording: Recording, seconds: float) -> RunResult:
-    """Return the result of a run: its recording, metrics, performance measures and violations of the law of assignment.
-
-    Args:
-        outcome: the outcome of planning, with the refined plan that was executed.
-        recording: the recording of the run.
-        seconds: wall-clock time from planning to the end of the run [s].
-    """
-    assert outcome.refinement is not None, "a plan must be refined before it is executed"
-    task = outcome.task
-    recording = add_predictions(recording, outcome.refinement.expected)
-    own = task.domain.measure(task, recording)
-    metrics = {".".join(key): value for key, value in own.items()} | dict(run_measures(outcome.required(), recording))
-    figures = {key: float(figure[0]) for key, figure in measure_run(task, recording).figures.items()}
-    return RunResult(
-        outcome=outcome,
-        recording=recording,
-        metrics={name: value for name, value in metrics.items() if isfinite(value)},
-        wall_seconds=seconds,
-        versions=versions(),
-        performance=tuple(
-            replace(each, measured=figures.get((each.instance, each.measure)))
-            for each in outcome.refinement.performance
-        ),
-        law=tuple([] if recording.failure else check_law(task, recording.plan, recording.at)),
-    )
+def _tell(tell: Progress, what: str, done: float, of: float) -> None:
+    tell(min(done / of, 1.0), what)
