@@ -87,8 +87,7 @@ def _plan_whereabouts(task: Task, planner: Planner, deadline: Deadline, result: 
     if not _is_within_reach(optimistic):
         return _unsolvable(optimistic, task)
     refusals: list[str] = []
-    with_nodes = _plan_with_nodes(situation, planner, deadline, refusals)
-    if with_nodes is not None:
+    if (with_nodes := _plan_with_nodes(situation, planner, deadline, refusals)) is not None:
         return with_nodes
     found = _plan(optimistic, relax=False)
     return found if found.status in ("solved", "unsolvable") else _not_found(found, (*refusals, *optimistic.refusals))
