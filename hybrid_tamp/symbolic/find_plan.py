@@ -17,17 +17,19 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
 from hybrid_tamp.symbolic.engines.registry import FIRST, SHORTENING
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
-from hybrid_tamp.symbolic.strategies.at_once import is_small, plan_at_once
-from hybrid_tamp.symbolic.strategies.fewest import judge_fewest, looks_for_fewest
+from hybrid_tamp.symbolic.strategies.fewest import count_facts, judge_fewest, looks_for_fewest
 from hybrid_tamp.symbolic.strategies.goals_apart import plan_goals_apart
 from hybrid_tamp.symbolic.strategies.in_turn import plan_goals_in_turn
-from hybrid_tamp.symbolic.strategies.rebinding import rebind_tokens
+from hybrid_tamp.symbolic.strategies.rebinding import rebind
 from hybrid_tamp.symbolic.strategies.search import Candidate, Planner, Search, SearchResult
 from hybrid_tamp.symbolic.whereabouts.relax import relax_task
 from hybrid_tamp.symbolic.whereabouts.situate import Excluded, Situation
 
-REBOUND = "interchangeable tokens rebound"
+WHOLE = "the whole task at once"
 REFUSED = "The plans that were found fail in their predicted states: "
+
+MOST_AT_ONCE = 1000
+"""Largest number of possible feasibility facts of a task that is planned at once before its goals are separated."""
 
 _DECOMPOSING = (SHORTENING, FIRST, "symk", "enhsp", "pyperplan")
 """Engines that may plan goals separately. They stop if there is no plan, and do not guarantee the fewest actions."""
@@ -57,16 +59,15 @@ def find_plan(task: Task, planner: Planner, deadline: Deadline | None = None, *,
     # A goal that crowds a place is impossible. A task file without another goal is refused.
     alternatives = [each for each in task.alternatives() if each.crowding() is None] or list(task.alternatives())
     if len(alternatives) == 1:
-        result = _plan(Search(alternatives[0], planner, deadline), relax)
-        return _plan_whereabouts(alternatives[0], planner, deadline, result)
+        only = alternatives[0]
+        return _plan_whereabouts(only, planner, deadline, _plan(Search(only, planner, deadline), relax))
     return _plan_alternatives(alternatives, planner, deadline)
 
 
 def _plan_whereabouts(task: Task, planner: Planner, deadline: Deadline, result: SearchResult) -> SearchResult:
     """Plan a task with the whereabouts of its tokens if it has no plan with the feasibility facts of its initial state.
 
-    The search with these facts gave `result`, which is returned if it is a plan, or if no block changes a pose on which
-    a fact depends.
+    The search with these facts gave `result`. It is returned if it is a plan, or if no block changes a pose of a fact.
 
     Facts at the expected ends of movements guide the search. If a condition fails in a predicted state of a plan, the
     search repeats without this fact. Only optimistic facts prove that the task has no plan. With these facts, a
@@ -181,32 +182,31 @@ def _is_within_reach(search: Search) -> bool:
 
 def _search(search: Search) -> tuple[PlannerAnswer | None, Candidate | None]:
     """Return the engine's answer for the whole task, or None if it was not asked, and the best plan, or None."""
-    task, answer, best = search.task, None, None
-    shortest = task.objective == "makespan"
-    if looks_for_fewest(task) and is_small(task):
-        answer, best = plan_at_once(search, task.planner)
-        if best is None or answer.fewest == "proven fewest":
-            return answer, best
-    if task.planner in _DECOMPOSING:
-        apart = plan_goals_apart(search, first_will_do=not shortest)
-        if apart is not None and looks_for_fewest(task):
-            apart = plan_goals_in_turn(search, apart)
-        if apart is not None and (best is None or len(apart.plan.actions) < len(best.plan.actions)):
-            best = apart
-    if best is None:
-        answer, best = plan_at_once(search, task.planner)
-    if best is not None and shortest:
-        best = _rebind(search, best)
+    task, answer = search.task, None
+    at_once = looks_for_fewest(task) and count_facts(task) <= MOST_AT_ONCE
+    best = None if at_once else _plan_apart(search)
+    engines = (task.planner, FIRST) if task.planner == SHORTENING else (task.planner,)
+    for engine in engines if best is None else ():
+        with search.stage("compiling"):
+            problem = search.compilation.problem
+        with search.limits_of_request() as limits:
+            answer = search.planner.solve(problem, engine, limits)
+        best = search.judge_actions(WHOLE, answer.actions) if answer.status == "solved" else None
+        if best is not None or answer.status != "solved":
+            break  # Otherwise, a condition fails in the predicted states, perhaps only in those of the shorter plan.
+    if at_once and answer is not None and best is not None and answer.fewest != "proven fewest":
+        best = min(filter(None, (best, _plan_apart(search))), key=lambda each: len(each.plan.actions))
+    if best is not None and task.objective == "makespan":
+        best = rebind(search, best)
     return answer, best
 
 
-def _rebind(search: Search, best: Candidate) -> Candidate:
-    """Return a shorter lawful plan with interchangeable tokens rebound, or the given plan if there is none."""
-    with search.stage("scheduling"):
-        shorter = rebind_tokens(search.compilation, best.plan, search.estimates, search.deadline)
-    if shorter is best.plan:
-        return best
-    return search.judge(Candidate(f"{best.way}, {REBOUND}", shorter)) or best
+def _plan_apart(search: Search) -> Candidate | None:
+    """Plan goals separately, and also in turn if the number of actions is minimised."""
+    if search.task.planner not in _DECOMPOSING:
+        return None
+    best = plan_goals_apart(search, first_will_do=search.task.objective != "makespan")
+    return plan_goals_in_turn(search, best) if best is not None and looks_for_fewest(search.task) else best
 
 
 def _plan_alternatives(alternatives: Sequence[Task], planner: Planner, deadline: Deadline) -> SearchResult:

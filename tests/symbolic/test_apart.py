@@ -23,10 +23,9 @@ from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess
 from hybrid_tamp.symbolic.engines.registry import FIRST
-from hybrid_tamp.symbolic.find_plan import find_plan
+from hybrid_tamp.symbolic.find_plan import WHOLE, find_plan
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.strategies.allocation import cheapest_matching
-from hybrid_tamp.symbolic.strategies.at_once import WHOLE
 from hybrid_tamp.symbolic.strategies.goals_apart import APART, plan_goals_apart
 from hybrid_tamp.symbolic.strategies.groups import goal_groups, helpers, least_helpers, most_helpers, own_task
 from hybrid_tamp.symbolic.strategies.in_turn import IN_TURN

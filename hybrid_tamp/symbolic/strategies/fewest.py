@@ -5,12 +5,13 @@ may make other facts true. So a proof also needs a problem in which every fact h
 (`whereabouts.relax`). If each plan of this problem has at least as many actions, so has each plan of the task.
 """
 
+from math import prod
+
 from hybrid_tamp.model.plan import Fewest
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
 from hybrid_tamp.symbolic.engines.registry import ENGINES, SHORTENING
-from hybrid_tamp.symbolic.strategies.at_once import WHOLE, count_facts
 from hybrid_tamp.symbolic.strategies.search import Candidate, Search
 from hybrid_tamp.symbolic.whereabouts.relax import relax_task
 from hybrid_tamp.symbolic.whereabouts.tracking import Tracking
@@ -22,6 +23,12 @@ MOST_FACTS = 200
 def looks_for_fewest(task: Task) -> bool:
     """Return whether the strategies look for plans with fewer actions."""
     return task.planner == SHORTENING and task.objective != "makespan"
+
+
+def count_facts(task: Task) -> int:
+    """Return the number of possible feasibility facts of a task, without relations over symbols."""
+    predicates = [each for each in task.domain.static_predicates if each.rows is None]
+    return sum(prod(len(task.values_of(each.sort)) for each in predicate.parameters) for predicate in predicates)
 
 
 def judge_fewest(search: Search, answer: PlannerAnswer | None, best: Candidate) -> Fewest:
@@ -37,7 +44,7 @@ def judge_fewest(search: Search, answer: PlannerAnswer | None, best: Candidate) 
     Raises:
         LimitReached: If a limit is reached.
     """
-    if answer is None or best.way != WHOLE:
+    if answer is None or answer.actions != tuple(best.plan.actions):
         return "no shorter one found" if looks_for_fewest(search.task) else "first found"
     if answer.fewest != "proven fewest" or _is_bound(search, answer):
         return answer.fewest

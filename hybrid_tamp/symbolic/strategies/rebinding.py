@@ -19,6 +19,9 @@ from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import Estimates
 from hybrid_tamp.symbolic.pddl.operators import rename_arguments
 from hybrid_tamp.symbolic.schedule import schedule_actions
+from hybrid_tamp.symbolic.strategies.search import Candidate, Search
+
+REBOUND = "interchangeable tokens rebound"
 
 MOST_ACTIONS = 150_000
 """Number of actions in all candidates together, after which the search ends. The work grows with this number."""
@@ -44,6 +47,19 @@ def interchangeable(task: Task) -> list[list[str]]:
             kind = (tuple(c.name for c in token.classes), tuple(sorted(token.properties.items())), token.shape)
             groups.setdefault(kind, []).append(token.name)
     return [group for group in groups.values() if len(group) > 1]
+
+
+def rebind(search: Search, best: Candidate) -> Candidate:
+    """Return a shorter lawful plan with interchangeable tokens rebound, or the given plan if there is none.
+
+    Raises:
+        LimitReached: If the deadline passes.
+    """
+    with search.stage("scheduling"):
+        shorter = rebind_tokens(search.compilation, best.plan, search.estimates, search.deadline)
+    if shorter is best.plan:
+        return best
+    return search.judge(Candidate(f"{best.way}, {REBOUND}", shorter)) or best
 
 
 def rebind_tokens(
