@@ -16,7 +16,7 @@ from hybrid_tamp.symbolic.strategies.search import Candidate, Search
 from hybrid_tamp.symbolic.whereabouts.relax import relax_task
 from hybrid_tamp.symbolic.whereabouts.tracking import Tracking
 
-MOST_FACTS = 200
+MOST_FACTS = 100
 """Largest number of possible facts for which the second problem is planned, unless the user chose an optimal engine."""
 
 
