@@ -75,7 +75,7 @@ def comparison(entries: Iterable[Json]) -> Iterable[tuple[str, str, str]]:
 
 def comparison_table(entries: Iterable[Json]) -> Table:
     """Return a table of the values with optimised hyperparameters and with the defaults, in the same physics."""
-    table = _table("Value of the plan, in the forward models and in physics", "", ">predicted", ">measured")
+    table = _table("Predicted and measured value", "hyperparameters", ">predicted", ">measured")
     for row in comparison(entries):
         table.add_row(*map(Text, row))
     return table

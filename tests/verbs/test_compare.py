@@ -55,7 +55,7 @@ def test_terminal_and_page_show_a_failed_run_of_the_defaults(command: Command, t
     done = command(*words, "--backend", "analytic", "--evaluations", "400")
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
-    shown = lines[next(i for i, line in enumerate(lines) if "in the forward models and in physics" in line) :]
+    shown = lines[next(i for i, line in enumerate(lines) if "Predicted and measured value" in line) :]
     (best,) = (line.split() for line in shown if line.startswith("optimised "))
     assert float(best[1]) == pytest.approx(float(best[2]), abs=1e-3)
     (defaults,) = (line for line in shown if line.startswith("defaults "))
