@@ -57,6 +57,8 @@ def _steadiness(hand: Token, thing: Token) -> float:
     """Return the friction minus the smallest friction with which a push at the height of the axis rolls the object."""
     ratio, friction, at_hand = _grip(hand, thing)
     turning = _turning(hand, thing)
+    if friction < _FRICTIONLESS:  # ROLLS states this reason, which is a law of physics.
+        return 0.0
     # With a large friction, the hand stops the rotation, however hard it pushes.
     return min(friction - ratio * (1.0 + at_hand) / (1.0 - at_hand), turning) if at_hand < 1.0 else turning
 
