@@ -44,7 +44,9 @@ def _grip(hand: Token, thing: Token) -> tuple[float, float, float]:
 
 
 def _least_friction(thing: Token) -> float:
-    return float(thing["friction"]) - _FRICTIONLESS
+    """Return the friction, or without friction the negative of the friction that the rolling resistance needs."""
+    ratio = float(thing["rolling_friction"] / thing["radius_of_rotation"])
+    return float(thing["friction"]) if thing["friction"] >= _FRICTIONLESS else -max(ratio, _FRICTIONLESS)
 
 
 def _turning(hand: Token, thing: Token) -> float:
