@@ -88,6 +88,11 @@ def depth_in_region(state: State, thing: Token, region: Token) -> FloatArray:
     return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
 
 
+def _distance(state: State, thing: Token, region: Token) -> FloatArray:
+    """Return the horizontal distance ``(...)`` [m] between the centres of an object and a region."""
+    return np.asarray(region["radius"] - depth_in_region(state, thing, region))
+
+
 def _disc(state: State, thing: Token, region: Token) -> Disc:
     """Return the disc of an object's centre above a region. Blocks that bring objects to regions keep the height."""
     x, y, _ = (float(part) for part in state[region, "position"])
@@ -110,6 +115,7 @@ def inside(movable: type[ObjectClass]) -> Predicate:
         kind=Kind.FUNCTIONAL,
         value_of="region",
         confines=_disc,
+        distance=_distance,
         description="{object} is inside {region}",
         denial="{object} is not inside {region}",
     )

@@ -11,7 +11,7 @@ from ..common.vectors import depth_in_workspace, dot, largest_depth
 from .classes import Tumblable
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, POSTURES, TIPS_HOLD
 from .sliding import HAND_FRICTION
-from .standing import SLENDERNESS, standing
+from .standing import FLAT_TOLERANCE, SLENDERNESS, standing
 from .tumbling_geometry import (
     GRIP,
     hand_axis,
@@ -115,6 +115,7 @@ POSTURE = Predicate(
     "posture",
     (_OBJECT, _POSTURE),
     standing,
+    distance=lambda state, thing, posture: FLAT_TOLERANCE - standing(state, thing, posture),
     unit="rad",
     scale=0.02,
     reads={"object": POSE},

@@ -179,7 +179,9 @@ def _lacking(conditions: Iterable[Condition], reserves: Reserves) -> FloatArray:
 
 
 def find_last_measured(task: Task, plan: TaskPlan) -> str | None:
-    """Return the name of the last instance with a performance measure."""
+    """Return the name of the last instance with a performance measure, or None if the value depends on the end."""
+    if task.midlevel.objective == "distance":
+        return None
     measured = [i for i in plan.instances if task.domain.block_by_name[i.block].performance]
     return max(measured, key=lambda i: (i.end, i.name)).name if measured else None
 

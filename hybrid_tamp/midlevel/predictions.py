@@ -96,7 +96,12 @@ class Rollout:
         return next((c for c in self.conditions if not c.margin[candidate] >= 0), None)
 
     def value_of(self, task: Task, instance: BlockInstance) -> FloatArray:
-        """Return the weighted sum of the performance measures of one instance. Shape ``(n,)``."""
+        """Return the weighted sum of the performance measures of one instance. Shape ``(n,)``.
+
+        If the objective is the distance to the goal, the value is 0, because no instance has a distance of its own.
+        """
+        if task.midlevel.objective == "distance":
+            return np.zeros(len(self.value))
         measures = task.domain.block_by_name[instance.block].performance
         terms = [m.weight * self.figures[instance.name, m.name] / m.scale for m in measures]
         return np.asarray(np.sum(terms, axis=0) + np.zeros(len(self.value)))

@@ -48,11 +48,12 @@ def refine(
     """
     began, last = time.monotonic(), find_last_measured(task, plan)
     objective = Objective(task, plan, roll_out or Rollouts(task, plan, deadline))
-    if last is None or not objective.space.varying:
+    valued = last is not None or task.midlevel.objective == "distance"
+    if not valued or not objective.space.varying:
         defaults = Candidates.of(objective, objective.space.default)
         if not objective.space.varying or defaults.violation == 0:
             return summarise_defaults(objective, defaults, began)
-    if last is None:
+    if not valued:
         objective = replace(objective, reserves={})  # Without a value to maximise, reserves have no use.
     tell = progress or (lambda share, best: None)
     rng = np.random.default_rng(task.seed)

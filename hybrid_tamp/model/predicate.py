@@ -60,8 +60,7 @@ class Predicate:
         reads: maps each parameter to the varying properties that the margin reads from the parameter's token.
         kind: kind of the predicate.
         value_of: name of the parameter that has at most one value. None unless the predicate is functional.
-        rows: tuples of symbols for which the predicate holds, if the predicate is a relation (see `relation`), in the
-            order of the sorts. None for other predicates.
+        rows: tuples of symbols for which a relation holds (see `relation`), in the order of the sorts. Otherwise None.
         by_name: whether the margin or the rows depend on names of tokens, not only on properties and states.
         share: function ``share(state, *values)`` for a load that several tokens bear together. The function returns a
             pair of (load, capacity) for the first token [unit]. None for other predicates.
@@ -71,6 +70,7 @@ class Predicate:
         bound: function ``bound(state, radius, *values)`` that returns an upper bound of the margin over all horizontal
             displacements of the tokens by at most `radius` [m], which can be infinite.
         confines: function ``confines(state, *values)`` that returns the `Disc` of the first value's centre.
+        distance: function ``distance(state, *values)`` that returns the distance from the desired state [unit], >= 0.
         description: sentence with parameters in braces, e.g. ``"{object} is within {region}"``.
         denial: sentence for a predicate that does not hold, e.g. ``"{object} is not within {region}"``.
 
@@ -96,6 +96,7 @@ class Predicate:
     at_start: bool = False
     bound: Callable[..., FloatArray] | None = None
     confines: Callable[..., Disc] | None = None
+    distance: Callable[..., FloatArray] | None = None
 
     def __post_init__(self) -> None:
         faults = list(self._faults())
@@ -118,8 +119,7 @@ class Predicate:
             DomainError: if a row does not have one symbol of each parameter's sort.
         """
         ordered = order_rows(rows, list(map(_symbols, parameters)))
-        margin = Membership(frozenset(ordered))
-        return cls(name, parameters, margin, kind=Kind.STATIC, rows=ordered, **told)
+        return cls(name, parameters, Membership(frozenset(ordered)), kind=Kind.STATIC, rows=ordered, **told)
 
     def _faults(self) -> Iterator[Issue]:
         names = tuple(parameter.name for parameter in self.parameters)

@@ -61,6 +61,8 @@ class MidLevel:
         optimiser: ``cma`` (CMA-ES) or ``grid`` (direct sampling on a grid, as in the paper).
         evaluations: largest number of rollouts.
         refine: ``physics`` for further optimisation in the physics backend, or ``none``.
+        objective: what the search maximises among the candidates that satisfy all conditions: the weighted sum of the
+            performance measures (``performance``), or minus the distance between final state and goal (``distance``).
         weights: maps ``BLOCK.measure`` to the measure's weight. The blocks of the task already have these weights.
         hyperparameters: maps ``BLOCK.name`` to a value or to narrower bounds. The blocks already have these settings.
     """
@@ -68,6 +70,7 @@ class MidLevel:
     optimiser: str = "cma"
     evaluations: int = 2000
     refine: str = "none"
+    objective: str = "performance"
     weights: Mapping[str, float] = field(default_factory=dict)
     hyperparameters: Mapping[str, float | Range] = field(default_factory=dict)
 

@@ -17,7 +17,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
 from hybrid_tamp.symbolic.engines.registry import FIRST, SHORTENING
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
-from hybrid_tamp.symbolic.strategies.fewest import count_facts, judge_fewest, looks_for_fewest
+from hybrid_tamp.symbolic.strategies.fewest import count_facts, judge_fewest, wants_fewest
 from hybrid_tamp.symbolic.strategies.goals_apart import plan_goals_apart
 from hybrid_tamp.symbolic.strategies.in_turn import plan_goals_in_turn
 from hybrid_tamp.symbolic.strategies.rebinding import rebind
@@ -166,7 +166,7 @@ def _plan(search: Search, relax: bool) -> SearchResult:
         best, stopped = search.best, reached
     if best is not None:
         answer = PlannerAnswer("solved", best.plan.actions, search.elapsed, task.planner, validated=True)
-        refused = bool(search.broken) and looks_for_fewest(task)
+        refused = bool(search.broken) and wants_fewest(task)
         return SearchResult(answer, best.plan, "", best.way, dict(search.stages), original, stopped, fewest, refused)
     assert answer is not None, "the engine was not asked for a plan of the whole task"
     refusal = search.refusals[-1] if search.refusals and answer.status == "solved" else ""
@@ -183,7 +183,7 @@ def _is_within_reach(search: Search) -> bool:
 def _search(search: Search) -> tuple[PlannerAnswer | None, Candidate | None]:
     """Return the engine's answer for the whole task, or None if it was not asked, and the best plan, or None."""
     task, answer = search.task, None
-    at_once = looks_for_fewest(task) and count_facts(task) <= MOST_AT_ONCE
+    at_once = wants_fewest(task) and count_facts(task) <= MOST_AT_ONCE
     best = None if at_once else _plan_apart(search)
     engines = (task.planner, FIRST) if task.planner == SHORTENING else (task.planner,)
     for engine in engines if best is None else ():
@@ -206,7 +206,7 @@ def _plan_apart(search: Search) -> Candidate | None:
     if search.task.planner not in _DECOMPOSING:
         return None
     best = plan_goals_apart(search, first_will_do=search.task.objective != "makespan")
-    return plan_goals_in_turn(search, best) if best is not None and looks_for_fewest(search.task) else best
+    return plan_goals_in_turn(search, best) if best is not None and wants_fewest(search.task) else best
 
 
 def _plan_alternatives(alternatives: Sequence[Task], planner: Planner, deadline: Deadline) -> SearchResult:

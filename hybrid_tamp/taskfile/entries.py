@@ -112,6 +112,11 @@ class MidLevelEntry(_Entry):
     refine: Literal["none", "physics"] = Field(
         default="none", description="physics: continue the optimisation in the physics backend"
     )
+    objective: Literal["performance", "distance"] = Field(
+        default="performance",
+        description="quantity to optimise if all conditions hold: the weighted performance measures, or the distance "
+        "between the final state and the goal",
+    )
     weights: dict[str, Number] = Field(
         default_factory=dict,
         description="maps each BLOCK.measure to its weight in the value of a plan; costs have negative weights",

@@ -20,7 +20,7 @@ MOST_FACTS = 100
 """Largest number of possible facts for which the second problem is planned, unless the user chose an optimal engine."""
 
 
-def looks_for_fewest(task: Task) -> bool:
+def wants_fewest(task: Task) -> bool:
     """Return whether the strategies look for plans with fewer actions."""
     return task.planner == SHORTENING and task.objective != "makespan"
 
@@ -45,7 +45,7 @@ def judge_fewest(search: Search, answer: PlannerAnswer | None, best: Candidate) 
         LimitReached: If a limit is reached.
     """
     if answer is None or answer.actions != tuple(best.plan.actions):
-        return "no shorter one found" if looks_for_fewest(search.task) else "first found"
+        return "no shorter one found" if wants_fewest(search.task) else "first found"
     if answer.fewest != "proven fewest" or _is_bound(search, answer):
         return answer.fewest
     return "no shorter one found"
