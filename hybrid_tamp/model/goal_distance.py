@@ -29,7 +29,7 @@ def _distance(task: Task, atom: Atom, state: State) -> FloatArray:
     """
     if ANY in atom.arguments:
         choices = [_distance(task, each, state) for each in task.groundings(atom)]
-        return np.min(choices, axis=0) if atom.positive else np.max(choices, axis=0)
+        return np.asarray(np.min(choices, axis=0) if atom.positive else np.max(choices, axis=0))
     predicate = task.domain.predicate_by_name[atom.predicate]
     if predicate.distance is None or not atom.positive:
         margin = Literal(predicate, atom.arguments, atom.positive).margin(state, task.token_by_name)
